@@ -1,0 +1,2 @@
+//! The command `erard`.
+fn main() {}
