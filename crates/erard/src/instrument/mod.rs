@@ -1,0 +1,239 @@
+//! The instrument: what a piano action *is*, in SI units, checked, and without a trace of the file it came from.
+//!
+//! World frame at rest: x toward the back of the piano, y up, angles counter-clockwise; metres, kilograms, seconds,
+//! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is given
+//! in that frame, all geometry on the ground in the world frame.
+
+/// A point or direction in a plane, `[x, y]`, metres (or dimensionless for directions).
+pub type Vec2 = [f64; 2];
+
+/// A whole instrument, validated: every index is in range, every number finite, every mass and inertia positive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instrument {
+    /// Name shown in summaries, e.g. `Concert grand, C4`.
+    pub name: String,
+    /// Gravity, m/s2, pointing toward -y.
+    pub gravity_m_s2: f64,
+    /// Bodies; a parent always precedes its children.
+    pub bodies: Vec<Body>,
+    /// Torsion springs between a body and what it is hinged on.
+    pub springs: Vec<Spring>,
+    /// Contact zones.
+    pub zones: Vec<Zone>,
+    /// What the parts of the mechanism are for; what is `None` is not there.
+    pub roles: Roles,
+    /// The fingertip.
+    pub finger: Finger,
+    /// The regulating screws (already applied to `zones` and `springs`).
+    pub screws: Vec<Screw>,
+    /// Outlines for drawing only; they take no part in the mechanics.
+    pub parts: Vec<Part>,
+}
+
+/// One hinged rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Identifier, e.g. `whippen`; the stem of the run's columns.
+    pub name: String,
+    /// Index of the body it is hinged on; `None` is the ground.
+    pub parent: Option<usize>,
+    /// Pivot in the parent's frame (the world frame for the ground), m.
+    pub pivot_m: Vec2,
+    /// Angle of the body's frame against the world as drawn, rad: the starting guess for the equilibrium.
+    pub angle_rad: f64,
+    /// Mass, kg (may be zero for a body whose weight is given by its spring's constant torque).
+    pub mass_kg: f64,
+    /// Moment of inertia about its own pivot, kg m2.
+    pub inertia_kg_m2: f64,
+    /// Centre of mass in the body's frame, m.
+    pub center_of_mass_m: Vec2,
+    /// Dry friction torque of the pivot, N m.
+    pub friction_torque_n_m: f64,
+    /// Viscous friction of the pivot, N m s/rad.
+    pub viscous_n_m_s: f64,
+}
+
+/// A torsion spring at the pivot of `body`: torque on the body `torque - stiffness (relative angle - as drawn)`,
+/// counter-clockwise positive, and its opposite on what the body is hinged on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spring {
+    /// Identifier.
+    pub name: String,
+    /// The hinged body (child) it acts on.
+    pub body: usize,
+    /// Torque as drawn, N m, counter-clockwise positive on `body`.
+    pub torque_n_m: f64,
+    /// Stiffness, N m/rad.
+    pub stiffness_n_m_per_rad: f64,
+}
+
+/// A felt between two curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Zone {
+    /// Identifier, e.g. `let_off_button`; the stem of the run's columns.
+    pub name: String,
+    /// A line for people, e.g. `jack toe - let-off button`.
+    pub label: String,
+    /// Side A: always a disc (radius 0 is a point). `None` is the ground.
+    pub disc_body: Option<usize>,
+    /// Disc centre in its body's frame, m.
+    pub disc_center_m: Vec2,
+    /// Disc radius, m.
+    pub disc_radius_m: f64,
+    /// Side B's body; `None` is the ground.
+    pub curve_body: Option<usize>,
+    /// Side B's curve in its body's frame.
+    pub curve: Curve,
+    /// Felt law.
+    pub felt: Felt,
+    /// Coulomb friction coefficient; 0 is none.
+    pub friction_coefficient: f64,
+}
+
+/// The other side of a zone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Curve {
+    /// Half plane: the wood lies below, the unit `normal` points out of it.
+    Line {
+        /// A point of the line, m.
+        point_m: Vec2,
+        /// Outward unit normal.
+        normal: Vec2,
+    },
+    /// A segment with round edges (a stadium of the given radius about the core segment): it ends, so that a disc can slip off.
+    Segment {
+        /// One end of the core, m.
+        from_m: Vec2,
+        /// The other end of the core, m.
+        to_m: Vec2,
+        /// Rounding radius, m.
+        rounding_m: f64,
+    },
+    /// A disc.
+    Disc {
+        /// Centre, m.
+        center_m: Vec2,
+        /// Radius, m.
+        radius_m: f64,
+    },
+}
+
+/// F = k g^r + b g^2 dg/dt, never pulling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Felt {
+    /// k, N/m^r.
+    pub stiffness: f64,
+    /// r, at least 1.
+    pub exponent: f64,
+    /// b, N s/m3.
+    pub damping: f64,
+}
+
+/// Who is who in the mechanism. Indices into [`Instrument::bodies`] and [`Instrument::zones`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Roles {
+    /// The body that the finger presses.
+    pub key: Option<usize>,
+    /// Where the finger presses, in the key's frame, m.
+    pub key_front_m: Vec2,
+    /// The body whose speed is the result.
+    pub hammer: Option<usize>,
+    /// The strike point, in the hammer's frame, m.
+    pub hammer_head_m: Vec2,
+    /// Key front punching: key bottom.
+    pub key_bottom: Option<usize>,
+    /// Hammer - string.
+    pub string: Option<usize>,
+    /// Jack toe - let-off button.
+    pub let_off: Option<usize>,
+    /// Zones that push the hammer up (jack - knuckle, lever - knuckle).
+    pub knuckle: Vec<usize>,
+    /// Hammer tail - back check.
+    pub check: Option<usize>,
+    /// One-degree-of-freedom model: the zones that tie the other bodies to the key at rest.
+    pub transmits: Vec<usize>,
+    /// One-degree-of-freedom model: the key's own stops.
+    pub stops: Vec<usize>,
+}
+
+/// The fingertip between the driver and the key: a spring and a damper in parallel that can only push.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finger {
+    /// N/m.
+    pub stiffness_n_per_m: f64,
+    /// N s/m.
+    pub damping_n_s_per_m: f64,
+}
+
+/// A regulating screw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Screw {
+    /// Identifier, e.g. `capstan_height`.
+    pub name: String,
+    /// What it turns.
+    pub action: ScrewAction,
+    /// How far it is turned from the drawn geometry, in the action's own unit (m or N m).
+    pub setting: f64,
+}
+
+/// What a screw moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ScrewAction {
+    /// Moves one side of a zone by `setting` metres along a unit direction in the frame of that side's body.
+    Disc {
+        /// Zone.
+        zone: usize,
+        /// Unit direction of a positive setting.
+        direction: Vec2,
+    },
+    /// As [`ScrewAction::Disc`] for side B's curve.
+    Curve {
+        /// Zone.
+        zone: usize,
+        /// Unit direction of a positive setting.
+        direction: Vec2,
+    },
+    /// Adds `setting` N m, times the sign of the spring's own torque, to a spring's torque.
+    Spring {
+        /// Spring.
+        spring: usize,
+    },
+}
+
+/// A piece of wood, felt, leather or metal, for drawings only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// What it is, e.g. `hammer head`.
+    pub name: String,
+    /// The body that carries it; `None` is the ground.
+    pub body: Option<usize>,
+    /// What it is made of (decides its colour).
+    pub material: Material,
+    /// Closed polygon in the body's frame, m.
+    pub outline_m: Vec<Vec2>,
+    /// Whether the polygon's corners are rounded off into a smooth curve when drawn.
+    pub smooth: bool,
+}
+
+/// Materials that a part can be made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Material {
+    /// Key sticks, whippens, shanks, mouldings.
+    Wood,
+    /// Rails and other wood that does not move.
+    DarkWood,
+    /// Felt.
+    Felt,
+    /// Bushing and rail cloth.
+    Cloth,
+    /// Leather: knuckle, back check.
+    Leather,
+    /// Capstans, screws, wires, brackets.
+    Metal,
+    /// Leads in the key.
+    Lead,
+    /// Key tops.
+    Ivory,
+    /// The string.
+    String,
+}

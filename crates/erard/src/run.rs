@@ -1,0 +1,67 @@
+//! What one simulated key press leaves behind: the series, the events and the ledger.
+
+/// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Instrument name.
+    pub instrument: String,
+    /// Time of each row, s.
+    pub time_s: Vec<f64>,
+    /// Finger force on the key, N, pushing positive.
+    pub force_n: Vec<f64>,
+    /// Travel of the key front from its rest, m, down positive.
+    pub key_m: Vec<f64>,
+    /// Rise of the hammer's strike point from its rest, m, up positive; empty when the model has no hammer.
+    pub hammer_head_m: Vec<f64>,
+    /// One series per body.
+    pub bodies: Vec<BodySeries>,
+    /// One series per zone.
+    pub zones: Vec<ZoneSeries>,
+    /// Instants.
+    pub events: Events,
+}
+
+/// One body's motion.
+#[derive(Debug, Clone, Default)]
+pub struct BodySeries {
+    /// Body name.
+    pub name: String,
+    /// Absolute angle of the body's frame, rad, counter-clockwise.
+    pub angle_rad: Vec<f64>,
+    /// Absolute angular velocity, rad/s.
+    pub rate_rad_per_s: Vec<f64>,
+}
+
+/// One zone's forces.
+#[derive(Debug, Clone, Default)]
+pub struct ZoneSeries {
+    /// Zone name.
+    pub name: String,
+    /// Human label.
+    pub label: String,
+    /// Normal force, N, never negative.
+    pub normal_n: Vec<f64>,
+    /// Coulomb force on side A along the tangent (normal turned clockwise by 90 degrees), N; empty where the zone has no friction.
+    pub tangential_n: Vec<f64>,
+    /// Contact point in the world and the outward unit normal of side B, `[x, y, nx, ny]`, m; valid where `normal_n > 0`.
+    pub contact: Vec<[f32; 4]>,
+}
+
+/// Instants and speeds of one press; `None` where it did not happen. Seconds from the stroke's start.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Events {
+    /// The key front leaves its rest.
+    pub key_start_s: Option<f64>,
+    /// The jack's toe meets the let-off button.
+    pub toe_contact_s: Option<f64>,
+    /// The knuckle is pushed for the last time before the string.
+    pub let_off_s: Option<f64>,
+    /// The hammer meets the string.
+    pub hammer_contact_s: Option<f64>,
+    /// Speed of the strike point at that instant, m/s.
+    pub hammer_speed_m_s: Option<f64>,
+    /// The key meets its front punching.
+    pub key_bottom_s: Option<f64>,
+    /// The tail meets the back check after the blow.
+    pub check_s: Option<f64>,
+}
