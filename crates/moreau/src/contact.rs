@@ -66,9 +66,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
         }
         self.normal = normal;
         self.point = sub(center, scale(normal, distance));
-        self.row = [T::ZERO; B];
-        pose.add_velocity_row(model, zone.disc_body, center, normal, -T::ONE, &mut self.row);
-        pose.add_velocity_row(model, zone.curve_body, center, normal, T::ONE, &mut self.row);
+        self.row = gap_row(model, zone, pose, center, normal);
         self.rate = T::ZERO;
         for (r, w) in self.row.iter().zip(v) {
             self.rate += *r * *w;
@@ -185,6 +183,32 @@ pub(crate) fn felt_energy<T: Real>(felt: &Felt<T>, gap: T) -> T {
 pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>) -> T {
     let (distance, _) = distance_to_curve(zone, pose, pose.point(zone.disc_body, zone.center));
     zone.radius - distance
+}
+
+/// The row G of a zone at a pose: dg/dt = G v.
+pub(crate) fn gap_row_of<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    zone: &Zone<T>,
+    pose: &Pose<T, B>,
+) -> [T; B] {
+    let center = pose.point(zone.disc_body, zone.center);
+    let (_, normal) = distance_to_curve(zone, pose, center);
+    gap_row(model, zone, pose, center, normal)
+}
+
+/// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
+#[inline(always)]
+fn gap_row<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    zone: &Zone<T>,
+    pose: &Pose<T, B>,
+    center: Vector<T>,
+    normal: Vector<T>,
+) -> [T; B] {
+    let mut row = [T::ZERO; B];
+    pose.add_velocity_row(model, zone.disc_body, center, normal, -T::ONE, &mut row);
+    pose.add_velocity_row(model, zone.curve_body, center, normal, T::ONE, &mut row);
+    row
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ impl Energies {
 pub struct Ledger {
     /// Stored energy at the start.
     pub start: Energies,
-    /// Stored energy now.
+    /// Stored energy when stock was last taken.
     pub now: Energies,
     /// Work of the drive, signed.
     pub drive_work: f64,
@@ -156,7 +156,15 @@ impl Ledger {
             }
         }
         self.smallest_term = smallest;
-        self.now = Energies::of(model, after);
+    }
+
+    /// Takes stock of what is stored at a state; the residual refers to the last stock-taking.
+    pub fn take_stock<T: Scalar, const B: usize, const Z: usize>(
+        &mut self,
+        model: &Model<T, B, Z>,
+        state: &State<T, B, Z>,
+    ) {
+        self.now = Energies::of(model, state);
     }
 
     /// Everything lost.

@@ -1,5 +1,6 @@
 //! Where every body is: the kinematic tree, evaluated once per Newton iteration.
 
+use crate::contact::{gap_of, gap_row_of};
 use crate::model::{GROUND, Model};
 use crate::real::sin_cos;
 use crate::vector::{Vector, add, cross};
@@ -107,6 +108,16 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         let x = self.point(body, point);
         self.add_velocity_row(model, body, x, n, T::ONE, &mut row);
         row
+    }
+
+    /// Compression of a zone at this pose, m; negative apart.
+    pub fn gap<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
+        gap_of(&model.zones[zone], self)
+    }
+
+    /// The row G of a zone at this pose: dg/dt = G v, whether the zone touches or not.
+    pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
+        gap_row_of(model, &model.zones[zone], self)
     }
 }
 

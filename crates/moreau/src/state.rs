@@ -3,7 +3,7 @@
 use crate::contact::Contact;
 use crate::osnsp::OneStepProblem;
 use crate::pose::Pose;
-use crate::vector::{Vector, dot};
+use crate::vector::dot;
 use crate::{Model, Real, Scalar};
 
 /// Where a mechanism is: everything that the next step depends on.
@@ -114,15 +114,5 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
     /// World coordinate of the driven point along the site's direction, m; zero without a site.
     pub fn site_position(&self, angle: &[T; B]) -> T {
         self.site.as_ref().map_or(T::ZERO, |s| dot(s.direction, Pose::of(self, angle).point(s.body, s.point)))
-    }
-
-    /// A point of a body (or of the ground) in the world.
-    pub fn world_point(&self, angle: &[T; B], body: usize, point: Vector<T>) -> Vector<T> {
-        Pose::of(self, angle).point(body, point)
-    }
-
-    /// Compression of a zone, m; negative apart.
-    pub fn gap(&self, angle: &[T; B], zone: usize) -> T {
-        crate::contact::gap_of(&self.zones[zone], &Pose::of(self, angle))
     }
 }

@@ -1,6 +1,6 @@
 //! A mass of 10 g thrown at a felt at 1 m/s.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Ledger, Model, Settings, Zone};
+use moreau::{Body, Curve, Exponent, Felt, GROUND, Ledger, Model, Pose, Settings, Zone};
 
 use crate::mechanism::{Mechanism, order};
 
@@ -36,12 +36,12 @@ fn throw(k: f64, r: f64, b: f64, h: f64) -> Throw {
     let mut ledger = Ledger::open(&m.model, &m.state);
     let mut compression: f64 = 0.0;
     let (mut touch, mut part) = (None, None);
-    let mut gap = m.model.gap(&m.state.angle, 0);
+    let mut gap = Pose::of(&m.model, &m.state.angle).gap(&m.model, 0);
     for _ in 0..(6e-3 / h) as usize {
         let before = m.state.clone();
         m.step();
         ledger.record(&m.model, &m.settings, &before, &m.state, &m.scratch);
-        let next = m.model.gap(&m.state.angle, 0);
+        let next = Pose::of(&m.model, &m.state.angle).gap(&m.model, 0);
         // Instants by linear interpolation of the gap; largest compression by the parabola through its velocity's zero.
         if gap <= 0.0 && next > 0.0 {
             touch = Some(m.time - h * next / (next - gap));
@@ -55,6 +55,7 @@ fn throw(k: f64, r: f64, b: f64, h: f64) -> Throw {
         }
         gap = next;
     }
+    ledger.take_stock(&m.model, &m.state);
     Throw {
         compression,
         contact_time: part.unwrap() - touch.unwrap(),
