@@ -4,8 +4,8 @@
 //! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is given
 //! in that frame, all geometry on the ground in the world frame.
 //!
-//! [`format`] is the file as written, [`file`] reads it, [`convert`] checks it and turns it into the types below,
-//! [`provenance`] keeps where every number comes from, and [`regulation`] turns the screws.
+//! `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
+//! `provenance` keeps where every number comes from, and `regulation` turns the screws.
 
 mod convert;
 mod error;
