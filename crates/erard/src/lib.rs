@@ -10,4 +10,5 @@ pub mod mechanism;
 pub mod one_dof;
 mod recorder;
 pub mod run;
+pub mod simulation;
 pub mod stroke;

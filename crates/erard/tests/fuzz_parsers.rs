@@ -87,10 +87,7 @@ fn damaged(good: &str, chance: &mut Chance) -> Vec<u8> {
                 // A whole token: from here to the next separator.
                 let separator = |byte: &u8| b" \n,=[]{}\"".contains(byte);
                 let start = bytes[..at].iter().rposition(separator).map_or(0, |i| i + 1);
-                let end = bytes[at..]
-                    .iter()
-                    .position(separator)
-                    .map_or(bytes.len(), |i| at + i);
+                let end = bytes[at..].iter().position(separator).map_or(bytes.len(), |i| at + i);
                 let token = if chance.below(2) == 0 {
                     chance.pick(&NASTY).as_bytes().to_vec()
                 } else {
@@ -100,10 +97,7 @@ fn damaged(good: &str, chance: &mut Chance) -> Vec<u8> {
                 bytes.splice(start..end.max(start), token);
             }
             _ => {
-                let mut lines: Vec<Vec<u8>> = bytes
-                    .split(|&byte| byte == b'\n')
-                    .map(<[u8]>::to_vec)
-                    .collect();
+                let mut lines: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\n').map(<[u8]>::to_vec).collect();
                 let (a, b) = (chance.below(lines.len()), chance.below(lines.len()));
                 match chance.below(3) {
                     0 => lines.swap(a, b),
@@ -122,30 +116,15 @@ fn assert_sound(instrument: &Instrument) {
     let finite = |numbers: &[f64]| assert!(numbers.iter().all(|x| x.is_finite()), "{instrument:?}");
     let bodies = instrument.bodies.len();
     assert!((1..=12).contains(&bodies) && instrument.zones.len() <= 32);
-    finite(&[
-        instrument.gravity_m_s2,
-        instrument.finger.stiffness_n_per_m,
-        instrument.finger.damping_n_s_per_m,
-    ]);
+    finite(&[instrument.gravity_m_s2, instrument.finger.stiffness_n_per_m, instrument.finger.damping_n_s_per_m]);
     for (index, body) in instrument.bodies.iter().enumerate() {
         assert!(body.parent.is_none_or(|parent| parent < index));
-        assert!(
-            instrument.bodies[..index]
-                .iter()
-                .all(|other| other.name != body.name)
-        );
+        assert!(instrument.bodies[..index].iter().all(|other| other.name != body.name));
         finite(&[body.angle_rad, body.friction_torque_n_m, body.viscous_n_m_s]);
         finite(&body.pivot_m);
         let [x, y] = body.center_of_mass_m;
-        assert!(
-            body.mass_kg > 0.0
-                && body.inertia_kg_m2 >= body.mass_kg * (x * x + y * y) * (1.0 - 1e-8)
-        );
-        assert!(
-            body.inertia_kg_m2.is_finite()
-                && body.friction_torque_n_m >= 0.0
-                && body.viscous_n_m_s >= 0.0
-        );
+        assert!(body.mass_kg > 0.0 && body.inertia_kg_m2 >= body.mass_kg * (x * x + y * y) * (1.0 - 1e-8));
+        assert!(body.inertia_kg_m2.is_finite() && body.friction_torque_n_m >= 0.0 && body.viscous_n_m_s >= 0.0);
     }
     for spring in &instrument.springs {
         assert!(spring.body < bodies && spring.stiffness_n_m_per_rad >= 0.0);
@@ -153,31 +132,17 @@ fn assert_sound(instrument: &Instrument) {
     }
     for zone in &instrument.zones {
         assert!(zone.disc_body != zone.curve_body);
-        assert!(
-            zone.disc_body.is_none_or(|body| body < bodies)
-                && zone.curve_body.is_none_or(|body| body < bodies)
-        );
+        assert!(zone.disc_body.is_none_or(|body| body < bodies) && zone.curve_body.is_none_or(|body| body < bodies));
         finite(&zone.disc_center_m);
-        finite(&[
-            zone.felt.stiffness,
-            zone.felt.exponent,
-            zone.felt.damping,
-            zone.friction_coefficient,
-        ]);
+        finite(&[zone.felt.stiffness, zone.felt.exponent, zone.felt.damping, zone.friction_coefficient]);
         assert!(zone.disc_radius_m >= 0.0 && zone.friction_coefficient >= 0.0);
-        assert!(
-            zone.felt.stiffness >= 0.0 && zone.felt.damping >= 0.0 && zone.felt.exponent >= 1.0
-        );
+        assert!(zone.felt.stiffness >= 0.0 && zone.felt.damping >= 0.0 && zone.felt.exponent >= 1.0);
         match zone.curve {
             Curve::Line { point_m, normal } => {
                 finite(&point_m);
                 assert!((normal[0].hypot(normal[1]) - 1.0).abs() < 1e-12);
             }
-            Curve::Segment {
-                from_m,
-                to_m,
-                rounding_m,
-            } => {
+            Curve::Segment { from_m, to_m, rounding_m } => {
                 finite(&[from_m, to_m].concat());
                 assert!(from_m != to_m && rounding_m >= 0.0);
             }
@@ -188,11 +153,7 @@ fn assert_sound(instrument: &Instrument) {
         }
     }
     let roles = &instrument.roles;
-    assert!(
-        roles
-            .key
-            .is_none_or(|body| body < bodies && instrument.finger.stiffness_n_per_m > 0.0)
-    );
+    assert!(roles.key.is_none_or(|body| body < bodies && instrument.finger.stiffness_n_per_m > 0.0));
     assert!(roles.hammer.is_none_or(|body| body < bodies));
     let single = [roles.key_bottom, roles.string, roles.let_off, roles.check];
     let many = [&roles.knuckle, &roles.transmits, &roles.stops];
@@ -203,49 +164,31 @@ fn assert_sound(instrument: &Instrument) {
     for index in 0..instrument.screws.len() {
         let _ = turned.turn(index, 1e-4);
     }
-    assert!(
-        instrument
-            .parts
-            .iter()
-            .all(|part| part.outline_m.len() >= 3)
-    );
+    assert!(instrument.parts.iter().all(|part| part.outline_m.len() >= 3));
 }
 
 fn assert_helpful(error: &FileError) {
-    assert!(
-        error.text.get(error.span.clone()).is_some(),
-        "the span cuts a character: {error:?}"
-    );
+    assert!(error.text.get(error.span.clone()).is_some(), "the span cuts a character: {error:?}");
     assert!(error.line <= error.text.split('\n').count());
     assert!((error.line == 0) == (error.column == 0));
-    assert!(
-        !error.message.is_empty() && !error.to_string().contains('\n'),
-        "{error}"
-    );
+    assert!(!error.message.is_empty() && !error.to_string().contains('\n'), "{error}");
 }
 
 /// Returns how many of the mutants read.
 fn damage_instrument(good: &str, mutants: usize, seed: u64) -> usize {
     let mut chance = Chance(seed);
     (0..mutants)
-        .filter(
-            |_| match InstrumentFile::parse_bytes(&damaged(good, &mut chance), "mutant.toml") {
-                Ok(file) => {
-                    assert_sound(&file.instrument);
-                    assert!(
-                        file.provenance
-                            .numbers
-                            .iter()
-                            .all(|number| !number.key.is_empty() && number.line > 0)
-                    );
-                    true
-                }
-                Err(error) => {
-                    assert_helpful(&error);
-                    false
-                }
-            },
-        )
+        .filter(|_| match InstrumentFile::parse_bytes(&damaged(good, &mut chance), "mutant.toml") {
+            Ok(file) => {
+                assert_sound(&file.instrument);
+                assert!(file.provenance.numbers.iter().all(|number| !number.key.is_empty() && number.line > 0));
+                true
+            }
+            Err(error) => {
+                assert_helpful(&error);
+                false
+            }
+        })
         .count()
 }
 
@@ -294,20 +237,12 @@ fn assert_stroke_sound(series: &Series) {
         if let Some(position) = &series.position {
             let (y, v, a) = position.at(t, &mut cursor);
             assert!(y.is_finite() && v.is_finite() && a.is_finite());
-            assert!(
-                position
-                    .positions_m()
-                    .iter()
-                    .all(|y| y.abs() <= MAX_POSITION_M)
-            );
+            assert!(position.positions_m().iter().all(|y| y.abs() <= MAX_POSITION_M));
         }
     }
 }
 
 fn assert_stroke_error_helpful(error: &StrokeError, bytes: &[u8]) {
     assert!(error.line <= bytes.split(|&byte| byte == b'\n').count() as u64);
-    assert!(
-        !error.message.is_empty() && !error.to_string().contains('\n'),
-        "{error}"
-    );
+    assert!(!error.message.is_empty() && !error.to_string().contains('\n'), "{error}");
 }

@@ -23,16 +23,8 @@ fn error_of(text: &str) -> Box<FileError> {
 }
 
 fn check(slips: &[Slip]) {
-    for Slip {
-        change: (good, bad),
-        line_with,
-        key,
-        says: [found, expected, message],
-    } in slips
-    {
-        let at = CLOCK
-            .find(good)
-            .unwrap_or_else(|| panic!("`{good}` is not in the good file"));
+    for Slip { change: (good, bad), line_with, key, says: [found, expected, message] } in slips {
+        let at = CLOCK.find(good).unwrap_or_else(|| panic!("`{good}` is not in the good file"));
         let text = CLOCK.replacen(good, bad, 1);
         let error = error_of(&text);
         let shown = format!("{good:?} -> {bad:?}: {error}");
@@ -55,17 +47,9 @@ fn check(slips: &[Slip]) {
         // What the command underlines, and the one line it prints.
         assert_eq!(&*error.text, text.as_str());
         assert!(text.get(error.span.clone()).is_some(), "span of {shown}");
-        let column = text
-            .lines()
-            .nth(line)
-            .map_or(0, |line| line.chars().count())
-            + 1;
+        let column = text.lines().nth(line).map_or(0, |line| line.chars().count()) + 1;
         assert!((1..=column).contains(&error.column), "column of {shown}");
-        assert!(
-            error
-                .to_string()
-                .starts_with(&format!("clock.toml:{}:", error.line))
-        );
+        assert!(error.to_string().starts_with(&format!("clock.toml:{}:", error.line)));
         assert!(!error.to_string().contains('\n'), "one line: {shown}");
     }
 }
@@ -76,12 +60,7 @@ fn slip(
     key: &'static str,
     says: [&'static str; 3],
 ) -> Slip {
-    Slip {
-        change,
-        line_with,
-        key,
-        says,
-    }
+    Slip { change, line_with, key, says }
 }
 
 #[test]
@@ -90,49 +69,14 @@ fn numbers_that_no_instrument_has() {
     let key = "body.pendulum.mass_g";
     let positive = "a number greater than 0";
     check(&[
-        slip(
-            (mass, "mass_g = -250"),
-            "mass_g = -250",
-            key,
-            ["-250", positive, "negative"],
-        ),
-        slip(
-            (mass, "mass_g = 0"),
-            "mass_g = 0",
-            key,
-            ["0", positive, "zero"],
-        ),
-        slip(
-            (mass, "mass_g = nan"),
-            "mass_g = nan",
-            key,
-            ["nan", positive, "finite"],
-        ),
-        slip(
-            (mass, "mass_g = -inf"),
-            "mass_g = -inf",
-            key,
-            ["-inf", positive, "finite"],
-        ),
-        slip(
-            (mass, "mass_g = 1e300"),
-            "1e300",
-            key,
-            ["1e300", "at most 1e6 g", "too large"],
-        ),
-        slip(
-            (mass, "mass_g = 1e-300"),
-            "1e-300",
-            key,
-            ["1e-300", "at least 1e-6 g", "too small"],
-        ),
+        slip((mass, "mass_g = -250"), "mass_g = -250", key, ["-250", positive, "negative"]),
+        slip((mass, "mass_g = 0"), "mass_g = 0", key, ["0", positive, "zero"]),
+        slip((mass, "mass_g = nan"), "mass_g = nan", key, ["nan", positive, "finite"]),
+        slip((mass, "mass_g = -inf"), "mass_g = -inf", key, ["-inf", positive, "finite"]),
+        slip((mass, "mass_g = 1e300"), "1e300", key, ["1e300", "at most 1e6 g", "too large"]),
+        slip((mass, "mass_g = 1e-300"), "1e-300", key, ["1e-300", "at least 1e-6 g", "too small"]),
         slip((mass, "mass_g = 1e999"), "1e999", key, ["1e999", "", ""]),
-        slip(
-            (mass, "mass_g = 99999999999999999999"),
-            "9999",
-            key,
-            ["9999", positive, "wrong kind"],
-        ),
+        slip((mass, "mass_g = 99999999999999999999"), "9999", key, ["9999", positive, "wrong kind"]),
         slip(
             ("inertia_kg_m2 = 0.01", "inertia_kg_m2 = 0"),
             "inertia_kg_m2 = 0",
@@ -159,10 +103,7 @@ fn numbers_that_no_instrument_has() {
             ["-1", "", "negative"],
         ),
         slip(
-            (
-                "stiffness_N_m_per_rad = 0.02",
-                "stiffness_N_m_per_rad = -0.02",
-            ),
+            ("stiffness_N_m_per_rad = 0.02", "stiffness_N_m_per_rad = -0.02"),
             "-0.02",
             "spring.pallet_return.stiffness_N_m_per_rad",
             ["-0.02", "", "negative"],
@@ -185,18 +126,8 @@ fn numbers_that_no_instrument_has() {
             "zone.pallet_lever.felt.damping_N_s_per_m3",
             ["-1", "", "negative"],
         ),
-        slip(
-            ("exponent = 2", "exponent = 0.5"),
-            "0.5",
-            "zone.bench.felt.exponent",
-            ["0.5", "at least 1", "too small"],
-        ),
-        slip(
-            ("exponent = 2", "exponent = 40"),
-            "40",
-            "zone.bench.felt.exponent",
-            ["40", "at most 6", "too large"],
-        ),
+        slip(("exponent = 2", "exponent = 0.5"), "0.5", "zone.bench.felt.exponent", ["0.5", "at least 1", "too small"]),
+        slip(("exponent = 2", "exponent = 40"), "40", "zone.bench.felt.exponent", ["40", "at most 6", "too large"]),
         slip(
             ("friction_coefficient = 0.1", "friction_coefficient = -0.1"),
             "-0.1",
@@ -227,18 +158,8 @@ fn numbers_that_no_instrument_has() {
             "body.lever.pivot_mm",
             ["6e7", "at least -10000 mm", "small"],
         ),
-        slip(
-            ("angle_deg = 90", "angle_deg = 900"),
-            "900",
-            "body.pallet.angle_deg",
-            ["900", "360 degrees", "large"],
-        ),
-        slip(
-            ("gravity_m_s2 = 9.81", "gravity_m_s2 = -9.81"),
-            "gravity",
-            "gravity_m_s2",
-            ["-9.81", "", "negative"],
-        ),
+        slip(("angle_deg = 90", "angle_deg = 900"), "900", "body.pallet.angle_deg", ["900", "360 degrees", "large"]),
+        slip(("gravity_m_s2 = 9.81", "gravity_m_s2 = -9.81"), "gravity", "gravity_m_s2", ["-9.81", "", "negative"]),
         slip(
             ("normal = [0, 2]", "normal = [0, 0.0]"),
             "normal",
@@ -252,106 +173,46 @@ fn numbers_that_no_instrument_has() {
 fn keys_that_are_wrong_or_absent() {
     check(&[
         // The unit is part of the key: without it nobody knows what the number means.
-        slip(
-            ("mass_g = 250", "mass = 250"),
-            "mass = 250",
-            "body.pendulum.mass",
-            ["`mass`", "`mass_g`", "unknown key"],
-        ),
+        slip(("mass_g = 250", "mass = 250"), "mass = 250", "body.pendulum.mass", ["`mass`", "`mass_g`", "unknown key"]),
         slip(
             ("mass_g = 250", "mass_kg = 0.25"),
             "mass_kg",
             "body.pendulum.mass_kg",
             ["`mass_kg`", "`mass_g`", "unknown key"],
         ),
-        slip(
-            ("pivot_mm = [60", "pivto_mm = [60"),
-            "pivto",
-            "body.lever.pivto_mm",
-            ["`pivto_mm`", "`pivot_mm`", ""],
-        ),
-        slip(
-            ("angle_deg", "colour"),
-            "colour",
-            "body.pallet.colour",
-            ["`colour`", "`mass_g`", "unknown key"],
-        ),
-        slip(
-            ("[[body]]", "[[bodies]]"),
-            "[[bodies]]",
-            "bodies",
-            ["`bodies`", "`body`", "unknown key"],
-        ),
-        slip(
-            ("mass_g = 250\n", ""),
-            "[[body]]",
-            "body.pendulum.mass_g",
-            ["", "mass_g", "missing"],
-        ),
-        slip(
-            ("name = \"lever\"\n", ""),
-            "[[body]]",
-            "body[3].name",
-            ["", "name", "missing"],
-        ),
+        slip(("pivot_mm = [60", "pivto_mm = [60"), "pivto", "body.lever.pivto_mm", ["`pivto_mm`", "`pivot_mm`", ""]),
+        slip(("angle_deg", "colour"), "colour", "body.pallet.colour", ["`colour`", "`mass_g`", "unknown key"]),
+        slip(("[[body]]", "[[bodies]]"), "[[bodies]]", "bodies", ["`bodies`", "`body`", "unknown key"]),
+        slip(("mass_g = 250\n", ""), "[[body]]", "body.pendulum.mass_g", ["", "mass_g", "missing"]),
+        slip(("name = \"lever\"\n", ""), "[[body]]", "body[3].name", ["", "name", "missing"]),
         slip(
             ("[zone.disc]\nbody = \"lever\"\ncenter_mm = [-50, -1]\n", ""),
             "[[zone]]",
             "zone.bench.disc",
             ["", "[zone.disc]", "missing"],
         ),
+        slip(("normal = [0, 2]\n", ""), "[zone.line]", "zone.bench.line.normal", ["", "normal", "missing"]),
         slip(
-            ("normal = [0, 2]\n", ""),
-            "[zone.line]",
-            "zone.bench.line.normal",
-            ["", "normal", "missing"],
-        ),
-        slip(
-            (
-                "[zone.line]\nbody = \"ground\"\npoint_mm = [0, -2]\nnormal = [0, 2]\n",
-                "",
-            ),
+            ("[zone.line]\nbody = \"ground\"\npoint_mm = [0, -2]\nnormal = [0, 2]\n", ""),
             "[[zone]]",
             "zone.bench.line",
-            [
-                "none",
-                "exactly one of `line`, `segment`, `other_disc`",
-                "side B",
-            ],
+            ["none", "exactly one of `line`, `segment`, `other_disc`", "side B"],
         ),
         slip(
-            (
-                "[zone.line]",
-                "[zone.other_disc]\nbody = \"ground\"\ncenter_mm = [0, 0]\n[zone.line]",
-            ),
+            ("[zone.line]", "[zone.other_disc]\nbody = \"ground\"\ncenter_mm = [0, 0]\n[zone.line]"),
             "[zone.other_disc]",
             "zone.bench.other_disc",
             ["more than one", "exactly one", "one side B"],
         ),
-        slip(
-            ("mass_g = 250", "mass_g = 250\nmass_g = 251"),
-            "mass_g = 251",
-            "mass_g",
-            ["`mass_g`", "", "duplicate"],
-        ),
-        slip(
-            ("format = \"erard-instrument/1\"\n", ""),
-            "A mechanism",
-            "format",
-            ["", "format", "missing"],
-        ),
+        slip(("mass_g = 250", "mass_g = 250\nmass_g = 251"), "mass_g = 251", "mass_g", ["`mass_g`", "", "duplicate"]),
+        slip(("format = \"erard-instrument/1\"\n", ""), "A mechanism", "format", ["", "format", "missing"]),
         slip(
             ("erard-instrument/1", "erard-instrument/9"),
             "format",
             "format",
             ["erard-instrument/9", "erard-instrument/1", "format"],
         ),
-        slip(
-            ("\"Pendulum and pallet\"", "\" \""),
-            "name = \" \"",
-            "name",
-            ["\" \"", "a name", "needs a name"],
-        ),
+        slip(("\"Pendulum and pallet\"", "\" \""), "name = \" \"", "name", ["\" \"", "a name", "needs a name"]),
     ]);
 }
 
@@ -360,84 +221,19 @@ fn values_of_the_wrong_kind() {
     let mass = "mass_g = 250";
     let key = "body.pendulum.mass_g";
     check(&[
-        slip(
-            (mass, "mass_g = \"250\""),
-            "\"250\"",
-            key,
-            ["\"250\"", "a number greater than 0", "wrong kind"],
-        ),
-        slip(
-            (mass, "mass_g = true"),
-            "true",
-            key,
-            ["true", "a number", "wrong kind"],
-        ),
-        slip(
-            (mass, "mass_g = [250]"),
-            "[250]",
-            key,
-            ["[250]", "a number", "wrong kind"],
-        ),
-        slip(
-            (mass, "mass_g = 1979-05-27"),
-            "1979",
-            key,
-            ["1979-05-27", "a number", "wrong kind"],
-        ),
-        slip(
-            (mass, "mass_g = # grams"),
-            "# grams",
-            "mass_g",
-            ["", "a value", "no value"],
-        ),
-        slip(
-            ("pivot_mm = [60, 0]", "pivot_mm = 60"),
-            "= 60",
-            "body.lever.pivot_mm",
-            ["60", "[x, y]", "wrong kind"],
-        ),
-        slip(
-            ("pivot_mm = [60, 0]", "pivot_mm = [60]"),
-            "[60]",
-            "body.lever.pivot_mm",
-            ["1 of them", "[x, y]", ""],
-        ),
-        slip(
-            ("[60, 0]", "[60, 0, 0]"),
-            "[60, 0, 0]",
-            "body.lever.pivot_mm",
-            ["3 of them", "[x, y]", ""],
-        ),
-        slip(
-            ("[60, 0]", "[60, \"0\"]"),
-            "[60, ",
-            "body.lever.pivot_mm",
-            ["\"0\"", "a number", "wrong kind"],
-        ),
-        slip(
-            ("name = \"lever\"", "name = 7"),
-            "name = 7",
-            "body[3].name",
-            ["7", "a string", "wrong kind"],
-        ),
-        slip(
-            ("[[spring]]", "[spring]"),
-            "[spring]",
-            "spring",
-            ["", "sequence", "wrong kind"],
-        ),
-        slip(
-            ("angle_deg = 90", "angle_deg ="),
-            "angle_deg =",
-            "angle_deg",
-            ["", "a value", "no value"],
-        ),
-        slip(
-            ("angle_deg = 90", "angle_deg 90"),
-            "angle_deg 90",
-            "",
-            ["", "", ""],
-        ),
+        slip((mass, "mass_g = \"250\""), "\"250\"", key, ["\"250\"", "a number greater than 0", "wrong kind"]),
+        slip((mass, "mass_g = true"), "true", key, ["true", "a number", "wrong kind"]),
+        slip((mass, "mass_g = [250]"), "[250]", key, ["[250]", "a number", "wrong kind"]),
+        slip((mass, "mass_g = 1979-05-27"), "1979", key, ["1979-05-27", "a number", "wrong kind"]),
+        slip((mass, "mass_g = # grams"), "# grams", "mass_g", ["", "a value", "no value"]),
+        slip(("pivot_mm = [60, 0]", "pivot_mm = 60"), "= 60", "body.lever.pivot_mm", ["60", "[x, y]", "wrong kind"]),
+        slip(("pivot_mm = [60, 0]", "pivot_mm = [60]"), "[60]", "body.lever.pivot_mm", ["1 of them", "[x, y]", ""]),
+        slip(("[60, 0]", "[60, 0, 0]"), "[60, 0, 0]", "body.lever.pivot_mm", ["3 of them", "[x, y]", ""]),
+        slip(("[60, 0]", "[60, \"0\"]"), "[60, ", "body.lever.pivot_mm", ["\"0\"", "a number", "wrong kind"]),
+        slip(("name = \"lever\"", "name = 7"), "name = 7", "body[3].name", ["7", "a string", "wrong kind"]),
+        slip(("[[spring]]", "[spring]"), "[spring]", "spring", ["", "sequence", "wrong kind"]),
+        slip(("angle_deg = 90", "angle_deg ="), "angle_deg =", "angle_deg", ["", "a value", "no value"]),
+        slip(("angle_deg = 90", "angle_deg 90"), "angle_deg 90", "", ["", "", ""]),
     ]);
 }
 
@@ -452,10 +248,7 @@ fn names_of_nothing_and_names_taken() {
             ["\"wall\"", "`lever`, `ground`", "no such body"],
         ),
         slip(
-            (
-                "body = \"lever\"\ncenter_mm = [-50",
-                "body = \"leaver\"\ncenter_mm = [-50",
-            ),
+            ("body = \"lever\"\ncenter_mm = [-50", "body = \"leaver\"\ncenter_mm = [-50"),
             "leaver",
             "zone.bench.disc.body",
             ["\"leaver\"", bodies, "no such body"],
@@ -473,19 +266,13 @@ fn names_of_nothing_and_names_taken() {
             ["\"wall\"", "`pendulum`", "no such body"],
         ),
         slip(
-            (
-                "name = \"pendulum\"",
-                "name = \"pendulum\"\nhinged_on = \"pallet\"",
-            ),
+            ("name = \"pendulum\"", "name = \"pendulum\"\nhinged_on = \"pallet\""),
             "hinged_on = \"pallet\"",
             "body.pendulum.hinged_on",
             ["\"pallet\"", "`ground`", "back to itself"],
         ),
         slip(
-            (
-                "name = \"lever\"",
-                "name = \"lever\"\nhinged_on = \"lever\"",
-            ),
+            ("name = \"lever\"", "name = \"lever\"\nhinged_on = \"lever\""),
             "hinged_on = \"lever\"",
             "body.lever.hinged_on",
             ["\"lever\"", "`ground`", "back to itself"],
@@ -533,84 +320,19 @@ fn names_of_nothing_and_names_taken() {
 #[test]
 fn faults_in_roles_screws_parts_segments_and_citations() {
     let cases: &[(&str, &str, &str, &str)] = &[
-        (
-            "[roles]\nkey = \"lever\"\n",
-            "[roles]",
-            "roles.key_front_mm",
-            "missing",
-        ),
-        (
-            "[roles]\nkey = \"lever\"\nkey_front_mm = [0, 0]\n",
-            "key = \"lever\"",
-            "roles.key",
-            "no finger",
-        ),
-        (
-            "[roles]\nhammer = \"lever\"\n",
-            "[roles]",
-            "roles.hammer_head_mm",
-            "missing",
-        ),
-        (
-            "[roles]\nhammer = \"mallet\"\nhammer_head_mm = [0, 0]\n",
-            "mallet",
-            "roles.hammer",
-            "no such body",
-        ),
-        (
-            "[roles]\nstring = \"lever\"\n",
-            "string =",
-            "roles.string",
-            "no such zone",
-        ),
-        (
-            "[roles]\nknuckle = [\"bench\", \"bench\"]\n",
-            "knuckle",
-            "roles.knuckle",
-            "twice",
-        ),
-        (
-            "[one_dof]\ntransmits = [\"cord\"]\nstops = []\n",
-            "cord",
-            "one_dof.transmits",
-            "no such zone",
-        ),
-        (
-            "[one_dof]\ntransmits = []\n",
-            "[one_dof]",
-            "one_dof.stops",
-            "missing",
-        ),
-        (
-            "[finger]\nstiffness_N_per_m = 0\ndamping_N_s_per_m = 1\n",
-            "= 0",
-            "finger.stiffness_N_per_m",
-            "zero",
-        ),
-        (
-            "[[screw]]\nname = \"s\"\n",
-            "[[screw]]",
-            "screw.s.zone",
-            "missing",
-        ),
-        (
-            "[[screw]]\nname = \"s\"\nzone = \"bench\"\n",
-            "[[screw]]",
-            "screw.s.side",
-            "missing",
-        ),
-        (
-            "[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"curve\"\n",
-            "[[screw]]",
-            "screw.s.direction",
-            "missing",
-        ),
-        (
-            "[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"left\"\n",
-            "left",
-            "screw.s.side",
-            "unknown word",
-        ),
+        ("[roles]\nkey = \"lever\"\n", "[roles]", "roles.key_front_mm", "missing"),
+        ("[roles]\nkey = \"lever\"\nkey_front_mm = [0, 0]\n", "key = \"lever\"", "roles.key", "no finger"),
+        ("[roles]\nhammer = \"lever\"\n", "[roles]", "roles.hammer_head_mm", "missing"),
+        ("[roles]\nhammer = \"mallet\"\nhammer_head_mm = [0, 0]\n", "mallet", "roles.hammer", "no such body"),
+        ("[roles]\nstring = \"lever\"\n", "string =", "roles.string", "no such zone"),
+        ("[roles]\nknuckle = [\"bench\", \"bench\"]\n", "knuckle", "roles.knuckle", "twice"),
+        ("[one_dof]\ntransmits = [\"cord\"]\nstops = []\n", "cord", "one_dof.transmits", "no such zone"),
+        ("[one_dof]\ntransmits = []\n", "[one_dof]", "one_dof.stops", "missing"),
+        ("[finger]\nstiffness_N_per_m = 0\ndamping_N_s_per_m = 1\n", "= 0", "finger.stiffness_N_per_m", "zero"),
+        ("[[screw]]\nname = \"s\"\n", "[[screw]]", "screw.s.zone", "missing"),
+        ("[[screw]]\nname = \"s\"\nzone = \"bench\"\n", "[[screw]]", "screw.s.side", "missing"),
+        ("[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"curve\"\n", "[[screw]]", "screw.s.direction", "missing"),
+        ("[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"left\"\n", "left", "screw.s.side", "unknown word"),
         (
             "[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"disc\"\ndirection = [0, 1]\n",
             "[[screw]]",
@@ -635,12 +357,7 @@ fn faults_in_roles_screws_parts_segments_and_citations() {
             "screw.s.setting_mm",
             "does not go with",
         ),
-        (
-            "[[screw]]\nname = \"s\"\nspring = \"coil\"\nsetting_N_m = 0\n",
-            "coil",
-            "screw.s.spring",
-            "no such spring",
-        ),
+        ("[[screw]]\nname = \"s\"\nspring = \"coil\"\nsetting_N_m = 0\n", "coil", "screw.s.spring", "no such spring"),
         (
             "[[screw]]\nname = \"s\"\nspring = \"pallet_return\"\nzone = \"bench\"\n",
             "spring = ",
@@ -741,28 +458,13 @@ fn faults_in_roles_screws_parts_segments_and_citations() {
             "spring.t.torque_N_m.spread_factor",
             "not both",
         ),
-        (
-            "[sources.s]\nauthor = \"nobody\"\n",
-            "[sources.s]",
-            "sources.s.title",
-            "missing",
-        ),
-        (
-            "[colours]\nwood = 1\n",
-            "[colours]",
-            "colours",
-            "unknown key",
-        ),
+        ("[sources.s]\nauthor = \"nobody\"\n", "[sources.s]", "sources.s.title", "missing"),
+        ("[colours]\nwood = 1\n", "[colours]", "colours", "unknown key"),
     ];
     for (tail, line_with, key, message) in cases {
         let text = format!("{CLOCK}\n{tail}");
         let error = error_of(&text);
-        let line = text
-            .lines()
-            .enumerate()
-            .filter(|(_, line)| line.contains(line_with))
-            .last()
-            .map(|(i, _)| i + 1);
+        let line = text.lines().enumerate().filter(|(_, line)| line.contains(line_with)).last().map(|(i, _)| i + 1);
         assert_eq!(Some(error.line), line, "line of {error}");
         assert_eq!(error.key, *key, "key of {error}");
         assert!(error.message.contains(message), "message of {error}");
@@ -783,28 +485,15 @@ fn more_than_the_engine_holds() {
              felt = {{ stiffness_N_per_m_r = 1, exponent = 2 }}\n"
         )
     };
-    let with = |more: usize, table: &dyn Fn(usize) -> String| {
-        CLOCK.to_owned() + &(0..more).map(table).collect::<String>()
-    };
-    assert!(
-        Instrument::parse(&with(9, &body), "").is_ok(),
-        "twelve bodies fit"
-    );
+    let with =
+        |more: usize, table: &dyn Fn(usize) -> String| CLOCK.to_owned() + &(0..more).map(table).collect::<String>();
+    assert!(Instrument::parse(&with(9, &body), "").is_ok(), "twelve bodies fit");
     let error = error_of(&with(10, &body));
-    assert_eq!(
-        (error.key.as_str(), error.found.as_str()),
-        ("body.b9", "13 bodies")
-    );
+    assert_eq!((error.key.as_str(), error.found.as_str()), ("body.b9", "13 bodies"));
     assert!(error.expected.contains("12") && error.line > 70);
-    assert!(
-        Instrument::parse(&with(30, &zone), "").is_ok(),
-        "thirty-two zones fit"
-    );
+    assert!(Instrument::parse(&with(30, &zone), "").is_ok(), "thirty-two zones fit");
     let error = error_of(&with(31, &zone));
-    assert_eq!(
-        (error.key.as_str(), error.found.as_str()),
-        ("zone.z30", "33 zones")
-    );
+    assert_eq!((error.key.as_str(), error.found.as_str()), ("zone.z30", "33 zones"));
 }
 
 #[test]
@@ -812,12 +501,7 @@ fn files_that_are_no_files() {
     for empty in ["", " \n\t\n"] {
         let error = error_of(empty);
         assert_eq!(error.line, 0);
-        assert!(
-            error
-                .to_string()
-                .starts_with("clock.toml: the file is empty"),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("clock.toml: the file is empty"), "{error}");
     }
     let error = error_of("# only a comment\n");
     assert_eq!((error.line, error.key.as_str()), (1, "format"));
@@ -828,27 +512,17 @@ fn files_that_are_no_files() {
     let error = InstrumentFile::parse_bytes(&bytes, "clock.toml").expect_err("not UTF-8");
     assert_eq!(error.line, CLOCK[..at].matches('\n').count() + 1);
     assert_eq!(error.column, 4);
-    assert!(
-        error.message.contains("UTF-8") && error.found.contains("0xff"),
-        "{error}"
-    );
+    assert!(error.message.contains("UTF-8") && error.found.contains("0xff"), "{error}");
     assert_eq!(&error.text[error.span.clone()], "\u{fffd}");
 
     let huge = " ".repeat(MAX_FILE_BYTES + 1);
     assert!(error_of(&huge).message.contains("larger than 4 MiB"));
     assert!(
-        InstrumentFile::parse_bytes(&vec![0xff; MAX_FILE_BYTES + 1], "")
-            .is_err_and(|e| e.message.contains("larger"))
+        InstrumentFile::parse_bytes(&vec![0xff; MAX_FILE_BYTES + 1], "").is_err_and(|e| e.message.contains("larger"))
     );
 
-    let error = Instrument::load(std::path::Path::new("no/such/instrument.toml"))
-        .expect_err("no such file");
-    assert!(
-        error
-            .to_string()
-            .starts_with("no/such/instrument.toml: cannot be read"),
-        "{error}"
-    );
+    let error = Instrument::load(std::path::Path::new("no/such/instrument.toml")).expect_err("no such file");
+    assert!(error.to_string().starts_with("no/such/instrument.toml: cannot be read"), "{error}");
 
     // Nesting without end must not end the stack.
     assert!(error_of(&format!("format = {}", "[".repeat(200_000))).line == 1);
@@ -857,14 +531,8 @@ fn files_that_are_no_files() {
 #[test]
 fn line_ends_and_byte_order_mark_of_other_systems_read() {
     let good = Instrument::parse(CLOCK, "").expect("reads");
-    assert_eq!(
-        Instrument::parse(&CLOCK.replace('\n', "\r\n"), "").as_ref(),
-        Ok(&good)
-    );
-    assert_eq!(
-        Instrument::parse(&format!("\u{feff}{CLOCK}"), "").as_ref(),
-        Ok(&good)
-    );
+    assert_eq!(Instrument::parse(&CLOCK.replace('\n', "\r\n"), "").as_ref(), Ok(&good));
+    assert_eq!(Instrument::parse(&format!("\u{feff}{CLOCK}"), "").as_ref(), Ok(&good));
 }
 
 /// Columns count characters, so that an editor finds the place.
@@ -873,10 +541,7 @@ fn columns_count_characters_not_bytes() {
     let text = CLOCK.replace("name = \"lever\"", "name = \"Hébé\"");
     let error = error_of(&text);
     assert_eq!(error.column, 8);
-    let text = CLOCK.replace(
-        "center_mm = [-50, -1]",
-        "center_mm = [-50, -1] # é\nünknown = 1",
-    );
+    let text = CLOCK.replace("center_mm = [-50, -1]", "center_mm = [-50, -1] # é\nünknown = 1");
     let error = error_of(&text);
     assert!(error.line > 50, "{error}");
 }

@@ -9,8 +9,7 @@ const CLOCK: &str = include_str!("instruments/escapement.toml");
 
 #[test]
 fn the_shipped_schema_is_the_generated_one() {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../instruments/instrument.schema.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../instruments/instrument.schema.json");
     let shipped = std::fs::read_to_string(path).expect("the schema ships");
     assert!(
         shipped == json_schema(),
@@ -22,22 +21,14 @@ fn the_shipped_schema_is_the_generated_one() {
 fn shipped_instruments_name_the_schema_in_their_first_line() {
     for name in Instrument::builtin_names() {
         let text = Instrument::builtin_text(name).expect("a text");
-        assert_eq!(
-            text.lines().next(),
-            Some("#:schema ./instrument.schema.json"),
-            "{name}"
-        );
+        assert_eq!(text.lines().next(), Some("#:schema ./instrument.schema.json"), "{name}");
     }
 }
 
 #[test]
 fn what_reads_conforms() {
     for name in Instrument::builtin_names() {
-        assert_eq!(
-            faults(Instrument::builtin_text(name).expect("a text")),
-            Vec::<String>::new(),
-            "{name}"
-        );
+        assert_eq!(faults(Instrument::builtin_text(name).expect("a text")), Vec::<String>::new(), "{name}");
     }
     assert_eq!(faults(CLOCK), Vec::<String>::new());
 }
@@ -53,32 +44,17 @@ fn what_is_broken_does_not_conform() {
         ("mass_g = 250", "mass_g = \"250\""),
         ("mass_g = 250\n", ""),
         ("mass_g = 250", "mass_g = { value = 250 }"),
-        (
-            "mass_g = 250",
-            "mass_g = { value = 250, source = \"s\", certainty = \"sure\" }",
-        ),
-        (
-            "mass_g = 250",
-            "mass_g = { value = -250, source = \"s\", certainty = \"read\" }",
-        ),
+        ("mass_g = 250", "mass_g = { value = 250, source = \"s\", certainty = \"sure\" }"),
+        ("mass_g = 250", "mass_g = { value = -250, source = \"s\", certainty = \"read\" }"),
         ("pivot_mm = [60, 0]", "pivot_mm = [60, 0, 0]"),
         ("pivot_mm = [60, 0]", "pivot_mm = [60]"),
         ("pivot_mm = [60, 0]", "pivot_mm = [60, \"0\"]"),
         ("exponent = 2\n", "exponent = 0.5\n"),
         ("damping_N_s_per_m3 = 1e6", "damping_N_s_per_m3 = -1"),
         ("name = \"lever\"", "name = \"The lever\""),
-        (
-            "format = \"erard-instrument/1\"",
-            "format = \"erard-instrument/9\"",
-        ),
-        (
-            "[zone.line]\nbody = \"ground\"\npoint_mm = [0, -2]\nnormal = [0, 2]\n",
-            "",
-        ),
-        (
-            "[zone.line]",
-            "[zone.other_disc]\nbody = \"ground\"\ncenter_mm = [0, 0]\n[zone.line]",
-        ),
+        ("format = \"erard-instrument/1\"", "format = \"erard-instrument/9\""),
+        ("[zone.line]\nbody = \"ground\"\npoint_mm = [0, -2]\nnormal = [0, 2]\n", ""),
+        ("[zone.line]", "[zone.other_disc]\nbody = \"ground\"\ncenter_mm = [0, 0]\n[zone.line]"),
         ("[[spring]]", "[spring]"),
     ] {
         assert!(CLOCK.contains(good), "{good}");
@@ -109,10 +85,7 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
     let number = instance.as_f64();
     let no_properties = serde_json::Map::new();
     let object = instance.as_object().unwrap_or(&no_properties);
-    let properties = schema
-        .get("properties")
-        .and_then(Value::as_object)
-        .unwrap_or(&no_properties);
+    let properties = schema.get("properties").and_then(Value::as_object).unwrap_or(&no_properties);
     let length = instance.as_array().map(|array| array.len() as u64);
     let Some(schema) = schema.as_object() else {
         return;
@@ -122,10 +95,8 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
         match keyword.as_str() {
             "$schema" | "title" | "description" | "definitions" | "default" | "format" => {}
             "$ref" => {
-                let name = rule
-                    .as_str()
-                    .and_then(|rule| rule.strip_prefix("#/definitions/"))
-                    .expect("a local reference");
+                let name =
+                    rule.as_str().and_then(|rule| rule.strip_prefix("#/definitions/")).expect("a local reference");
                 if !conforms(instance, &root["definitions"][name]) {
                     fault(format!("is not a {name}"));
                 }
@@ -144,45 +115,25 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
                 }
             }
             "const" if instance != rule => fault(format!("is not {rule}")),
-            "enum"
-                if !rule
-                    .as_array()
-                    .is_some_and(|words| words.contains(instance)) =>
-            {
-                fault(format!("not in {rule}"))
-            }
+            "enum" if !rule.as_array().is_some_and(|words| words.contains(instance)) => fault(format!("not in {rule}")),
             "pattern" => {
-                assert_eq!(
-                    rule,
-                    &json!("^[a-z][a-z0-9_]{0,39}$"),
-                    "the only pattern that this validator knows"
-                );
+                assert_eq!(rule, &json!("^[a-z][a-z0-9_]{0,39}$"), "the only pattern that this validator knows");
                 let name = instance.as_str().unwrap_or_default();
                 let well_formed = name.starts_with(|c: char| c.is_ascii_lowercase())
                     && name.len() <= 40
-                    && name
-                        .bytes()
-                        .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_');
+                    && name.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_');
                 if !well_formed {
                     fault("is no name".to_owned());
                 }
             }
             "minimum" if number < rule.as_f64() => fault(format!("is less than {rule}")),
             "maximum" if number > rule.as_f64() => fault(format!("is more than {rule}")),
-            "exclusiveMinimum" if number <= rule.as_f64() => {
-                fault(format!("is not more than {rule}"))
-            }
+            "exclusiveMinimum" if number <= rule.as_f64() => fault(format!("is not more than {rule}")),
             "minItems" if length < rule.as_u64() => fault(format!("has fewer than {rule}")),
             "maxItems" if length > rule.as_u64() => fault(format!("has more than {rule}")),
-            "const" | "enum" | "minimum" | "maximum" | "exclusiveMinimum" | "minItems"
-            | "maxItems" => {}
+            "const" | "enum" | "minimum" | "maximum" | "exclusiveMinimum" | "minItems" | "maxItems" => {}
             "required" => {
-                for key in rule
-                    .as_array()
-                    .into_iter()
-                    .flatten()
-                    .filter_map(Value::as_str)
-                {
+                for key in rule.as_array().into_iter().flatten().filter_map(Value::as_str) {
                     if !object.contains_key(key) {
                         fault(format!("lacks {key}"));
                     }
@@ -196,10 +147,7 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
                 }
             }
             "additionalProperties" => {
-                for (key, value) in object
-                    .iter()
-                    .filter(|(key, _)| !properties.contains_key(*key))
-                {
+                for (key, value) in object.iter().filter(|(key, _)| !properties.contains_key(*key)) {
                     if rule == &json!(false) || !conforms(value, rule) {
                         fault(format!("has {key}"));
                     }
@@ -214,10 +162,7 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
             }
             "allOf" | "anyOf" | "oneOf" => {
                 let choices = rule.as_array().expect("a list");
-                let fitting = choices
-                    .iter()
-                    .filter(|choice| conforms(instance, choice))
-                    .count();
+                let fitting = choices.iter().filter(|choice| conforms(instance, choice)).count();
                 let fits = match keyword.as_str() {
                     "allOf" => fitting == choices.len(),
                     "anyOf" => fitting > 0,

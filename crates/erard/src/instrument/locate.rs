@@ -113,11 +113,7 @@ fn left_of_equals(text: &str, byte: usize) -> String {
         None if line.starts_with('[') => line.trim().trim_matches(['[', ']']),
         None => "",
     };
-    if name.starts_with('#') || name.chars().count() > LONGEST_EXCERPT {
-        String::new()
-    } else {
-        name.to_owned()
-    }
+    if name.starts_with('#') || name.chars().count() > LONGEST_EXCERPT { String::new() } else { name.to_owned() }
 }
 
 /// One line, not too long.

@@ -142,18 +142,10 @@ impl<'a> Reader<'a> {
             return Err(Fault::at(span, "must not be zero", expected));
         }
         if value < least {
-            return Err(Fault::at(
-                span,
-                "too small",
-                format!("at least {}{unit}", round(least)),
-            ));
+            return Err(Fault::at(span, "too small", format!("at least {}{unit}", round(least))));
         }
         if value > most {
-            return Err(Fault::at(
-                span,
-                "too large",
-                format!("at most {}{unit}", round(most)),
-            ));
+            return Err(Fault::at(span, "too large", format!("at most {}{unit}", round(most))));
         }
         Ok(())
     }
@@ -236,11 +228,7 @@ pub(crate) const GROUND: &str = "ground";
 
 /// A limit as a person writes it.
 fn round(limit: f64) -> String {
-    if (1e-3..1e6).contains(&limit.abs()) {
-        format!("{limit}")
-    } else {
-        format!("{limit:e}")
-    }
+    if (1e-3..1e6).contains(&limit.abs()) { format!("{limit}") } else { format!("{limit:e}") }
 }
 
 /// `one of `a`, `b``, or `otherwise` when there is none.

@@ -8,9 +8,7 @@ use super::format::InstrumentToml;
 /// The JSON Schema of instrument files, pretty-printed, with a final newline: what `instruments/instrument.schema.json`
 /// holds. Draft 7, because TOML editors know that one.
 pub fn json_schema() -> String {
-    let schema = SchemaSettings::draft07()
-        .into_generator()
-        .into_root_schema_for::<InstrumentToml>();
+    let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<InstrumentToml>();
     let mut schema = schema.to_value();
     drop_null(&mut schema);
     // A `Value` always prints: its keys are strings.

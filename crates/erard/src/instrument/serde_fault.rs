@@ -7,19 +7,9 @@ use super::error::Fault;
 pub(crate) fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
     let span = error.span().unwrap_or(0..0);
     let message = error.message();
-    let quoted = |start: &str| {
-        message
-            .strip_prefix(start)?
-            .strip_prefix('`')?
-            .split_once('`')
-    };
-    let wrong_kind = |expected: &str| {
-        Fault::at(
-            span.clone(),
-            "wrong kind of value",
-            expected.replace("f64", "a number"),
-        )
-    };
+    let quoted = |start: &str| message.strip_prefix(start)?.strip_prefix('`')?.split_once('`');
+    let wrong_kind =
+        |expected: &str| Fault::at(span.clone(), "wrong kind of value", expected.replace("f64", "a number"));
 
     // The parser hands dates over as a table with one odd key.
     if message.contains("$__toml_private") {
@@ -46,24 +36,18 @@ pub(crate) fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
     if let Some((word, rest)) = quoted("unknown variant ") {
         return Fault::at(span, "unknown word", after_expected(rest)).found(format!("`{word}`"));
     }
-    if let Some((length, expected)) = message
-        .strip_prefix("invalid length ")
-        .and_then(|rest| rest.split_once(", expected "))
+    if let Some((length, expected)) =
+        message.strip_prefix("invalid length ").and_then(|rest| rest.split_once(", expected "))
     {
         return wrong_kind(expected).found(format!("{length} of them"));
     }
     for start in ["invalid type: ", "invalid value: "] {
-        if let Some((_, expected)) = message
-            .strip_prefix(start)
-            .and_then(|rest| rest.split_once(", expected "))
-        {
+        if let Some((_, expected)) = message.strip_prefix(start).and_then(|rest| rest.split_once(", expected ")) {
             return wrong_kind(expected);
         }
     }
     if let Some(line) = text.get(span.start..).and_then(|rest| rest.lines().next())
-        && text[..span.start]
-            .trim_end_matches([' ', '\t'])
-            .ends_with('=')
+        && text[..span.start].trim_end_matches([' ', '\t']).ends_with('=')
         && (line.trim().is_empty() || line.trim_start().starts_with('#'))
     {
         return Fault::at(span, "this key has no value", "a value after `=`");
@@ -73,9 +57,7 @@ pub(crate) fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
 
 /// What follows `, expected ` in serde's list of what it knows.
 fn after_expected(rest: &str) -> String {
-    rest.trim_start_matches(", ")
-        .trim_start_matches("expected ")
-        .to_owned()
+    rest.trim_start_matches(", ").trim_start_matches("expected ").to_owned()
 }
 
 /// The known key that `key` most likely stands for: the one that adds a unit to it, one that shares its
@@ -89,15 +71,9 @@ fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
         .filter_map(|candidate| {
             let name = candidate.to_lowercase();
             let slips = edit_distance(&lower, &name);
-            let unit_missing = name
-                .strip_prefix(&lower)
-                .is_some_and(|rest| rest.starts_with('_'));
+            let unit_missing = name.strip_prefix(&lower).is_some_and(|rest| rest.starts_with('_'));
             let same_stem = stem(&lower) == stem(&name);
-            let beginning = lower
-                .bytes()
-                .zip(name.bytes())
-                .take_while(|(a, b)| a == b)
-                .count();
+            let beginning = lower.bytes().zip(name.bytes()).take_while(|(a, b)| a == b).count();
             (unit_missing || same_stem || slips <= 2 || (slips <= 3 && beginning >= 3)).then_some((
                 !unit_missing,
                 slips,

@@ -35,18 +35,10 @@ const TIME: Column = Column {
     largest: MAX_TIME_S,
     hint: "seconds from the start of the stroke, at most 86400 (milliseconds?)",
 };
-const FORCE: Column = Column {
-    name: "force_N",
-    stem: "force",
-    largest: MAX_FORCE_N,
-    hint: "newtons, at most 10000 (another unit?)",
-};
-const POSITION: Column = Column {
-    name: "position_m",
-    stem: "position",
-    largest: MAX_POSITION_M,
-    hint: "metres, at most 1 (millimetres?)",
-};
+const FORCE: Column =
+    Column { name: "force_N", stem: "force", largest: MAX_FORCE_N, hint: "newtons, at most 10000 (another unit?)" };
+const POSITION: Column =
+    Column { name: "position_m", stem: "position", largest: MAX_POSITION_M, hint: "metres, at most 1 (millimetres?)" };
 
 impl Series {
     /// Reads a stroke file from disk.
@@ -57,11 +49,7 @@ impl Series {
         let name = path.display().to_string();
         match File::open(path) {
             Ok(file) => Self::read(file, &name),
-            Err(error) => Err(Place {
-                file: name,
-                line: 0,
-            }
-            .whole_file(format!("cannot be read: {error}"), "")),
+            Err(error) => Err(Place { file: name, line: 0 }.whole_file(format!("cannot be read: {error}"), "")),
         }
     }
 
@@ -92,24 +80,12 @@ impl Series {
         let (mut times, mut forces, mut positions) = (Vec::new(), Vec::new(), Vec::new());
         while let Some(row) = rows.next()? {
             if times.len() == MAX_ROWS {
-                let expected = format!(
-                    "at most {MAX_ROWS} rows: cut the recording or sample it more coarsely"
-                );
-                return Err(row.place.fault(
-                    "",
-                    "too many rows",
-                    format!("more than {MAX_ROWS}"),
-                    expected,
-                ));
+                let expected = format!("at most {MAX_ROWS} rows: cut the recording or sample it more coarsely");
+                return Err(row.place.fault("", "too many rows", format!("more than {MAX_ROWS}"), expected));
             }
             if row.len() != header.width {
                 let message = "this row does not fit the header";
-                return Err(row.place.fault(
-                    "",
-                    message,
-                    count(row.len(), "cell"),
-                    count(header.width, "cell"),
-                ));
+                return Err(row.place.fault("", message, count(row.len(), "cell"), count(header.width, "cell")));
             }
             let time = number(row, header.time, &TIME)?;
             match times.last() {
@@ -159,37 +135,20 @@ impl Header {
         let all_names = || excerpt(&names.join(","));
         if names.len() == 1 && names[0].contains([';', '\t']) {
             let message = "the columns are not separated by commas";
-            return Err(row.place.fault(
-                "",
-                message,
-                all_names(),
-                "`,` between columns and `.` in numbers",
-            ));
+            return Err(row.place.fault("", message, all_names(), "`,` between columns and `.` in numbers"));
         }
         let find = |column: &Column| {
-            let mut places = names
-                .iter()
-                .enumerate()
-                .filter(|(_, name)| **name == column.name)
-                .map(|(place, _)| place);
+            let mut places = names.iter().enumerate().filter(|(_, name)| **name == column.name).map(|(place, _)| place);
             match (places.next(), places.next()) {
-                (Some(_), Some(_)) => Err(row.place.fault(
-                    column.name,
-                    "there are two columns of this name",
-                    all_names(),
-                    "one",
-                )),
+                (Some(_), Some(_)) => {
+                    Err(row.place.fault(column.name, "there are two columns of this name", all_names(), "one"))
+                }
                 (Some(place), None) => Ok(Some(place)),
                 (None, _) => match names.iter().find(|name| is_nearly(name, column)) {
                     // Ignoring a column in millimetres would be a trap.
                     Some(near) => {
                         let message = "not the name and unit of a column";
-                        Err(row.place.fault(
-                            near,
-                            message,
-                            excerpt(near),
-                            format!("`{}`", column.name),
-                        ))
+                        Err(row.place.fault(near, message, excerpt(near), format!("`{}`", column.name)))
                     }
                     None => Ok(None),
                 },
@@ -197,36 +156,19 @@ impl Header {
         };
         let (time, force, position) = (find(&TIME)?, find(&FORCE)?, find(&POSITION)?);
         let Some(time) = time else {
-            return Err(row.place.fault(
-                TIME.name,
-                "this column is missing",
-                all_names(),
-                "a header with `time_s`",
-            ));
+            return Err(row.place.fault(TIME.name, "this column is missing", all_names(), "a header with `time_s`"));
         };
         if force.is_none() && position.is_none() {
             let expected = "`force_N`, `position_m` or both beside `time_s`";
-            return Err(row.place.fault(
-                FORCE.name,
-                "there is neither force nor position",
-                all_names(),
-                expected,
-            ));
+            return Err(row.place.fault(FORCE.name, "there is neither force nor position", all_names(), expected));
         }
-        Ok(Self {
-            time,
-            force,
-            position,
-            width: names.len(),
-        })
+        Ok(Self { time, force, position, width: names.len() })
     }
 }
 
 /// Whether a title means a known column but has another unit, none, or other capitals.
 fn is_nearly(name: &str, column: &Column) -> bool {
-    const UNITS: [&str; 15] = [
-        "", "s", "ms", "us", "min", "m", "mm", "cm", "um", "in", "n", "kn", "mn", "gf", "g",
-    ];
+    const UNITS: [&str; 15] = ["", "s", "ms", "us", "min", "m", "mm", "cm", "um", "in", "n", "kn", "mn", "gf", "g"];
     let name = name.to_lowercase();
     name.strip_prefix(column.stem)
         .is_some_and(|rest| UNITS.contains(&rest.trim_matches(['_', ' ', '(', ')', '[', ']'])))
@@ -236,16 +178,10 @@ fn is_nearly(name: &str, column: &Column) -> bool {
 fn number(row: Row<'_>, index: usize, column: &Column) -> Result<f64, Box<StrokeError>> {
     let text = row.cell(index);
     let fault = |message: &str, expected: &str| {
-        let found = if text.is_empty() {
-            "an empty cell".to_owned()
-        } else {
-            excerpt(text)
-        };
+        let found = if text.is_empty() { "an empty cell".to_owned() } else { excerpt(text) };
         row.place.fault(column.name, message, found, expected)
     };
-    let number: f64 = text
-        .parse()
-        .map_err(|_| fault("not a number", "a number such as 0.25"))?;
+    let number: f64 = text.parse().map_err(|_| fault("not a number", "a number such as 0.25"))?;
     if !number.is_finite() {
         return Err(fault("not a finite number", "a finite number"));
     }
@@ -266,12 +202,7 @@ fn check_order(previous: f64, time: f64, place: &Place) -> Result<(), Box<Stroke
     } else {
         "two times too close together"
     };
-    Err(place.fault(
-        TIME.name,
-        message,
-        format!("{time}"),
-        format!("more than {previous}, the time before it"),
-    ))
+    Err(place.fault(TIME.name, message, format!("{time}"), format!("more than {previous}, the time before it")))
 }
 
 /// `1 row`, `2 rows`.

@@ -23,11 +23,7 @@ impl ForceSeries {
     pub fn new(times_s: Vec<f64>, forces_n: Vec<f64>) -> Result<Self, SampleError> {
         check_samples(&times_s, &forces_n)?;
         let slopes = monotone_slopes(&times_s, &forces_n);
-        Ok(Self {
-            times_s,
-            forces_n,
-            slopes,
-        })
+        Ok(Self { times_s, forces_n, slopes })
     }
 
     /// Force at `t_s`, N, pushing positive.
@@ -47,8 +43,7 @@ impl ForceSeries {
         let s = (t_s - times[i]) / h;
         let (f0, f1) = (self.forces_n[i], self.forces_n[i + 1]);
         let (d0, d1) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-        let cubic =
-            f0 + s * (d0 + s * (3.0 * (f1 - f0) - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * (f1 - f0))));
+        let cubic = f0 + s * (d0 + s * (3.0 * (f1 - f0) - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * (f1 - f0))));
         // Exact arithmetic would stay between the samples; rounding gets the last bit wrong.
         cubic.clamp(f0.min(f1), f0.max(f1))
     }
@@ -94,13 +89,10 @@ mod tests {
     /// zero, that is, pull.
     #[test]
     fn no_overshoot_and_monotone_between_samples() {
-        let times: Vec<f64> = (0..60)
-            .map(|i| f64::from(i) * 1e-2 + f64::from(i % 5) * 1.7e-3)
-            .collect();
+        let times: Vec<f64> = (0..60).map(|i| f64::from(i) * 1e-2 + f64::from(i % 5) * 1.7e-3).collect();
         // Steps, ramps, plateaus, spikes; a small generator in place of noise.
-        let values: Vec<f64> = (0..60_u64)
-            .map(|i| (i * i * 7919 % 41) as f64 * f64::from(u8::from(i % 9 > 2)))
-            .collect();
+        let values: Vec<f64> =
+            (0..60_u64).map(|i| (i * i * 7919 % 41) as f64 * f64::from(u8::from(i % 9 > 2))).collect();
         let series = force(&times, &values);
         let mut cursor = Cursor::default();
         for i in 0..times.len() - 1 {
@@ -112,11 +104,7 @@ mod tests {
                 let f = series.at(t, &mut cursor);
                 assert!((low..=high).contains(&f), "{f} outside {low}..{high}");
                 let slack = 1e-12 * high;
-                assert!(if rising {
-                    f >= previous - slack
-                } else {
-                    f <= previous + slack
-                });
+                assert!(if rising { f >= previous - slack } else { f <= previous + slack });
                 previous = f;
             }
         }
@@ -132,10 +120,7 @@ mod tests {
             assert_eq!(series.at(t, &mut cursor), value);
             let e = 1e-8;
             let f: [f64; 3] = [t - e, t, t + e].map(|t| series.at(t, &mut cursor));
-            assert!(
-                ((f[2] - f[1]) - (f[1] - f[0])).abs() / e < 0.05,
-                "the slope jumps at {t}"
-            );
+            assert!(((f[2] - f[1]) - (f[1] - f[0])).abs() / e < 0.05, "the slope jumps at {t}");
         }
     }
 
@@ -164,13 +149,7 @@ mod tests {
         assert_eq!(series.at(-5.0, &mut cursor), 1.0);
         assert_eq!(series.at(5.0, &mut cursor), 4.0);
         assert_eq!(series.at(f64::NAN, &mut cursor), 1.0);
-        assert!(
-            (series.at(0.15, &mut cursor) - 2.5).abs() < 1e-12,
-            "half way in the middle"
-        );
-        assert_eq!(
-            ForceSeries::new(vec![0.0], vec![0.0]),
-            Err(SampleError::TooFew)
-        );
+        assert!((series.at(0.15, &mut cursor) - 2.5).abs() < 1e-12, "half way in the middle");
+        assert_eq!(ForceSeries::new(vec![0.0], vec![0.0]), Err(SampleError::TooFew));
     }
 }

@@ -70,10 +70,7 @@ impl Cursor {
         }
         let inside = (i == 0 || times[i] <= t) && (i == last || t < times[i + 1]);
         if !inside {
-            i = times
-                .partition_point(|&time| time <= t)
-                .saturating_sub(1)
-                .min(last);
+            i = times.partition_point(|&time| time <= t).saturating_sub(1).min(last);
         }
         self.0 = i;
         i

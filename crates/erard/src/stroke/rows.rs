@@ -50,9 +50,7 @@ impl<'r> Row<'r> {
 
     /// A cell; empty where the row has none.
     pub(super) fn cell(&self, index: usize) -> &'r str {
-        self.cells
-            .get(index)
-            .map_or("", |range| &self.text[range.clone()])
+        self.cells.get(index).map_or("", |range| &self.text[range.clone()])
     }
 }
 
@@ -63,10 +61,7 @@ impl<R: Read> Rows<R> {
             bytes_left: MAX_BYTES,
             bytes: Vec::new(),
             cells: Vec::new(),
-            place: Place {
-                file: file.to_owned(),
-                line: 0,
-            },
+            place: Place { file: file.to_owned(), line: 0 },
         }
     }
 
@@ -78,55 +73,31 @@ impl<R: Read> Rows<R> {
             let count = (&mut self.reader)
                 .take(limit)
                 .read_until(b'\n', &mut self.bytes)
-                .map_err(|error| {
-                    self.place
-                        .whole_file(format!("cannot be read: {error}"), "")
-                })? as u64;
+                .map_err(|error| self.place.whole_file(format!("cannot be read: {error}"), ""))?
+                as u64;
             if count == 0 {
                 return Ok(None);
             }
             self.place.line += 1;
             if count > self.bytes_left {
-                return Err(self
-                    .place
-                    .whole_file(format!("larger than {} MiB", MAX_BYTES >> 20), ""));
+                return Err(self.place.whole_file(format!("larger than {} MiB", MAX_BYTES >> 20), ""));
             }
             if count > LONGEST_LINE {
-                let message = format!(
-                    "a line of more than {} KiB: this is no table",
-                    LONGEST_LINE >> 10
-                );
+                let message = format!("a line of more than {} KiB: this is no table", LONGEST_LINE >> 10);
                 return Err(self.place.fault("", message, "", ""));
             }
             self.bytes_left -= count;
-            let first = self
-                .bytes
-                .iter()
-                .copied()
-                .find(|byte| !byte.is_ascii_whitespace());
+            let first = self.bytes.iter().copied().find(|byte| !byte.is_ascii_whitespace());
             if first.is_some_and(|byte| byte != b'#') {
                 break;
             }
         }
         let text = std::str::from_utf8(&self.bytes).map_err(|error| {
-            let byte = self
-                .bytes
-                .get(error.valid_up_to())
-                .copied()
-                .unwrap_or_default();
-            self.place.fault(
-                "",
-                "the file is not UTF-8",
-                format!("the byte 0x{byte:02x}"),
-                "text in UTF-8",
-            )
+            let byte = self.bytes.get(error.valid_up_to()).copied().unwrap_or_default();
+            self.place.fault("", "the file is not UTF-8", format!("the byte 0x{byte:02x}"), "text in UTF-8")
         })?;
         // Some programs begin their files with a byte order mark.
-        let text = if self.place.line == 1 {
-            text.trim_start_matches('\u{feff}')
-        } else {
-            text
-        };
+        let text = if self.place.line == 1 { text.trim_start_matches('\u{feff}') } else { text };
         if !split(text, &mut self.cells) {
             return Err(self.place.fault(
                 "",
@@ -135,11 +106,7 @@ impl<R: Read> Rows<R> {
                 "`\"` at the end of a cell",
             ));
         }
-        Ok(Some(Row {
-            text,
-            cells: &self.cells,
-            place: &self.place,
-        }))
+        Ok(Some(Row { text, cells: &self.cells, place: &self.place }))
     }
 
     /// The last row's place.
@@ -158,11 +125,7 @@ fn split(text: &str, cells: &mut Vec<Range<usize>>) -> bool {
             b',' if index == text.len() && quoted => return false,
             b',' if !quoted => {
                 let cell = text[start..index].trim();
-                let cell = cell
-                    .strip_prefix('"')
-                    .and_then(|cell| cell.strip_suffix('"'))
-                    .unwrap_or(cell)
-                    .trim();
+                let cell = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')).unwrap_or(cell).trim();
                 let offset = cell.as_ptr() as usize - text.as_ptr() as usize;
                 cells.push(offset..offset + cell.len());
                 start = index + 1;
@@ -194,27 +157,15 @@ impl Place {
     }
 
     /// A fault of the file as a whole.
-    pub(super) fn whole_file(
-        &self,
-        message: impl Into<String>,
-        expected: &str,
-    ) -> Box<StrokeError> {
-        Place {
-            file: self.file.clone(),
-            line: 0,
-        }
-        .fault("", message, "", expected)
+    pub(super) fn whole_file(&self, message: impl Into<String>, expected: &str) -> Box<StrokeError> {
+        Place { file: self.file.clone(), line: 0 }.fault("", message, "", expected)
     }
 }
 
 /// One line, not too long, without control characters, in the quotes of an error message.
 pub(super) fn excerpt(text: &str) -> String {
     let text = text.trim();
-    let mut short: String = text
-        .chars()
-        .filter(|c| !c.is_control())
-        .take(LONGEST_EXCERPT)
-        .collect();
+    let mut short: String = text.chars().filter(|c| !c.is_control()).take(LONGEST_EXCERPT).collect();
     if short.len() < text.len() {
         short.push_str("...");
     }
