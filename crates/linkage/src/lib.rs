@@ -1,1 +1,19 @@
-//! Placeholder.
+//! Planar linkages from a linear graph: closure equations and their solution.
+
+mod closure;
+mod direction;
+mod equation;
+mod graph;
+mod linkage;
+mod mechanism;
+mod vectors;
+
+pub use closure::{Closure, Magnitude, Term};
+pub use direction::{AngleId, Direction};
+pub use equation::{Axis, Equation, EquationTerm, Trig, latex_align};
+pub use graph::{Circuit, Edge, EdgeKind, LinearGraph, Traversal};
+pub use linkage::{
+    Body, BodyId, Constant, Contact, Joint, JointId, JointKind, Length, LengthId, Linkage, Point,
+    PointId,
+};
+pub use mechanism::{AssembleError, Coordinate, CoordinateId, CoordinateKind, Mechanism, Pose};
