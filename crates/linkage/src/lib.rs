@@ -2,11 +2,15 @@
 
 mod closure;
 mod direction;
+mod elimination;
 mod equation;
 mod graph;
 mod linkage;
 mod mechanism;
+mod mobility;
+mod newton;
 mod vectors;
+mod walk;
 
 pub use closure::{Closure, Magnitude, Term};
 pub use direction::{AngleId, Direction};
@@ -17,3 +21,6 @@ pub use linkage::{
     PointId,
 };
 pub use mechanism::{AssembleError, Coordinate, CoordinateId, CoordinateKind, Mechanism, Pose};
+pub use mobility::{Mobility, Redundancy, Verdict};
+pub use newton::{MOST_ITERATIONS, NewtonReport, Outcome, TOLERANCE};
+pub use walk::{StartError, Stop, StopKind, Sweep, SweptPose, Walk};
