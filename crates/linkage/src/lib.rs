@@ -12,6 +12,8 @@ mod newton;
 mod vectors;
 mod walk;
 
+pub mod closed_form;
+
 pub use closure::{Closure, Magnitude, Term};
 pub use direction::{AngleId, Direction};
 pub use equation::{Axis, Equation, EquationTerm, Trig, latex_align};
