@@ -13,6 +13,7 @@ mod vectors;
 mod walk;
 
 pub mod closed_form;
+pub mod three_lever;
 
 pub use closure::{Closure, Magnitude, Term};
 pub use direction::{AngleId, Direction};
