@@ -1,4 +1,4 @@
-//! Planar linkages from a linear graph: closure equations and their solution.
+#![doc = include_str!("../README.md")]
 
 mod closure;
 mod direction;
