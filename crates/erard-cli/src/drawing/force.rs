@@ -1,0 +1,156 @@
+//! Contact forces, as arrows.
+
+use super::outline::MM;
+use crate::svg::number;
+use erard::instrument::{Instrument, Vec2};
+use erard::run::Run;
+use std::fmt::Write;
+
+/// A push at a contact, as it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactForce {
+    /// Index of the zone.
+    pub zone: usize,
+    /// Where, in the world, m.
+    pub point_m: Vec2,
+    /// Unit direction in which the arrow points.
+    pub direction: Vec2,
+    /// Normal force, N.
+    pub normal_n: f64,
+}
+
+/// Which way a zone's arrow points: +1 along the normal (the push on side A), -1 against it (the push on side B).
+///
+/// Every contact pushes both ways; one arrow reads better than two. Bodies are listed from the key to the hammer, so
+/// the later one is the one being driven, and what the ground does to a body is what is worth seeing.
+pub fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
+    let zone = &instrument.zones[zone];
+    if zone.disc_body >= zone.curve_body {
+        1.0
+    } else {
+        -1.0
+    }
+}
+
+/// All contacts that push in one frame of a run.
+pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<ContactForce> {
+    let zones = instrument.zones.len().min(run.zones.len());
+    (0..zones)
+        .filter_map(|zone| {
+            let series = &run.zones[zone];
+            let normal_n = *series.normal_n.get(frame)?;
+            let [x, y, nx, ny] = series.contact.get(frame)?.map(f64::from);
+            if normal_n <= 0.0 || ![normal_n, x, y, nx, ny].iter().all(|v| v.is_finite()) {
+                return None;
+            }
+            let sign = arrow_sign(instrument, zone);
+            Some(ContactForce {
+                zone,
+                point_m: [x, y],
+                direction: [sign * nx, sign * ny],
+                normal_n,
+            })
+        })
+        .collect()
+}
+
+/// The absolute angles of all bodies in one frame of a run, in the instrument's order.
+pub fn angles_at(run: &Run, frame: usize) -> Vec<f64> {
+    run.bodies
+        .iter()
+        .map(|body| body.angle_rad.get(frame).copied().unwrap_or(f64::NAN))
+        .collect()
+}
+
+/// Forces below this are not drawn, N: a felt that only just touches is not news.
+pub const SMALLEST_DRAWN_N: f64 = 0.02;
+
+/// Forces from here on carry their number, N.
+pub const SMALLEST_LABELLED_N: f64 = 0.2;
+
+/// Length of an arrow, mm: logarithmic, since weights at rest are tenths of a newton and blows a hundred.
+/// The page's script holds the same law.
+pub fn arrow_length_mm(normal_n: f64) -> f64 {
+    7.0 + 9.0 * (1.0 + normal_n / 0.1).log10()
+}
+
+/// A force with as many digits as an eye can use.
+pub fn force_label(normal_n: f64) -> String {
+    match normal_n {
+        n if n >= 99.95 => format!("{n:.0} N"),
+        n if n >= 9.995 => format!("{n:.1} N"),
+        n => format!("{n:.2} N"),
+    }
+}
+
+/// The arrows as SVG, in picture millimetres.
+pub fn arrows(forces: &[ContactForce]) -> String {
+    let mut out = String::from("<g class=\"forces\">");
+    for force in forces
+        .iter()
+        .filter(|force| force.normal_n >= SMALLEST_DRAWN_N)
+    {
+        let [ux, uy] = [force.direction[0], -force.direction[1]];
+        let [x, y] = [force.point_m[0] * MM, -force.point_m[1] * MM];
+        let length = arrow_length_mm(force.normal_n);
+        let (neck, half) = (length - 4.0, 1.9);
+        let _ = write!(
+            out,
+            "<path class=\"arrow\" d=\"M{} {}L{} {}M{} {}L{} {}L{} {}Z\"/>",
+            number(x),
+            number(y),
+            number(x + ux * neck),
+            number(y + uy * neck),
+            number(x + ux * length),
+            number(y + uy * length),
+            number(x + ux * neck - uy * half),
+            number(y + uy * neck + ux * half),
+            number(x + ux * neck + uy * half),
+            number(y + uy * neck - ux * half),
+        );
+        if force.normal_n >= SMALLEST_LABELLED_N {
+            let (tx, ty) = (x + ux * (length + 3.0), y + uy * (length + 3.0));
+            let _ = write!(
+                out,
+                "<text class=\"newton\" x=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>",
+                number(tx + if ux.abs() < 0.4 { 0.0 } else { ux.signum() }),
+                number(ty + 1.8),
+                if ux.abs() < 0.4 {
+                    "middle"
+                } else if ux > 0.0 {
+                    "start"
+                } else {
+                    "end"
+                },
+                force_label(force.normal_n)
+            );
+        }
+    }
+    out.push_str("</g>");
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrows_grow_with_the_force_but_fit_the_picture() {
+        assert!(arrow_length_mm(0.2) > 7.0);
+        assert!(arrow_length_mm(1.0) < arrow_length_mm(10.0));
+        assert!(arrow_length_mm(300.0) < 45.0);
+    }
+
+    #[test]
+    fn small_forces_stay_silent() {
+        let force = |normal_n| ContactForce {
+            zone: 0,
+            point_m: [0.0, 0.0],
+            direction: [0.0, 1.0],
+            normal_n,
+        };
+        assert!(!arrows(&[force(0.001)]).contains("path"));
+        assert!(!arrows(&[force(0.1)]).contains("text"));
+        assert!(arrows(&[force(12.34)]).contains("12.3 N"));
+    }
+}
