@@ -2,5 +2,12 @@
 //!
 //! Data flows one way: instrument file and stroke -> assembled mechanism -> steps -> run (series and events) -> measures.
 
+pub mod assembly;
+pub mod equilibrium;
+pub mod events;
 pub mod instrument;
+pub mod mechanism;
+pub mod one_dof;
+mod recorder;
 pub mod run;
+pub mod simulation;

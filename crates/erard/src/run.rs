@@ -1,7 +1,12 @@
 //! What one simulated key press leaves behind: the series, the events and the ledger.
 
+use moreau::Ledger;
+
 /// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
-#[derive(Debug, Clone, Default)]
+///
+/// Angles and velocities are those at the row's instant; forces are the mean of the steps before and after it, which is
+/// their value there to second order.
+#[derive(Debug, Clone)]
 pub struct Run {
     /// Instrument name.
     pub instrument: String,
@@ -19,6 +24,14 @@ pub struct Run {
     pub zones: Vec<ZoneSeries>,
     /// Instants.
     pub events: Events,
+    /// Largest finger force of any step, N.
+    pub peak_force_n: f64,
+    /// Dry friction torque of every pivot at the end, N m.
+    pub final_pivot_friction_n_m: Vec<f64>,
+    /// The energy ledger at the end.
+    pub ledger: Ledger,
+    /// Steps and iterations.
+    pub work: Work,
 }
 
 /// One body's motion.
@@ -43,12 +56,14 @@ pub struct ZoneSeries {
     pub normal_n: Vec<f64>,
     /// Coulomb force on side A along the tangent (normal turned clockwise by 90 degrees), N; empty where the zone has no friction.
     pub tangential_n: Vec<f64>,
+    /// Whether the zone has Coulomb friction.
+    pub has_friction: bool,
     /// Contact point in the world and the outward unit normal of side B, `[x, y, nx, ny]`, m; valid where `normal_n > 0`.
     pub contact: Vec<[f32; 4]>,
 }
 
 /// Instants and speeds of one press; `None` where it did not happen. Seconds from the stroke's start.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Events {
     /// The key front leaves its rest.
     pub key_start_s: Option<f64>,
@@ -64,4 +79,39 @@ pub struct Events {
     pub key_bottom_s: Option<f64>,
     /// The tail meets the back check after the blow.
     pub check_s: Option<f64>,
+    /// Every blow on the string.
+    pub strikes: Vec<Strike>,
+}
+
+impl Events {
+    /// From let-off to the string, s.
+    pub fn free_flight_s(&self) -> Option<f64> {
+        Some(self.hammer_contact_s? - self.let_off_s?)
+    }
+}
+
+/// One blow on the string.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strike {
+    /// The strike point meets the string, s.
+    pub time_s: f64,
+    /// Its speed into the string, m/s.
+    pub speed_m_s: f64,
+}
+
+/// How a run was made and what it cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Work {
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps that reached an iteration limit.
+    pub unconverged_steps: u64,
+    /// Newton iterations, all steps.
+    pub newton_iterations: u64,
+    /// Sweeps or active sets, all steps.
+    pub solver_iterations: u64,
+    /// Simulated over elapsed time.
+    pub real_time_factor: f64,
+    /// Every how many steps a row was recorded.
+    pub record_every: u64,
 }

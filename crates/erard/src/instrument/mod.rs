@@ -3,6 +3,34 @@
 //! World frame at rest: x toward the back of the piano, y up, angles counter-clockwise; metres, kilograms, seconds,
 //! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is given
 //! in that frame, all geometry on the ground in the world frame.
+//!
+//! [`format`] is the file as written, [`file`] reads it, [`convert`] checks it and turns it into the types below,
+//! [`provenance`] keeps where every number comes from, and [`regulation`] turns the screws.
+
+mod convert;
+mod error;
+mod file;
+mod format;
+mod locate;
+mod provenance;
+mod quantity;
+mod reader;
+mod regulation;
+
+pub use error::FileError;
+pub use file::{InstrumentFile, MAX_FILE_BYTES, json_schema};
+pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
+
+/// Most bodies of an instrument: the engine's capacity.
+pub const MAX_BODIES: usize = 12;
+/// Most zones of an instrument: the engine's capacity.
+pub const MAX_ZONES: usize = 32;
+/// Most springs of an instrument.
+pub const MAX_SPRINGS: usize = 24;
+/// Most regulating screws of an instrument.
+pub const MAX_SCREWS: usize = 64;
+/// Most drawn parts of an instrument.
+pub const MAX_PARTS: usize = 512;
 
 /// A point or direction in a plane, `[x, y]`, metres (or dimensionless for directions).
 pub type Vec2 = [f64; 2];
@@ -41,9 +69,9 @@ pub struct Body {
     pub pivot_m: Vec2,
     /// Angle of the body's frame against the world as drawn, rad: the starting guess for the equilibrium.
     pub angle_rad: f64,
-    /// Mass, kg (may be zero for a body whose weight is given by its spring's constant torque).
+    /// Mass, kg, positive.
     pub mass_kg: f64,
-    /// Moment of inertia about its own pivot, kg m2.
+    /// Moment of inertia about its own pivot, kg m2; at least mass times the squared distance of the centre of mass.
     pub inertia_kg_m2: f64,
     /// Centre of mass in the body's frame, m.
     pub center_of_mass_m: Vec2,
@@ -157,7 +185,8 @@ pub struct Roles {
 }
 
 /// The fingertip between the driver and the key: a spring and a damper in parallel that can only push.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Zero on an instrument without a key.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Finger {
     /// N/m.
     pub stiffness_n_per_m: f64,
@@ -170,6 +199,8 @@ pub struct Finger {
 pub struct Screw {
     /// Identifier, e.g. `capstan_height`.
     pub name: String,
+    /// What a positive setting does, for people, e.g. `raises the capstan: less lost motion`.
+    pub label: String,
     /// What it turns.
     pub action: ScrewAction,
     /// How far it is turned from the drawn geometry, in the action's own unit (m or N m).
@@ -216,7 +247,8 @@ pub struct Part {
 }
 
 /// Materials that a part can be made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Material {
     /// Key sticks, whippens, shanks, mouldings.
     Wood,

@@ -1,0 +1,125 @@
+//! The instants of a key press, found while it runs.
+
+use crate::instrument::{Instrument, Roles};
+use crate::mechanism::Mechanism;
+use crate::run::{Events, Strike};
+
+/// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths breathe
+/// and a hundredth of its dip.
+pub const KEY_START_M: f64 = 1e-4;
+
+/// Watches a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
+#[derive(Debug)]
+pub struct Watch {
+    roles: Roles,
+    events: Events,
+    previous: Option<Sample>,
+    /// Last instant at which a push on the knuckle ended, if none has begun since.
+    released_s: Option<f64>,
+    highest_m: f64,
+    released_at_apex_s: Option<f64>,
+}
+
+/// What the watch looks at in one instant.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    time_s: f64,
+    key_m: f64,
+    hammer_m: f64,
+    string: f64,
+    string_rate: f64,
+    key_bottom: f64,
+    toe: f64,
+    knuckle: f64,
+    check: f64,
+}
+
+impl Watch {
+    /// A watch for an instrument's roles.
+    pub fn new(instrument: &Instrument) -> Self {
+        Watch {
+            roles: instrument.roles.clone(),
+            events: Events::default(),
+            previous: None,
+            released_s: None,
+            highest_m: f64::NEG_INFINITY,
+            released_at_apex_s: None,
+        }
+    }
+
+    /// Looks once: after every step, and before the first. `key_m` is the key front's travel, `hammer_m` the head's rise.
+    pub fn look(&mut self, time_s: f64, key_m: f64, hammer_m: f64, mechanism: &dyn Mechanism) {
+        let gap = |zone: Option<usize>| zone.map_or(f64::NEG_INFINITY, |z| mechanism.gap(z));
+        let roles = &self.roles;
+        let string = gap(roles.string);
+        let now = Sample {
+            time_s,
+            key_m,
+            hammer_m,
+            string,
+            string_rate: if string > f64::NEG_INFINITY {
+                roles.string.map_or(0.0, |z| mechanism.gap_rate(z))
+            } else {
+                0.0
+            },
+            key_bottom: gap(roles.key_bottom),
+            toe: gap(roles.let_off),
+            knuckle: roles.knuckle.iter().map(|&z| mechanism.gap(z)).fold(f64::NEG_INFINITY, f64::max),
+            check: gap(roles.check),
+        };
+        if let Some(before) = self.previous {
+            self.compare(&before, &now);
+        }
+        self.previous = Some(now);
+    }
+
+    fn compare(&mut self, before: &Sample, now: &Sample) {
+        let rising = |a: f64, b: f64| (a <= 0.0 && b > 0.0).then(|| before.at_zero(a, b, now));
+        let events = &mut self.events;
+        let first = |event: &mut Option<f64>, at: Option<f64>| *event = event.or(at);
+        first(&mut events.key_start_s, rising(before.key_m - KEY_START_M, now.key_m - KEY_START_M));
+        first(&mut events.key_bottom_s, rising(before.key_bottom, now.key_bottom));
+        if events.key_start_s.is_some() {
+            first(&mut events.toe_contact_s, rising(before.toe, now.toe));
+        }
+
+        if before.knuckle > 0.0 && now.knuckle <= 0.0 {
+            self.released_s = Some(before.at_zero(before.knuckle, now.knuckle, now));
+        } else if now.knuckle > 0.0 {
+            self.released_s = None;
+        }
+        if now.hammer_m > self.highest_m {
+            self.highest_m = now.hammer_m;
+            self.released_at_apex_s = self.released_s;
+        }
+
+        if let Some(time_s) = rising(before.string, now.string) {
+            let share = (time_s - before.time_s) / (now.time_s - before.time_s);
+            let speed_m_s = before.string_rate + share * (now.string_rate - before.string_rate);
+            if events.hammer_contact_s.is_none() {
+                events.hammer_contact_s = Some(time_s);
+                events.hammer_speed_m_s = Some(speed_m_s);
+                events.let_off_s = self.released_s;
+            }
+            events.strikes.push(Strike { time_s, speed_m_s });
+        }
+        if events.hammer_contact_s.is_some() {
+            first(&mut events.check_s, rising(before.check, now.check));
+        }
+    }
+
+    /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
+    pub fn finish(mut self) -> Events {
+        if self.events.hammer_contact_s.is_none() && self.events.key_start_s.is_some() {
+            self.events.let_off_s = self.released_at_apex_s.filter(|_| self.events.toe_contact_s.is_some());
+        }
+        self.events
+    }
+}
+
+impl Sample {
+    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero.
+    fn at_zero(&self, a: f64, b: f64, now: &Sample) -> f64 {
+        self.time_s + (now.time_s - self.time_s) * a / (a - b)
+    }
+}

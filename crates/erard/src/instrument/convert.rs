@@ -1,0 +1,421 @@
+//! From the file as written to the instrument in SI units, checked.
+
+use std::ops::Range;
+
+use super::error::Fault;
+use super::format::{
+    BodyToml, DiscToml, FORMAT, FeltToml, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml,
+    SpringToml, ZoneToml,
+};
+use super::quantity::At;
+use super::reader::{
+    G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name,
+};
+use super::{
+    Body, Curve, Felt, Finger, Instrument, MAX_BODIES, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Part, Roles,
+    Screw, ScrewAction, Spring, Vec2, Zone,
+};
+
+/// Most corners of one outline.
+const MAX_CORNERS: usize = 4096;
+/// How much smaller than a point mass's an inertia may be before it is called impossible: rounding of decimals only.
+const PARALLEL_AXIS_TOLERANCE: f64 = 1e-9;
+
+/// Checks and converts a file.
+pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumber>), Fault> {
+    if file.format.as_str() != FORMAT {
+        return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
+    }
+    if file.name.trim().is_empty() {
+        return Err(Fault::at(file.name.span(), "an instrument needs a name", "a name"));
+    }
+    at_most(&file.body, MAX_BODIES, "bodies")?;
+    at_most(&file.spring, MAX_SPRINGS, "springs")?;
+    at_most(&file.zone, MAX_ZONES, "zones")?;
+    at_most(&file.screw, MAX_SCREWS, "screws")?;
+    at_most(&file.part, MAX_PARTS, "parts")?;
+
+    let mut reader = Reader::new(&file.sources);
+    let mut instrument = Instrument {
+        name: file.name.trim().to_owned(),
+        gravity_m_s2: reader.scalar(&file.gravity_m_s2, Limits::up_to(1e3, "m/s2"))?,
+        bodies: Vec::new(),
+        springs: Vec::new(),
+        zones: Vec::new(),
+        roles: Roles::default(),
+        finger: Finger::default(),
+        screws: Vec::new(),
+        parts: Vec::new(),
+    };
+    read_bodies(&file.body, &mut reader, &mut instrument)?;
+    for spring in &file.spring {
+        let spring = read_spring(spring, &mut reader, &instrument)?;
+        instrument.springs.push(spring);
+    }
+    for zone in &file.zone {
+        let zone = read_zone(zone, &mut reader, &instrument)?;
+        instrument.zones.push(zone);
+    }
+    if let Some(roles) = &file.roles {
+        instrument.roles = read_roles(roles, &mut reader, &instrument)?;
+    }
+    if let Some(one_dof) = &file.one_dof {
+        read_one_dof(one_dof, &mut instrument)?;
+    }
+    match (&file.finger, &file.roles) {
+        (Some(finger), _) => {
+            instrument.finger = Finger {
+                stiffness_n_per_m: reader.scalar(&finger.stiffness_n_per_m, Limits::between(1e-3, 1e9, "N/m"))?,
+                damping_n_s_per_m: reader.scalar(&finger.damping_n_s_per_m, Limits::up_to(1e6, "N s/m"))?,
+            }
+        }
+        (None, roles) => {
+            if let Some(key) = roles.as_ref().and_then(|roles| roles.key.as_ref()) {
+                return Err(Fault::at(key.span(), "a key to press, but no finger to press it", "a table [finger]"));
+            }
+        }
+    }
+    for screw in &file.screw {
+        let screw = read_screw(screw, &mut reader, &mut instrument)?;
+        instrument.screws.push(screw);
+    }
+    for part in &file.part {
+        let part = read_part(part, &mut reader, &instrument)?;
+        instrument.parts.push(part);
+    }
+    Ok((instrument, reader.numbers))
+}
+
+fn at_most<T>(tables: &[At<T>], most: usize, what: &str) -> Result<(), Fault> {
+    match tables.get(most) {
+        None => Ok(()),
+        Some(table) => Err(Fault::at(table.span(), format!("too many {what}"), format!("at most {most} {what}"))
+            .found(format!("{} {what}", tables.len()))),
+    }
+}
+
+/// Reads the bodies, parents first whatever their order in the file.
+fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<(), Fault> {
+    let mut names: Vec<String> = Vec::new();
+    for table in tables {
+        if table.name.as_str() == GROUND {
+            return Err(Fault::at(table.name.span(), "`ground` is the world, not a body", "another name"));
+        }
+        let name = new_name(&table.name, "body", names.iter().map(String::as_str))?;
+        names.push(name);
+    }
+    // Parents as indices into the file's list.
+    let mut parents = Vec::new();
+    for table in tables {
+        parents.push(match &table.hinged_on {
+            None => None,
+            Some(parent) if parent.as_str() == GROUND => None,
+            Some(parent) => Some(index_of(parent, "body", names.iter().map(String::as_str))?),
+        });
+    }
+    let order = parents_first(&parents).map_err(|in_cycle| {
+        let span = tables[in_cycle].hinged_on.as_ref().map_or(0..0, At::span);
+        Fault::at(span, "this chain of hinges leads back to itself", "hinges that end at `ground`")
+    })?;
+    let mut place = vec![0; tables.len()];
+    for (new, &old) in order.iter().enumerate() {
+        place[old] = new;
+    }
+    for &index in &order {
+        let parent = parents[index].map(|parent| place[parent]);
+        instrument.bodies.push(read_body(&tables[index], &names[index], parent, reader)?);
+    }
+    Ok(())
+}
+
+/// The order in which every parent precedes its children and which otherwise keeps the file's; `Err` is a member of a cycle.
+fn parents_first(parents: &[Option<usize>]) -> Result<Vec<usize>, usize> {
+    let mut order = Vec::with_capacity(parents.len());
+    let mut placed = vec![false; parents.len()];
+    while order.len() < parents.len() {
+        let next = (0..parents.len()).find(|&body| !placed[body] && parents[body].is_none_or(|parent| placed[parent]));
+        let Some(next) = next else {
+            // Everything left hangs on a cycle; walking up long enough ends inside it.
+            let mut body = placed.iter().position(|placed| !placed).unwrap_or(0);
+            for _ in 0..parents.len() {
+                body = parents[body].unwrap_or(body);
+            }
+            return Err(body);
+        };
+        placed[next] = true;
+        order.push(next);
+    }
+    Ok(order)
+}
+
+fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &mut Reader<'_>) -> Result<Body, Fault> {
+    let pivot_m = reader.point_m(&table.pivot_mm)?;
+    let angle_rad = match &table.angle_deg {
+        None => 0.0,
+        Some(angle) => reader.scalar(angle, Limits::symmetric(360.0, "degrees"))?.to_radians(),
+    };
+    let mass_kg = reader.scalar(&table.mass_g, Limits::between(1e-6, 1e6, "g"))? / G_PER_KG;
+    let inertia_kg_m2 = reader.scalar(&table.inertia_kg_m2, Limits::between(1e-15, 1e6, "kg m2"))?;
+    let center_of_mass_m = reader.point_m(&table.center_of_mass_mm)?;
+    let [x, y] = center_of_mass_m;
+    let point_mass = mass_kg * (x * x + y * y);
+    if inertia_kg_m2 < point_mass * (1.0 - PARALLEL_AXIS_TOLERANCE) {
+        return Err(Fault::at(
+            table.inertia_kg_m2.value_span(),
+            "impossible: less than the mass gathered in one point at the centre of mass would have",
+            format!("at least mass times distance squared, {point_mass:.3e} kg m2"),
+        ));
+    }
+    Ok(Body {
+        name: name.to_owned(),
+        parent,
+        pivot_m,
+        angle_rad,
+        mass_kg,
+        inertia_kg_m2,
+        center_of_mass_m,
+        friction_torque_n_m: reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?,
+        viscous_n_m_s: reader.scalar_or_zero(table.viscous_n_m_s.as_ref(), Limits::up_to(1e6, "N m s"))?,
+    })
+}
+
+fn read_spring(table: &At<SpringToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Spring, Fault> {
+    Ok(Spring {
+        name: new_name(&table.name, "spring", instrument.springs.iter().map(|spring| spring.name.as_str()))?,
+        body: index_of(&table.body, "body", instrument.bodies.iter().map(|body| body.name.as_str()))?,
+        torque_n_m: reader.scalar(&table.torque_n_m, Limits::symmetric(1e6, "N m"))?,
+        stiffness_n_m_per_rad: reader.scalar(&table.stiffness_n_m_per_rad, Limits::up_to(1e9, "N m/rad"))?,
+    })
+}
+
+fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Zone, Fault> {
+    let name = new_name(&table.name, "zone", instrument.zones.iter().map(|zone| zone.name.as_str()))?;
+    // The run's columns are `<zone>_N` and `<zone>_tangential_N`, beside the finger's `force_N`.
+    if name == "force" || name.ends_with("_tangential") {
+        return Err(Fault::at(
+            table.name.span(),
+            "this name would collide with another column of a run",
+            "another name",
+        ));
+    }
+    let label = table.label.clone().unwrap_or_else(|| name.replace('_', " "));
+    let (disc_body, disc_center_m, disc_radius_m) = read_disc(&table.disc, reader, instrument)?;
+    let (curve_body, curve, curve_body_span) = read_curve(table, reader, instrument)?;
+    if disc_body == curve_body {
+        return Err(Fault::at(curve_body_span, "both sides of this zone are on the same body", "another body"));
+    }
+    Ok(Zone {
+        name,
+        label,
+        disc_body,
+        disc_center_m,
+        disc_radius_m,
+        curve_body,
+        curve,
+        felt: read_felt(&table.felt, reader)?,
+        friction_coefficient: reader.scalar_or_zero(table.friction_coefficient.as_ref(), Limits::up_to(100.0, ""))?,
+    })
+}
+
+/// Body, centre and radius.
+fn read_disc(
+    table: &DiscToml,
+    reader: &mut Reader<'_>,
+    instrument: &Instrument,
+) -> Result<(Option<usize>, Vec2, f64), Fault> {
+    let body = body_or_ground(&table.body, instrument)?;
+    let center_m = reader.point_m(&table.center_mm)?;
+    let radius_mm = reader.scalar_or_zero(table.radius_mm.as_ref(), Limits::up_to(1e4, "mm"))?;
+    Ok((body, center_m, radius_mm / MM_PER_M))
+}
+
+/// Side B: its body, its curve, and where its body is named.
+fn read_curve(
+    table: &At<ZoneToml>,
+    reader: &mut Reader<'_>,
+    instrument: &Instrument,
+) -> Result<(Option<usize>, Curve, Range<usize>), Fault> {
+    const EXPECTED: &str = "exactly one of `line`, `segment`, `other_disc`";
+    match (&table.line, &table.segment, &table.other_disc) {
+        (Some(line), None, None) => {
+            let body = body_or_ground(&line.body, instrument)?;
+            let point_m = reader.point_m(&line.point_mm)?;
+            let normal = reader.direction(&line.normal)?;
+            Ok((body, Curve::Line { point_m, normal }, line.body.span()))
+        }
+        (None, Some(segment), None) => {
+            let body = body_or_ground(&segment.body, instrument)?;
+            let from_m = reader.point_m(&segment.from_mm)?;
+            let to_m = reader.point_m(&segment.to_mm)?;
+            let rounding_mm = reader.scalar_or_zero(segment.rounding_mm.as_ref(), Limits::up_to(1e4, "mm"))?;
+            if (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1]) < 1e-9 {
+                let expected = "another point than `from_mm` (for a disc use `other_disc`)";
+                return Err(Fault::at(segment.to_mm.value_span(), "a segment must have a length", expected));
+            }
+            Ok((body, Curve::Segment { from_m, to_m, rounding_m: rounding_mm / MM_PER_M }, segment.body.span()))
+        }
+        (None, None, Some(disc)) => {
+            let (body, center_m, radius_m) = read_disc(disc, reader, instrument)?;
+            if radius_m == 0.0 && table.disc.radius_mm.as_ref().is_none_or(|radius| radius.kind().0 == 0.0) {
+                return Err(Fault::at(disc.span(), "two points cannot touch", "a radius on one side at least"));
+            }
+            Ok((body, Curve::Disc { center_m, radius_m }, disc.body.span()))
+        }
+        (None, None, None) => {
+            Err(Fault::missing(table.span(), "line", EXPECTED).found("none of them").message("a zone needs a side B"))
+        }
+        (_, Some(extra), Some(_)) | (Some(_), Some(extra), None) => {
+            Err(Fault::at(extra.span(), "a zone has one side B", EXPECTED).found("more than one"))
+        }
+        (Some(_), None, Some(extra)) => {
+            Err(Fault::at(extra.span(), "a zone has one side B", EXPECTED).found("more than one"))
+        }
+    }
+}
+
+fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Felt, Fault> {
+    Ok(Felt {
+        stiffness: reader.scalar(&table.stiffness_n_per_m_r, Limits::up_to(1e18, "N/m^r"))?,
+        exponent: reader.scalar(&table.exponent, Limits::between(1.0, 6.0, ""))?,
+        damping: reader.scalar_or_zero(table.damping_n_s_per_m3.as_ref(), Limits::up_to(1e18, "N s/m3"))?,
+    })
+}
+
+fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Roles, Fault> {
+    let body = |name: &Option<At<String>>| {
+        let names = instrument.bodies.iter().map(|body| body.name.as_str());
+        name.as_ref().map(|name| index_of(name, "body", names)).transpose()
+    };
+    let zone = |name: &Option<At<String>>| name.as_ref().map(|name| zone_index(name, instrument)).transpose();
+    let key = body(&table.key)?;
+    let hammer = body(&table.hammer)?;
+    let key_front_m = match (&table.key, &table.key_front_mm) {
+        (Some(_), None) => {
+            return Err(Fault::missing(table.span(), "key_front_mm", "where the finger presses the key"));
+        }
+        (_, Some(point)) => reader.point_m(point)?,
+        (None, None) => [0.0; 2],
+    };
+    let hammer_head_m = match (&table.hammer, &table.hammer_head_mm) {
+        (Some(_), None) => {
+            return Err(Fault::missing(table.span(), "hammer_head_mm", "the hammer's strike point"));
+        }
+        (_, Some(point)) => reader.point_m(point)?,
+        (None, None) => [0.0; 2],
+    };
+    Ok(Roles {
+        key,
+        key_front_m,
+        hammer,
+        hammer_head_m,
+        key_bottom: zone(&table.key_bottom)?,
+        string: zone(&table.string)?,
+        let_off: zone(&table.let_off)?,
+        knuckle: zone_indices(&table.knuckle, instrument)?,
+        check: zone(&table.check)?,
+        transmits: Vec::new(),
+        stops: Vec::new(),
+    })
+}
+
+fn read_one_dof(table: &OneDofToml, instrument: &mut Instrument) -> Result<(), Fault> {
+    instrument.roles.transmits = zone_indices(&table.transmits, instrument)?;
+    instrument.roles.stops = zone_indices(&table.stops, instrument)?;
+    Ok(())
+}
+
+fn zone_index(name: &At<String>, instrument: &Instrument) -> Result<usize, Fault> {
+    index_of(name, "zone", instrument.zones.iter().map(|zone| zone.name.as_str()))
+}
+
+/// Indices of named zones, each named once.
+fn zone_indices(names: &[At<String>], instrument: &Instrument) -> Result<Vec<usize>, Fault> {
+    let mut indices = Vec::new();
+    for name in names {
+        let index = zone_index(name, instrument)?;
+        if indices.contains(&index) {
+            return Err(Fault::at(name.span(), "this zone is named twice", "every zone once"));
+        }
+        indices.push(index);
+    }
+    Ok(indices)
+}
+
+/// Reads a screw and turns it: the zone or spring it acts on is changed by its setting.
+fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<Screw, Fault> {
+    let name = new_name(&table.name, "screw", instrument.screws.iter().map(|screw| screw.name.as_str()))?;
+    let label = table.label.clone().unwrap_or_else(|| name.replace('_', " "));
+    let needs = |key: &str, expected: &str| Fault::missing(table.span(), key, expected);
+    let misplaced = |span: Range<usize>, with: &str| {
+        Fault::at(span, format!("this key does not go with `{with}`"), "a screw with `zone` or with `spring`, not both")
+    };
+    let (action, setting, setting_span) = match (&table.zone, &table.spring) {
+        (Some(zone), None) => {
+            if let Some(setting) = &table.setting_n_m {
+                return Err(misplaced(setting.span(), "zone"));
+            }
+            let zone = zone_index(zone, instrument)?;
+            let side = table.side.as_ref().ok_or_else(|| needs("side", "\"disc\" or \"curve\""))?;
+            let direction =
+                table.direction.as_ref().ok_or_else(|| needs("direction", "the direction of a positive setting"))?;
+            let direction = reader.direction(direction)?;
+            let setting = table.setting_mm.as_ref().ok_or_else(|| needs("setting_mm", "a length, 0 as drawn"))?;
+            let action = match **side {
+                ScrewSide::Disc => ScrewAction::Disc { zone, direction },
+                ScrewSide::Curve => ScrewAction::Curve { zone, direction },
+            };
+            (action, reader.scalar(setting, LENGTH_MM)? / MM_PER_M, setting.value_span())
+        }
+        (None, Some(spring)) => {
+            let misfit = [
+                table.side.as_ref().map(At::span),
+                table.direction.as_ref().map(At::span),
+                table.setting_mm.as_ref().map(At::span),
+            ];
+            if let Some(span) = misfit.into_iter().flatten().next() {
+                return Err(misplaced(span, "spring"));
+            }
+            let spring = index_of(spring, "spring", instrument.springs.iter().map(|spring| spring.name.as_str()))?;
+            let setting = table.setting_n_m.as_ref().ok_or_else(|| needs("setting_N_m", "a torque, 0 as drawn"))?;
+            let turned = reader.scalar(setting, Limits::symmetric(1e6, "N m"))?;
+            (ScrewAction::Spring { spring }, turned, setting.value_span())
+        }
+        (Some(_), Some(spring)) => return Err(misplaced(spring.span(), "zone")),
+        (None, None) => return Err(needs("zone", "`zone` or `spring`: what the screw turns")),
+    };
+    if !instrument.shift(&action, setting) {
+        return Err(Fault::at(
+            setting_span,
+            "this setting turns the spring's torque around",
+            "a setting that leaves the spring pushing the same way",
+        ));
+    }
+    Ok(Screw { name, label, action, setting })
+}
+
+fn read_part(table: &At<PartToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Part, Fault> {
+    let body = body_or_ground(&table.body, instrument)?;
+    let outline = &table.outline_mm;
+    if !(3..=MAX_CORNERS).contains(&outline.len()) {
+        let message = "an outline encloses an area";
+        return Err(Fault::at(outline.span(), message, format!("from 3 to {MAX_CORNERS} corners [x, y]"))
+            .found(format!("{} corners", outline.len())));
+    }
+    let mut outline_m = Vec::with_capacity(outline.len());
+    for corner in outline.iter() {
+        outline_m.push(reader.corner_m(corner.0, outline.span())?);
+    }
+    let citation = match (&table.source, table.certainty) {
+        (Some(source), Some(certainty)) => Some(reader.citation(source, certainty, None, table.note.as_deref())?),
+        (Some(_), None) => {
+            return Err(Fault::missing(table.span(), "certainty", "how sure the outline is"));
+        }
+        (None, Some(_)) => {
+            return Err(Fault::missing(table.span(), "source", "where the outline comes from"));
+        }
+        (None, None) => None,
+    };
+    let values = outline.iter().flat_map(|corner| corner.0).collect();
+    reader.numbers.push(ReadNumber { span: outline.span(), values, citation });
+    Ok(Part { name: table.name.to_string(), body, material: table.material, outline_m, smooth: table.smooth })
+}

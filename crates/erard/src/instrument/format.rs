@@ -1,0 +1,288 @@
+//! The instrument file as it is written: TOML, a pianist's units, the unit in the key's name.
+//!
+//! These structs are the format: serde reads the file into them, and the JSON Schema is generated from them, doc
+//! comments included. What they mean in SI units, and what is not allowed, is [`super::convert`]'s business.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::Material;
+use super::provenance::{Certainty, Source};
+use super::quantity::{At, Exponent, NonNegative, Num, Pair, Positive, Real};
+
+/// What the key `format` must say.
+pub(crate) const FORMAT: &str = "erard-instrument/1";
+
+/// An instrument: a planar mechanism of hinged rigid bodies with felts between them.
+///
+/// Lengths in millimetres, masses in grams, angles in degrees; x toward the back of the piano, y up, angles
+/// counter-clockwise; the player sits at negative x. Every number may stand alone or carry its provenance:
+/// `mass_g = 140` or `mass_g = { value = 140, source = "...", certainty = "estimate" }`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Erard instrument file")]
+pub(crate) struct InstrumentToml {
+    /// Version of the format: `erard-instrument/1`.
+    #[schemars(extend("const" = FORMAT))]
+    pub format: At<String>,
+    /// Name shown in summaries, e.g. `Concert grand, C4`.
+    pub name: At<String>,
+    /// What instrument this is, for people.
+    pub description: Option<String>,
+    /// Gravity, m/s2, pointing down.
+    #[serde(rename = "gravity_m_s2")]
+    pub gravity_m_s2: Num<NonNegative>,
+    /// The sources that numbers cite, by name.
+    #[serde(default)]
+    pub sources: BTreeMap<String, Source>,
+    /// The bodies; at most 12.
+    #[schemars(length(min = 1, max = 12))]
+    pub body: Vec<At<BodyToml>>,
+    /// Torsion springs at pivots; at most 24.
+    #[serde(default)]
+    #[schemars(length(max = 24))]
+    pub spring: Vec<At<SpringToml>>,
+    /// Contact zones: felts, cloths and leathers; at most 32.
+    #[serde(default)]
+    #[schemars(length(max = 32))]
+    pub zone: Vec<At<ZoneToml>>,
+    /// Who is who in the mechanism. A role that is absent is not there.
+    pub roles: Option<At<RolesToml>>,
+    /// The player's fingertip: needed when `roles` names a key.
+    pub finger: Option<At<FingerToml>>,
+    /// How the one-degree-of-freedom model is derived.
+    pub one_dof: Option<At<OneDofToml>>,
+    /// Regulating screws.
+    #[serde(default)]
+    #[schemars(length(max = 64))]
+    pub screw: Vec<At<ScrewToml>>,
+    /// Outlines for drawings; they take no part in the mechanics.
+    #[serde(default)]
+    #[schemars(length(max = 512))]
+    pub part: Vec<At<PartToml>>,
+}
+
+/// A rigid body on a hinge. Its own frame has its origin at the pivot and is turned by `angle_deg`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BodyToml {
+    /// Identifier: lower-case letters, digits and underscores; the stem of the run's columns. Not `ground`.
+    pub name: At<String>,
+    /// The body that carries the hinge; `ground` when absent.
+    pub hinged_on: Option<At<String>>,
+    /// The pivot in the frame of what it is hinged on (the world's frame for the ground), mm.
+    pub pivot_mm: Num<Pair>,
+    /// Angle of the body's own frame against the world as drawn, degrees counter-clockwise; 0 when absent.
+    pub angle_deg: Option<Num<Real>>,
+    /// Mass, g.
+    pub mass_g: Num<Positive>,
+    /// Moment of inertia about its own pivot, kg m2; at least mass times the squared distance of the centre of mass.
+    #[serde(rename = "inertia_kg_m2")]
+    pub inertia_kg_m2: Num<Positive>,
+    /// Centre of mass in the body's own frame, mm.
+    pub center_of_mass_mm: Num<Pair>,
+    /// Dry friction torque of the pivot, N m; 0 when absent.
+    #[serde(rename = "friction_torque_N_m")]
+    pub friction_torque_n_m: Option<Num<NonNegative>>,
+    /// Viscous friction of the pivot, N m s per radian; 0 when absent.
+    #[serde(rename = "viscous_N_m_s")]
+    pub viscous_n_m_s: Option<Num<NonNegative>>,
+}
+
+/// A torsion spring at the pivot of a body.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SpringToml {
+    /// Identifier: lower-case letters, digits and underscores.
+    pub name: At<String>,
+    /// The body that it turns; the opposite torque acts on what that body is hinged on.
+    pub body: At<String>,
+    /// Torque on the body as drawn, N m, counter-clockwise positive.
+    #[serde(rename = "torque_N_m")]
+    pub torque_n_m: Num<Real>,
+    /// Stiffness, N m per radian of turning away from the drawn position.
+    #[serde(rename = "stiffness_N_m_per_rad")]
+    pub stiffness_n_m_per_rad: Num<NonNegative>,
+}
+
+/// A felt between a disc (or a point) on one body and a line, a rounded segment or a disc on another.
+/// Exactly one of `line`, `segment` and `other_disc` is given.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ZoneToml {
+    /// Identifier: lower-case letters, digits and underscores; the stem of the run's columns.
+    pub name: At<String>,
+    /// A line for people, e.g. `jack toe - let-off button`; the name when absent.
+    pub label: Option<String>,
+    /// Side A.
+    pub disc: At<DiscToml>,
+    /// Side B, a half plane of wood.
+    pub line: Option<At<LineToml>>,
+    /// Side B, a segment that ends.
+    pub segment: Option<At<SegmentToml>>,
+    /// Side B, a second disc.
+    pub other_disc: Option<At<DiscToml>>,
+    /// The felt's law.
+    pub felt: At<FeltToml>,
+    /// Coulomb friction coefficient; no friction when absent.
+    pub friction_coefficient: Option<Num<NonNegative>>,
+}
+
+/// A disc; a point when its radius is absent or 0.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DiscToml {
+    /// The body that carries it, or `ground`.
+    pub body: At<String>,
+    /// Centre in that body's own frame (the world's for the ground), mm.
+    pub center_mm: Num<Pair>,
+    /// Radius, mm; 0 when absent.
+    pub radius_mm: Option<Num<NonNegative>>,
+}
+
+/// A straight edge of wood without ends.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LineToml {
+    /// The body that carries it, or `ground`.
+    pub body: At<String>,
+    /// A point of the line in that body's own frame (the world's for the ground), mm.
+    pub point_mm: Num<Pair>,
+    /// Direction that points out of the wood, of any length but zero: [0, 1] for a floor, [0, -1] for a ceiling.
+    pub normal: Num<Pair>,
+}
+
+/// A straight edge that ends, with round corners: all points within `rounding_mm` of the core segment.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SegmentToml {
+    /// The body that carries it, or `ground`.
+    pub body: At<String>,
+    /// One end of the core in that body's own frame (the world's for the ground), mm.
+    pub from_mm: Num<Pair>,
+    /// The other end of the core, mm.
+    pub to_mm: Num<Pair>,
+    /// Rounding radius, mm; 0 when absent.
+    pub rounding_mm: Option<Num<NonNegative>>,
+}
+
+/// Felt law F = k g^r + b g^2 dg/dt for the compression g in metres; it never pulls.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FeltToml {
+    /// k, N/m^r.
+    #[serde(rename = "stiffness_N_per_m_r")]
+    pub stiffness_n_per_m_r: Num<NonNegative>,
+    /// r, from 1 to 6.
+    pub exponent: Num<Exponent>,
+    /// b, N s/m3; 0 when absent.
+    #[serde(rename = "damping_N_s_per_m3")]
+    pub damping_n_s_per_m3: Option<Num<NonNegative>>,
+}
+
+/// Who is who: names of bodies and zones.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RolesToml {
+    /// The body that the finger presses.
+    pub key: Option<At<String>>,
+    /// Where the finger presses, in the key's own frame, mm.
+    pub key_front_mm: Option<Num<Pair>>,
+    /// The body whose speed is the result.
+    pub hammer: Option<At<String>>,
+    /// The strike point in the hammer's own frame, mm.
+    pub hammer_head_mm: Option<Num<Pair>>,
+    /// The zone that stops the key: key bottom.
+    pub key_bottom: Option<At<String>>,
+    /// The zone between hammer and string.
+    pub string: Option<At<String>>,
+    /// The zone between jack toe and let-off button.
+    pub let_off: Option<At<String>>,
+    /// The zones that push the hammer up.
+    #[serde(default)]
+    pub knuckle: Vec<At<String>>,
+    /// The zone between hammer tail and back check.
+    pub check: Option<At<String>>,
+}
+
+/// The fingertip between the player and the key: a spring and a damper in parallel that can only push.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FingerToml {
+    /// Stiffness, N/m.
+    #[serde(rename = "stiffness_N_per_m")]
+    pub stiffness_n_per_m: Num<Positive>,
+    /// Damping, N s/m.
+    #[serde(rename = "damping_N_s_per_m")]
+    pub damping_n_s_per_m: Num<NonNegative>,
+}
+
+/// What the one-degree-of-freedom model is made of.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OneDofToml {
+    /// Zones that tie the other bodies to the key at rest.
+    pub transmits: Vec<At<String>>,
+    /// The key's own stops.
+    pub stops: Vec<At<String>>,
+}
+
+/// A regulating screw: moves one side of a zone (`zone`, `side`, `direction`, `setting_mm`) or adds to a spring's torque
+/// (`spring`, `setting_N_m`).
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ScrewToml {
+    /// Identifier: lower-case letters, digits and underscores.
+    pub name: At<String>,
+    /// What a positive setting does, for people.
+    pub label: Option<String>,
+    /// The zone of which it moves one side.
+    pub zone: Option<At<String>>,
+    /// The side that it moves.
+    pub side: Option<At<ScrewSide>>,
+    /// Direction of a positive setting in the frame of that side's body, of any length but zero.
+    pub direction: Option<Num<Pair>>,
+    /// How far it is turned from the drawn geometry, mm.
+    pub setting_mm: Option<Num<Real>>,
+    /// The spring that it tightens.
+    pub spring: Option<At<String>>,
+    /// Torque added to the spring, N m; positive tightens it, whatever the sign of its torque.
+    #[serde(rename = "setting_N_m")]
+    pub setting_n_m: Option<Num<Real>>,
+}
+
+/// The side of a zone that a screw moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum ScrewSide {
+    /// Side A, the disc.
+    Disc,
+    /// Side B, the line, segment or other disc.
+    Curve,
+}
+
+/// A piece of wood, felt, leather or metal in drawings.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PartToml {
+    /// What it is, e.g. `hammer head`.
+    pub name: At<String>,
+    /// The body that carries it, or `ground`.
+    pub body: At<String>,
+    /// What it is made of.
+    pub material: Material,
+    /// Closed polygon in that body's own frame (the world's for the ground), mm; three corners or more.
+    #[schemars(length(min = 3, max = 4096))]
+    pub outline_mm: At<Vec<Pair>>,
+    /// Whether its corners are rounded off into a smooth curve; no when absent.
+    #[serde(default)]
+    pub smooth: bool,
+    /// Where the outline comes from: a name in `[sources]`.
+    pub source: Option<At<String>>,
+    /// How sure it is.
+    pub certainty: Option<Certainty>,
+    /// How it was derived, or a caution.
+    pub note: Option<String>,
+}

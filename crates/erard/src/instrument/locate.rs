@@ -1,0 +1,131 @@
+//! From a span of bytes to what a person needs: line, column, and the dotted path of the key.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml::de::{DeTable, DeValue};
+
+use super::error::{Fault, FileError};
+
+/// Longest excerpt of the file that an error quotes, in characters.
+const LONGEST_EXCERPT: usize = 60;
+
+/// Every key of a document with the spans of its name and of its value.
+pub(crate) struct KeyMap {
+    entries: Vec<(Range<usize>, Range<usize>, String)>,
+}
+
+impl KeyMap {
+    /// Reads the keys of `text`; a document that is no TOML has none.
+    pub(crate) fn read(text: &str) -> Self {
+        let mut entries = Vec::new();
+        if let Ok(table) = DeTable::parse(text) {
+            walk_table(table.get_ref(), "", &mut entries);
+        }
+        Self { entries }
+    }
+
+    /// Path of the narrowest key or value that contains `span`, or an empty string.
+    pub(crate) fn key_at(&self, span: &Range<usize>) -> String {
+        let contains = |outer: &Range<usize>| outer.start <= span.start && span.end <= outer.end;
+        self.entries
+            .iter()
+            .flat_map(|(name, value, path)| [(name, path), (value, path)])
+            .filter(|(range, _)| contains(range))
+            // Of equal spans the last is the deepest: children are entered after their parents.
+            .rev()
+            .min_by_key(|(range, _)| range.len())
+            .map(|(_, path)| path.clone())
+            .unwrap_or_default()
+    }
+}
+
+fn walk_table(table: &DeTable<'_>, path: &str, entries: &mut Vec<(Range<usize>, Range<usize>, String)>) {
+    for (name, value) in table {
+        let path = if path.is_empty() { name.get_ref().to_string() } else { format!("{path}.{}", name.get_ref()) };
+        entries.push((name.span(), value.span(), path.clone()));
+        walk_value(value.get_ref(), &path, entries);
+    }
+}
+
+fn walk_value(value: &DeValue<'_>, path: &str, entries: &mut Vec<(Range<usize>, Range<usize>, String)>) {
+    match value {
+        DeValue::Table(table) => walk_table(table, path, entries),
+        DeValue::Array(array) => {
+            for (index, element) in array.iter().enumerate() {
+                // Numbers inside a vector stay with the vector's key; tables of a list are told apart.
+                let DeValue::Table(table) = element.get_ref() else {
+                    continue;
+                };
+                let path = match table.get("name").map(|name| name.get_ref()) {
+                    Some(DeValue::String(name)) if !name.is_empty() => format!("{path}.{name}"),
+                    _ => format!("{path}[{}]", index + 1),
+                };
+                entries.push((element.span(), element.span(), path.clone()));
+                walk_table(table, &path, entries);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Line and column (characters) of a byte of `text`, both from 1.
+pub(crate) fn line_column(text: &str, byte: usize) -> (usize, usize) {
+    let before = &text[..floor_char_boundary(text, byte)];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+}
+
+/// Dresses a fault with file, line and key.
+pub(crate) fn dress(file: &str, text: &str, fault: Fault) -> Box<FileError> {
+    let start = floor_char_boundary(text, fault.span.start);
+    let end = floor_char_boundary(text, fault.span.end).max(start);
+    let (line, column) = line_column(text, start);
+    let mut key = KeyMap::read(text).key_at(&(start..end));
+    if key.is_empty() && fault.child_key.is_none() {
+        key = left_of_equals(text, start);
+    }
+    if let Some(child) = &fault.child_key
+        && key.rsplit('.').next() != Some(child.as_str())
+    {
+        key = if key.is_empty() { child.clone() } else { format!("{key}.{child}") };
+    }
+    let found = fault.found.unwrap_or_else(|| excerpt(&text[start..end]));
+    Box::new(FileError {
+        file: file.to_owned(),
+        line,
+        column,
+        key,
+        message: fault.message,
+        found,
+        expected: fault.expected,
+        span: start..end,
+        text: Arc::from(text),
+    })
+}
+
+/// The key of a line that is no TOML: what stands left of its `=`.
+fn left_of_equals(text: &str, byte: usize) -> String {
+    let start = text[..byte].rfind('\n').map_or(0, |newline| newline + 1);
+    let line = text[start..].lines().next().unwrap_or_default();
+    let name = line.split_once('=').map_or("", |(name, _)| name.trim());
+    if name.starts_with('#') || name.chars().count() > LONGEST_EXCERPT { String::new() } else { name.to_owned() }
+}
+
+/// One line, not too long.
+fn excerpt(text: &str) -> String {
+    let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if words.chars().count() > LONGEST_EXCERPT {
+        words = words.chars().take(LONGEST_EXCERPT).collect::<String>() + "...";
+    }
+    if words.is_empty() { words } else { format!("`{words}`") }
+}
+
+/// The largest character boundary not after `byte`.
+fn floor_char_boundary(text: &str, byte: usize) -> usize {
+    let mut byte = byte.min(text.len());
+    while !text.is_char_boundary(byte) {
+        byte -= 1;
+    }
+    byte
+}

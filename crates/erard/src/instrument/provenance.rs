@@ -1,0 +1,87 @@
+//! Where an instrument's numbers come from.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How sure a number is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Certainty {
+    /// Measured on the instrument that the file describes.
+    Measured,
+    /// Read in a public source, named beside it.
+    Read,
+    /// Read in somebody's quotation of a source.
+    SecondHand,
+    /// Estimated; the derivation stands in the note or at the source.
+    Estimate,
+}
+
+/// A source that numbers can cite.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// What it is called.
+    pub title: String,
+    /// Who wrote it.
+    pub author: Option<String>,
+    /// When, e.g. `2001` or `November 2001`.
+    pub date: Option<String>,
+    /// Where it can be found.
+    pub url: Option<String>,
+    /// How it was used, or a caution.
+    pub note: Option<String>,
+}
+
+/// How far a number may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spread {
+    /// Plus or minus, in the unit of the file's key.
+    PlusMinus(f64),
+    /// Times or divided by, at least 1.
+    Factor(f64),
+}
+
+/// A number's provenance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Citation {
+    /// Name of a source in [`Provenance::sources`].
+    pub source: String,
+    /// How sure it is.
+    pub certainty: Certainty,
+    /// How far it may be off, if that is known.
+    pub spread: Option<Spread>,
+    /// Derivation or caution.
+    pub note: Option<String>,
+}
+
+/// One number of the file as it stands there: in the unit that ends the key's name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CitedNumber {
+    /// Dotted path, e.g. `body.jack.mass_g` or `zone.string.felt.exponent`.
+    pub key: String,
+    /// Line of the file, from 1.
+    pub line: usize,
+    /// The number, or the components of the vector (of all corners, for an outline).
+    pub values: Vec<f64>,
+    /// `None` for a bare number.
+    pub citation: Option<Citation>,
+}
+
+/// Every number of a file and where it comes from.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Provenance {
+    /// The sources by name.
+    pub sources: BTreeMap<String, Source>,
+    /// The numbers in the order of their reading: top, bodies, springs, zones, roles, finger, screws, parts.
+    pub numbers: Vec<CitedNumber>,
+}
+
+impl Provenance {
+    /// The numbers that carry no source.
+    pub fn bare(&self) -> impl Iterator<Item = &CitedNumber> {
+        self.numbers.iter().filter(|number| number.citation.is_none())
+    }
+}

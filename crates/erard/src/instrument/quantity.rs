@@ -1,0 +1,239 @@
+//! A number in an instrument file: bare (`mass_g = 140`) or cited (`mass_g = { value = 140, source = ..., ... }`).
+
+use std::borrow::Cow;
+use std::fmt;
+use std::marker::PhantomData;
+use std::ops::{Deref, Range};
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::{F64Deserializer, MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+
+use super::provenance::Certainty;
+
+/// A value that remembers where in the text it stood; invisible in the schema.
+#[derive(Debug, Clone)]
+pub(crate) struct At<T>(toml::Spanned<T>);
+
+impl<T> At<T> {
+    /// Bytes of the text.
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.0.span()
+    }
+}
+
+impl<T> Deref for At<T> {
+    type Target = T;
+    fn deref(&self) -> &T {
+        self.0.get_ref()
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        toml::Spanned::deserialize(deserializer).map(At)
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for At<T> {
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+    fn schema_id() -> Cow<'static, str> {
+        T::schema_id()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
+
+/// What can be bare or cited: a number of some range, or a pair of them.
+pub(crate) trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
+    /// What an error says should stand there.
+    const EXPECTED: &'static str;
+    /// The numbers.
+    fn numbers(&self) -> &[f64];
+}
+
+macro_rules! scalar_kind {
+    ($(#[$doc:meta])* $name:ident, $schema_name:literal, $expected:literal, $schema:tt) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, serde::Deserialize)]
+        #[serde(transparent)]
+        pub(crate) struct $name(pub f64);
+
+        impl Kind for $name {
+            const EXPECTED: &'static str = $expected;
+            fn numbers(&self) -> &[f64] {
+                std::slice::from_ref(&self.0)
+            }
+        }
+
+        impl JsonSchema for $name {
+            fn inline_schema() -> bool {
+                true
+            }
+            fn schema_name() -> Cow<'static, str> {
+                $schema_name.into()
+            }
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!($schema)
+            }
+        }
+    };
+}
+
+scalar_kind!(
+    /// Any finite number.
+    Real, "Real", "a number", { "type": "number" });
+scalar_kind!(
+    /// A number greater than zero.
+    Positive, "Positive", "a number greater than 0", { "type": "number", "exclusiveMinimum": 0 });
+scalar_kind!(
+    /// Zero or more.
+    NonNegative, "NonNegative", "a number that is not negative", { "type": "number", "minimum": 0 });
+scalar_kind!(
+    /// A felt's exponent.
+    Exponent, "Exponent", "a number from 1 to 6", { "type": "number", "minimum": 1, "maximum": 6 });
+
+/// A point or direction, `[x, y]`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pair(pub [f64; 2]);
+
+impl Kind for Pair {
+    const EXPECTED: &'static str = "two numbers [x, y]";
+    fn numbers(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl<'de> Deserialize<'de> for Pair {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PairVisitor;
+        impl<'de> Visitor<'de> for PairVisitor {
+            type Value = Pair;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(Pair::EXPECTED)
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Pair, A::Error> {
+                let mut pair = [0.0; 2];
+                for (index, number) in pair.iter_mut().enumerate() {
+                    *number = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(index, &self))?;
+                }
+                let mut length = 2;
+                while seq.next_element::<IgnoredAny>()?.is_some() {
+                    length += 1;
+                }
+                if length == 2 { Ok(Pair(pair)) } else { Err(A::Error::invalid_length(length, &self)) }
+            }
+        }
+        deserializer.deserialize_seq(PairVisitor)
+    }
+}
+
+impl JsonSchema for Pair {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "Pair".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 })
+    }
+}
+
+/// A number with its provenance.
+#[derive(Debug, Clone, serde::Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(bound = "T: JsonSchema")]
+pub(crate) struct Cited<T> {
+    /// The number, in the unit that ends the key's name.
+    pub value: At<T>,
+    /// Where it comes from: a name in `[sources]`.
+    pub source: At<String>,
+    /// How sure it is.
+    pub certainty: Certainty,
+    /// Plus or minus, in the unit of the value (for a vector: of each component).
+    pub spread: Option<At<NonNegative>>,
+    /// Times or divided by: for what is known to a factor only, such as a felt's stiffness. At least 1.
+    pub spread_factor: Option<At<SpreadFactor>>,
+    /// How it was derived, or a caution.
+    pub note: Option<String>,
+}
+
+scalar_kind!(
+    /// A factor of uncertainty.
+    SpreadFactor, "SpreadFactor", "a factor of at least 1", { "type": "number", "minimum": 1 });
+
+/// A number, bare or cited.
+#[derive(Debug, Clone)]
+pub(crate) enum Quantity<T> {
+    Bare(T),
+    Cited(Box<Cited<T>>),
+}
+
+/// A number of the file: bare or cited, with its place in the text.
+pub(crate) type Num<T> = At<Quantity<T>>;
+
+impl<T> At<Quantity<T>> {
+    /// The number itself.
+    pub(crate) fn kind(&self) -> &T {
+        match &**self {
+            Quantity::Bare(value) => value,
+            Quantity::Cited(cited) => &cited.value,
+        }
+    }
+
+    /// Where the number itself stands, without its citation.
+    pub(crate) fn value_span(&self) -> Range<usize> {
+        match &**self {
+            Quantity::Bare(_) => self.span(),
+            Quantity::Cited(cited) => cited.value.span(),
+        }
+    }
+}
+
+impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct QuantityVisitor<T>(PhantomData<T>);
+        impl<'de, T: Kind> Visitor<'de> for QuantityVisitor<T> {
+            type Value = Quantity<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{}, or a cited one {{ value = ..., source = ..., certainty = ... }}", T::EXPECTED)
+            }
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+                let number: F64Deserializer<E> = value.into_deserializer();
+                T::deserialize(number).map(Quantity::Bare)
+            }
+            // TOML integers have 64 bits; those beyond 2^53 lose digits here, and none of them is a sane length or mass.
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+                self.visit_f64(value as f64)
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+                T::deserialize(SeqAccessDeserializer::new(seq)).map(Quantity::Bare)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+                Cited::deserialize(MapAccessDeserializer::new(map)).map(|cited| Quantity::Cited(Box::new(cited)))
+            }
+        }
+        deserializer.deserialize_any(QuantityVisitor(PhantomData))
+    }
+}
+
+impl<T: Kind> JsonSchema for Quantity<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("{}Quantity", T::schema_name()).into()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let bare = T::json_schema(generator);
+        let cited = generator.subschema_for::<Cited<T>>();
+        json_schema!({
+            "description": format!("{}, bare or with its provenance.", T::EXPECTED),
+            "anyOf": [bare, cited],
+        })
+    }
+}

@@ -1,0 +1,237 @@
+//! Reading single values: numbers within their limits and with their provenance, names that exist.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::error::Fault;
+use super::provenance::{Certainty, Citation, Source, Spread};
+use super::quantity::{At, Kind, Num, Quantity};
+use super::{Instrument, Vec2};
+
+/// Millimetres in a metre. Dividing by it rounds correctly: 142.23 mm is the same bits as 0.14223 m.
+pub(crate) const MM_PER_M: f64 = 1000.0;
+/// Grams in a kilogram.
+pub(crate) const G_PER_KG: f64 = 1000.0;
+
+/// Longest length of a name: it becomes a column title.
+const LONGEST_NAME: usize = 40;
+
+/// The range outside which a number is a slip of the pen rather than an instrument. Wide: an anvil and a watch fit in.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Smallest value.
+    pub least: f64,
+    /// Largest value.
+    pub most: f64,
+    /// Unit, for the message.
+    pub unit: &'static str,
+}
+
+impl Limits {
+    /// From minus `most` to `most`.
+    pub(crate) const fn symmetric(most: f64, unit: &'static str) -> Self {
+        Self { least: -most, most, unit }
+    }
+    /// From 0 to `most`.
+    pub(crate) const fn up_to(most: f64, unit: &'static str) -> Self {
+        Self { least: 0.0, most, unit }
+    }
+    /// From `least` (above 0) to `most`.
+    pub(crate) const fn between(least: f64, most: f64, unit: &'static str) -> Self {
+        Self { least, most, unit }
+    }
+}
+
+/// A number on its way into the provenance; its key is found later, from its span.
+pub(crate) struct ReadNumber {
+    pub span: Range<usize>,
+    pub values: Vec<f64>,
+    pub citation: Option<Citation>,
+}
+
+/// Reads values and keeps a record of the numbers.
+pub(crate) struct Reader<'a> {
+    sources: &'a BTreeMap<String, Source>,
+    /// All numbers read so far.
+    pub numbers: Vec<ReadNumber>,
+}
+
+impl<'a> Reader<'a> {
+    pub(crate) fn new(sources: &'a BTreeMap<String, Source>) -> Self {
+        Self { sources, numbers: Vec::new() }
+    }
+
+    /// A scalar within `limits`, in the file's unit.
+    pub(crate) fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<f64, Fault> {
+        self.checked(number, limits)?;
+        Ok(number.kind().numbers()[0])
+    }
+
+    /// A scalar that may be absent, then 0.
+    pub(crate) fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
+        number.map_or(Ok(0.0), |number| self.scalar(number, limits))
+    }
+
+    /// A pair within `limits`, in the file's unit.
+    pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
+        self.checked(number, limits)?;
+        let numbers = number.kind().numbers();
+        Ok([numbers[0], numbers[1]])
+    }
+
+    /// A point given in millimetres, in metres.
+    pub(crate) fn point_m<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
+        Ok(self.pair(number, LENGTH_MM)?.map(|mm| mm / MM_PER_M))
+    }
+
+    /// A direction of any length but zero, as a unit vector.
+    pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
+        let [x, y] = self.pair(number, Limits::symmetric(1e6, ""))?;
+        let length = x.hypot(y);
+        if length < 1e-6 {
+            return Err(Fault::at(number.value_span(), "a direction must have a length", "two numbers, not both 0"));
+        }
+        Ok([x / length, y / length])
+    }
+
+    fn checked<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<(), Fault> {
+        let values = number.kind().numbers();
+        for &value in values {
+            self.check_value(value, number.value_span(), T::EXPECTED, limits)?;
+        }
+        let citation = match &**number {
+            Quantity::Bare(_) => None,
+            Quantity::Cited(cited) => {
+                let spread = match (&cited.spread, &cited.spread_factor) {
+                    (Some(_), Some(factor)) => {
+                        return Err(Fault::at(
+                            factor.span(),
+                            "a number has `spread` or `spread_factor`, not both",
+                            "one of the two",
+                        ));
+                    }
+                    (Some(spread), None) => {
+                        let limits = Limits::up_to(1e18, "");
+                        self.check_value(spread.0, spread.span(), "a spread that is not negative", limits)?;
+                        Some(Spread::PlusMinus(spread.0))
+                    }
+                    (None, Some(factor)) => {
+                        let limits = Limits::between(1.0, 1e6, "");
+                        self.check_value(factor.0, factor.span(), "a factor of at least 1", limits)?;
+                        Some(Spread::Factor(factor.0))
+                    }
+                    (None, None) => None,
+                };
+                Some(self.citation(&cited.source, cited.certainty, spread, cited.note.as_deref())?)
+            }
+        };
+        self.numbers.push(ReadNumber { span: number.span(), values: values.to_vec(), citation });
+        Ok(())
+    }
+
+    fn check_value(&self, value: f64, span: Range<usize>, expected: &str, limits: Limits) -> Result<(), Fault> {
+        let Limits { least, most, unit } = limits;
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        if !value.is_finite() {
+            return Err(Fault::at(span, "not a finite number", expected));
+        }
+        if value < 0.0 && least >= 0.0 {
+            return Err(Fault::at(span, "must not be negative", expected));
+        }
+        if value == 0.0 && least > 0.0 {
+            return Err(Fault::at(span, "must not be zero", expected));
+        }
+        if value < least {
+            return Err(Fault::at(span, "too small", format!("at least {least:e}{unit}")));
+        }
+        if value > most {
+            return Err(Fault::at(span, "too large", format!("at most {most:e}{unit}")));
+        }
+        Ok(())
+    }
+
+    /// A corner of an outline, in metres.
+    pub(crate) fn corner_m(&self, corner_mm: Vec2, span: Range<usize>) -> Result<Vec2, Fault> {
+        for value in corner_mm {
+            self.check_value(value, span.clone(), "numbers [x, y]", LENGTH_MM)?;
+        }
+        Ok(corner_mm.map(|mm| mm / MM_PER_M))
+    }
+
+    /// A citation whose source exists.
+    pub(crate) fn citation(
+        &self,
+        source: &At<String>,
+        certainty: Certainty,
+        spread: Option<Spread>,
+        note: Option<&str>,
+    ) -> Result<Citation, Fault> {
+        if !self.sources.contains_key(source.as_str()) {
+            let expected = one_of(self.sources.keys().map(String::as_str), "an entry of [sources]");
+            return Err(Fault::at(source.span(), "no such source", expected));
+        }
+        Ok(Citation { source: source.to_string(), certainty, spread, note: note.map(str::to_owned) })
+    }
+}
+
+/// Lengths and coordinates: ten metres is a room, not an action.
+pub(crate) const LENGTH_MM: Limits = Limits::symmetric(1e4, "mm");
+
+/// A new name for a body, spring, zone or screw: fit for a column title and not taken.
+pub(crate) fn new_name<'n>(
+    name: &At<String>,
+    what: &str,
+    taken: impl IntoIterator<Item = &'n str>,
+) -> Result<String, Fault> {
+    let expected = format!("1 to {LONGEST_NAME} lower-case letters, digits and underscores, starting with a letter");
+    let well_formed = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.len() <= LONGEST_NAME
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    if !well_formed {
+        return Err(Fault::at(name.span(), format!("not a name for a {what}"), expected));
+    }
+    if taken.into_iter().any(|other| other == name.as_str()) {
+        return Err(Fault::at(name.span(), format!("there are two {}", plural(what)), "a name of its own"));
+    }
+    Ok(name.to_string())
+}
+
+fn plural(what: &str) -> String {
+    format!("{} of this name", if what == "body" { "bodies".to_owned() } else { format!("{what}s") })
+}
+
+/// Index of a named thing.
+pub(crate) fn index_of<'n>(
+    name: &At<String>,
+    what: &str,
+    names: impl Iterator<Item = &'n str> + Clone,
+) -> Result<usize, Fault> {
+    names.clone().position(|other| other == name.as_str()).ok_or_else(|| {
+        Fault::at(name.span(), format!("no such {what}"), one_of(names, &format!("the name of a {what}")))
+    })
+}
+
+/// Index of a named body; `None` for `ground`.
+pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Result<Option<usize>, Fault> {
+    if name.as_str() == GROUND {
+        return Ok(None);
+    }
+    let names = instrument.bodies.iter().map(|body| body.name.as_str());
+    index_of(name, "body", names.clone()).map(Some).map_err(|mut fault| {
+        fault.expected = one_of(names.chain([GROUND]), "a body or `ground`");
+        fault
+    })
+}
+
+/// What the world is called in a file.
+pub(crate) const GROUND: &str = "ground";
+
+/// `one of `a`, `b``, or `otherwise` when there is none.
+fn one_of<'n>(names: impl Iterator<Item = &'n str>, otherwise: &str) -> String {
+    let names: Vec<String> = names.take(40).map(|name| format!("`{name}`")).collect();
+    match names.as_slice() {
+        [] => format!("{otherwise}, but there are none"),
+        [name] => name.clone(),
+        _ => format!("one of {}", names.join(", ")),
+    }
+}

@@ -1,0 +1,268 @@
+//! Contact zones: geometry of a disc against a curve, and the felt between them.
+
+use crate::model::{Curve, Exponent, Felt, Model, Zone};
+use crate::pose::Pose;
+use crate::vector::{Vector, add, dot, scale, sub};
+use crate::{Mask, Real};
+
+/// A zone at one configuration and velocity.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact<T, const B: usize> {
+    /// Whether the felt is compressed (gap > 0); the other fields hold only then.
+    pub active: bool,
+    /// Compression g, m; negative apart.
+    pub gap: T,
+    /// dg/dt, m/s.
+    pub rate: T,
+    /// Unit normal out of the curve, toward the disc, in the world.
+    pub normal: Vector<T>,
+    /// Point of the curve under the disc's centre, in the world.
+    pub point: Vector<T>,
+    /// Normal force F, N, never negative; pushes the disc along `normal`.
+    pub force: T,
+    /// The part of `force` due to damping, b g^2 dg/dt (or what the clamp left of it), N.
+    pub damping_force: T,
+    /// dF/dg and dF/d(dg/dt).
+    pub(crate) stiffness: T,
+    pub(crate) damping: T,
+    /// Row G: dg/dt = G v.
+    pub(crate) row: [T; B],
+}
+
+impl<T: Real, const B: usize> Contact<T, B> {
+    pub(crate) fn apart() -> Self {
+        let (z, o) = (T::ZERO, [T::ZERO; 2]);
+        Contact {
+            active: false,
+            gap: z,
+            rate: z,
+            normal: o,
+            point: o,
+            force: z,
+            damping_force: z,
+            stiffness: z,
+            damping: z,
+            row: [z; B],
+        }
+    }
+
+    /// Evaluates geometry, and felt where there is contact.
+    #[inline(always)]
+    pub(crate) fn evaluate<const Z: usize>(
+        &mut self,
+        model: &Model<T, B, Z>,
+        zone: &Zone<T>,
+        pose: &Pose<T, B>,
+        v: &[T; B],
+    ) {
+        let center = pose.point(zone.disc_body, zone.center);
+        let (distance, normal) = distance_to_curve(zone, pose, center);
+        self.gap = zone.radius - distance;
+        let touching = T::ZERO.lt(self.gap);
+        self.active = touching.any();
+        if !self.active {
+            self.force = T::ZERO;
+            return;
+        }
+        self.normal = normal;
+        self.point = sub(center, scale(normal, distance));
+        self.row = gap_row(model, zone, pose, center, normal);
+        self.rate = T::ZERO;
+        for (r, w) in self.row.iter().zip(v) {
+            self.rate += *r * *w;
+        }
+        let law = felt_law(&zone.felt, self.gap.max(T::ZERO), self.rate);
+        self.force = law.force;
+        self.damping_force = law.damping_force;
+        self.stiffness = law.stiffness;
+        self.damping = law.damping;
+    }
+
+    /// The row that maps velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal turned
+    /// clockwise by a quarter turn.
+    #[inline(always)]
+    pub(crate) fn slip_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: &Zone<T>, pose: &Pose<T, B>) -> [T; B] {
+        let tangent = [self.normal[1], -self.normal[0]];
+        let mut row = [T::ZERO; B];
+        pose.add_velocity_row(model, zone.disc_body, self.point, tangent, T::ONE, &mut row);
+        pose.add_velocity_row(model, zone.curve_body, self.point, tangent, -T::ONE, &mut row);
+        row
+    }
+}
+
+/// Signed distance from the disc's centre to the curve, and the curve's outward unit normal there.
+#[inline(always)]
+fn distance_to_curve<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
+    match zone.curve {
+        Curve::Line { point, normal } => {
+            let n = pose.rotate(zone.curve_body, normal);
+            (dot(sub(center, pose.point(zone.curve_body, point)), n), n)
+        }
+        Curve::Segment { from, direction, length, rounding } => {
+            let t = pose.rotate(zone.curve_body, direction);
+            let from = pose.point(zone.curve_body, from);
+            let along = dot(sub(center, from), t).max(T::ZERO).min(length);
+            let (d, n) = length_and_direction(sub(center, add(from, scale(t, along))), [-t[1], t[0]]);
+            (d - rounding, n)
+        }
+        Curve::Disc { center: other, radius } => {
+            let other = pose.point(zone.curve_body, other);
+            let (d, n) = length_and_direction(sub(center, other), [T::ZERO, T::ONE]);
+            (d - radius, n)
+        }
+    }
+}
+
+/// |a| and a/|a|; `fallback` (a unit vector) where a vanishes, so that no division by zero can start a NaN.
+#[inline(always)]
+fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vector<T>) {
+    let squared = dot(a, a);
+    let usable = T::from_f64(1e-30).lt(squared);
+    let length = T::select(usable, squared, T::ONE).sqrt();
+    let inverse = T::ONE / length;
+    let n = [T::select(usable, a[0] * inverse, fallback[0]), T::select(usable, a[1] * inverse, fallback[1])];
+    (T::select(usable, length, T::ZERO), n)
+}
+
+/// The felt law and its partial derivatives at one compression and rate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FeltState<T> {
+    pub force: T,
+    pub damping_force: T,
+    pub stiffness: T,
+    pub damping: T,
+}
+
+/// F = max(0, k g^r + b g^2 dg/dt) and dF/dg, dF/d(dg/dt); `gap` must not be negative.
+#[inline(always)]
+pub(crate) fn felt_law<T: Real>(felt: &Felt<T>, gap: T, rate: T) -> FeltState<T> {
+    let two = T::from_f64(2.0);
+    let (elastic, slope) = match felt.exponent {
+        Exponent::Two => {
+            let kg = felt.stiffness * gap;
+            (kg * gap, two * kg)
+        }
+        Exponent::TwoAndHalf => {
+            let kg = felt.stiffness * gap * gap.sqrt();
+            (kg * gap, T::from_f64(2.5) * kg)
+        }
+        Exponent::Three => {
+            let kg = felt.stiffness * gap * gap;
+            (kg * gap, T::from_f64(3.0) * kg)
+        }
+        Exponent::Other(r) => {
+            let kg = felt.stiffness * gap.powf(r - T::ONE);
+            (kg * gap, r * kg)
+        }
+    };
+    let bg = felt.damping * gap;
+    let damping = bg * gap;
+    let force = elastic + damping * rate;
+    let pushing = T::ZERO.lt(force);
+    FeltState {
+        force: T::select(pushing, force, T::ZERO),
+        damping_force: T::select(pushing, damping * rate, -elastic),
+        stiffness: T::select(pushing, slope + two * bg * rate, T::ZERO),
+        damping: T::select(pushing, damping, T::ZERO),
+    }
+}
+
+/// Energy stored in the felt at compression g: k g^(r+1) / (r+1).
+pub(crate) fn felt_energy<T: Real>(felt: &Felt<T>, gap: T) -> T {
+    let r = match felt.exponent {
+        Exponent::Two => T::from_f64(2.0),
+        Exponent::TwoAndHalf => T::from_f64(2.5),
+        Exponent::Three => T::from_f64(3.0),
+        Exponent::Other(r) => r,
+    };
+    let g = gap.max(T::ZERO);
+    felt.stiffness * g.powf(r + T::ONE) / (r + T::ONE)
+}
+
+/// Compression of a zone at a pose (negative apart), without forces.
+pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>) -> T {
+    let (distance, _) = distance_to_curve(zone, pose, pose.point(zone.disc_body, zone.center));
+    zone.radius - distance
+}
+
+/// The row G of a zone at a pose: dg/dt = G v.
+pub(crate) fn gap_row_of<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    zone: &Zone<T>,
+    pose: &Pose<T, B>,
+) -> [T; B] {
+    let center = pose.point(zone.disc_body, zone.center);
+    let (_, normal) = distance_to_curve(zone, pose, center);
+    gap_row(model, zone, pose, center, normal)
+}
+
+/// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
+#[inline(always)]
+fn gap_row<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    zone: &Zone<T>,
+    pose: &Pose<T, B>,
+    center: Vector<T>,
+    normal: Vector<T>,
+) -> [T; B] {
+    let mut row = [T::ZERO; B];
+    pose.add_velocity_row(model, zone.disc_body, center, normal, -T::ONE, &mut row);
+    pose.add_velocity_row(model, zone.curve_body, center, normal, T::ONE, &mut row);
+    row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Body, GROUND};
+
+    /// Rows against central differences of the gap, for every kind of curve, on a three-body chain: the claim is that
+    /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
+    #[test]
+    fn rows_are_the_gradient_of_the_gap() {
+        let body = |parent, pivot| Body { parent, pivot, mass: 1.0, ..Body::inert() };
+        let bodies = [body(GROUND, [0.1, 0.2]), body(0, [0.5, -0.1]), body(1, [0.3, 0.2]), body(GROUND, [1.0, 1.0])];
+        let felt = Felt { stiffness: 1.0, exponent: Exponent::Two, damping: 1.0 };
+        let s = 0.5_f64.sqrt();
+        let curves = [
+            Curve::Line { point: [0.1, 0.3], normal: [s, s] },
+            Curve::Segment { from: [0.0, 0.0], direction: [s, -s], length: 0.4, rounding: 0.05 },
+            Curve::Disc { center: [0.2, 0.1], radius: 0.1 },
+        ];
+        for curve in curves {
+            for (a, b) in [(2, 3), (3, 2), (2, 0), (0, 2), (GROUND, 2), (2, GROUND)] {
+                let zone =
+                    Zone { disc_body: a, center: [0.2, -0.3], radius: 5.0, curve_body: b, curve, felt, friction: None };
+                let model = Model::<f64, 4, 1>::new(&bodies, &[], &[zone], None, 0.0).unwrap();
+                let q = [0.3, -0.7, 1.9, 0.4];
+                let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
+                let mut contact = Contact::apart();
+                contact.evaluate(&model, &zone, &Pose::of(&model, &q), &[0.0; 4]);
+                assert!(contact.active);
+                for i in 0..4 {
+                    let e = 1e-6;
+                    let (mut up, mut down) = (q, q);
+                    up[i] += e;
+                    down[i] -= e;
+                    let difference = (gap(&up) - gap(&down)) / (2.0 * e);
+                    assert!((difference - contact.row[i]).abs() < 1e-8, "{curve:?} {a} {b} {i}");
+                }
+            }
+        }
+    }
+
+    /// The law's partial derivatives against differences, and the clamp: felt never pulls.
+    #[test]
+    fn felt_law_derivatives() {
+        for exponent in [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three, Exponent::Other(1.7)] {
+            let felt = Felt { stiffness: 3e3, exponent, damping: 2e3 };
+            let (g, v, e) = (0.02, -0.01, 1e-7);
+            let at = felt_law(&felt, g, v);
+            let dg = (felt_law(&felt, g + e, v).force - felt_law(&felt, g - e, v).force) / (2.0 * e);
+            let dv = (felt_law(&felt, g, v + e).force - felt_law(&felt, g, v - e).force) / (2.0 * e);
+            assert!((at.stiffness - dg).abs() < 1e-6 * dg.abs(), "{exponent:?}");
+            assert!((at.damping - dv).abs() < 1e-6 * dv.abs(), "{exponent:?}");
+            assert_eq!(felt_law(&felt, g, -1e3).force, 0.0);
+        }
+    }
+}

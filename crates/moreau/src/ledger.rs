@@ -1,0 +1,190 @@
+//! The energy ledger: what went in, what is stored, what was lost, and the residual that should be zero.
+//!
+//! Separate from the step, so that a step that nobody audits does not pay for it.
+
+use crate::Scalar;
+use crate::contact::felt_energy;
+use crate::model::Model;
+use crate::pose::Pose;
+use crate::settings::{FrictionLaw, Settings};
+use crate::state::{Scratch, State};
+use crate::vector::dot;
+
+/// Stored energies of a state, J.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energies {
+    /// 1/2 v . M(q) v.
+    pub kinetic: f64,
+    /// Weight times height; zero at the world's origin.
+    pub gravity: f64,
+    /// Torsion springs, relative to their reference angles (a constant torque's potential included).
+    pub spring: f64,
+    /// Compressed felts.
+    pub felt: f64,
+}
+
+impl Energies {
+    /// Their sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.gravity + self.spring + self.felt
+    }
+
+    /// Energies of a state.
+    pub fn of<T: Scalar, const B: usize, const Z: usize>(model: &Model<T, B, Z>, state: &State<T, B, Z>) -> Self {
+        let pose = Pose::of(model, &state.angle);
+        let mut e = Energies::default();
+        for i in 0..B {
+            let v = state.velocity[i];
+            let moment = pose.rotate(i, model.moment[i]);
+            e.kinetic += (model.inertia[i] * v * v).to_f64() / 2.0;
+            let mut branch = i;
+            while model.parent[branch] < B {
+                let ancestor = model.parent[branch];
+                e.kinetic += (dot(pose.arm[branch], moment) * v * state.velocity[ancestor]).to_f64();
+                branch = ancestor;
+            }
+            // First moments about pivots: pivots that move are in their parents' moments already.
+            e.gravity += (model.gravity * moment[1]).to_f64();
+            let parent = model.parent[i];
+            let relative = if parent < B { state.angle[i] - state.angle[parent] } else { state.angle[i] };
+            e.spring += (model.spring_stiffness[i] * relative * relative).to_f64() / 2.0
+                - (model.spring_torque[i] * relative).to_f64();
+        }
+        for zone in model.zones() {
+            e.felt += felt_energy(&zone.felt, crate::contact::gap_of(zone, &pose)).to_f64();
+        }
+        e
+    }
+}
+
+/// Running totals of one run, J. Every dissipation is counted with the sign that a loss is positive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ledger {
+    /// Stored energy at the start.
+    pub start: Energies,
+    /// Stored energy when stock was last taken.
+    pub now: Energies,
+    /// Work of the drive, signed.
+    pub drive_work: f64,
+    /// Work of the drive where it was positive: the scale that the residual is compared with.
+    pub drive_work_in: f64,
+    /// Lost in dry pivots.
+    pub pivot_dry: f64,
+    /// Lost in viscous pivots.
+    pub pivot_viscous: f64,
+    /// Lost in felts.
+    pub felt_damping: f64,
+    /// Lost in Coulomb friction.
+    pub coulomb: f64,
+    /// The smallest single dissipation term of any step: friction never gives energy, so this is not negative.
+    pub smallest_term: f64,
+}
+
+impl Ledger {
+    /// Opens the books at a state.
+    pub fn open<T: Scalar, const B: usize, const Z: usize>(model: &Model<T, B, Z>, state: &State<T, B, Z>) -> Self {
+        let start = Energies::of(model, state);
+        Ledger {
+            start,
+            now: start,
+            drive_work: 0.0,
+            drive_work_in: 0.0,
+            pivot_dry: 0.0,
+            pivot_viscous: 0.0,
+            felt_damping: 0.0,
+            coulomb: 0.0,
+            smallest_term: 0.0,
+        }
+    }
+
+    /// Books one step: `before` and `after` it, and the scratch that it left.
+    ///
+    /// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the path
+    /// of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
+    /// velocity turns, and equal to the scheme's own work wherever it does not.
+    pub fn record<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+        &mut self,
+        model: &Model<T, B, Z>,
+        settings: &Settings<T>,
+        before: &State<T, B, Z>,
+        after: &State<T, B, Z>,
+        scratch: &Scratch<T, B, Z, N>,
+    ) {
+        let h = settings.step.to_f64();
+        let work = scratch.drive_force.to_f64() * scratch.drive_velocity.to_f64() * h;
+        self.drive_work += work;
+        self.drive_work_in += work.max(0.0);
+        let mut smallest = self.smallest_term;
+        let mut lose = |account: &mut f64, loss: f64| {
+            *account += loss;
+            smallest = smallest.min(loss);
+        };
+        for i in 0..B {
+            let parent = model.parent[i];
+            let relative = |v: &[T; B]| (if parent < B { v[i] - v[parent] } else { v[i] }).to_f64();
+            let rate = relative(&scratch.velocity);
+            lose(&mut self.pivot_viscous, model.viscous[i].to_f64() * rate * rate * h);
+            match settings.friction {
+                FrictionLaw::SetValued => {
+                    let path = path(relative(&before.velocity), relative(&after.velocity));
+                    lose(&mut self.pivot_dry, after.pivot_friction[i].to_f64().abs() * path * h);
+                }
+                FrictionLaw::Regularised { pivot_width, .. } => {
+                    let torque = model.dry[i].to_f64() * libm::tanh(rate / pivot_width.to_f64());
+                    lose(&mut self.pivot_dry, torque * rate * h);
+                }
+            }
+        }
+        for (z, zone) in model.zones().iter().enumerate() {
+            let contact = &scratch.contacts[z];
+            if !contact.active {
+                continue;
+            }
+            lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
+            let Some(mu) = zone.friction else { continue };
+            let [u0, u1] = [scratch.slip[z][0].to_f64(), scratch.slip[z][1].to_f64()];
+            match settings.friction {
+                FrictionLaw::SetValued => {
+                    lose(&mut self.coulomb, after.tangential[z].to_f64().abs() * path(u0, u1) * h);
+                }
+                FrictionLaw::Regularised { sliding_width, .. } => {
+                    let theta = settings.theta.to_f64();
+                    let u = (1.0 - theta) * u0 + theta * u1;
+                    let f = (mu * contact.force).to_f64() * libm::tanh(u / sliding_width.to_f64());
+                    lose(&mut self.coulomb, f * u * h);
+                }
+            }
+        }
+        self.smallest_term = smallest;
+    }
+
+    /// Takes stock of what is stored at a state; the residual refers to the last stock-taking.
+    pub fn take_stock<T: Scalar, const B: usize, const Z: usize>(
+        &mut self,
+        model: &Model<T, B, Z>,
+        state: &State<T, B, Z>,
+    ) {
+        self.now = Energies::of(model, state);
+    }
+
+    /// Everything lost.
+    pub fn dissipated(&self) -> f64 {
+        self.pivot_dry + self.pivot_viscous + self.felt_damping + self.coulomb
+    }
+
+    /// Stored minus start minus work plus lost, J: zero if the books close.
+    pub fn residual(&self) -> f64 {
+        self.now.total() - self.start.total() - self.drive_work + self.dissipated()
+    }
+
+    /// |residual| over the work that the drive put in (over the energy lost and stored, where nothing was put in).
+    pub fn residual_relative(&self) -> f64 {
+        let scale = self.drive_work_in.max(self.dissipated());
+        if scale > 0.0 { self.residual().abs() / scale } else { self.residual().abs() }
+    }
+}
+
+/// Mean of |u| over a step in which u runs linearly from u0 to u1.
+fn path(u0: f64, u1: f64) -> f64 {
+    if u0 * u1 >= 0.0 { (u0 + u1).abs() / 2.0 } else { (u0 * u0 + u1 * u1) / (2.0 * (u0 - u1).abs()) }
+}

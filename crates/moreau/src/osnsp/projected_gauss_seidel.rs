@@ -1,0 +1,37 @@
+//! The papers' solver: p <- proj_[-bound, bound](p - rho u), law after law, until nothing moves.
+//!
+//! With rho_i = 1/W_ii each update solves its own law exactly, given the others.
+
+use super::{OneStepProblem, SolveReport};
+use crate::{Mask, Real};
+
+/// Sweeps until no law's velocity changes by more than `tolerance`, at most `limit` times.
+pub fn solve<T: Real, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    p: &mut [T; N],
+    tolerance: T,
+    limit: u32,
+) -> SolveReport {
+    let n = problem.count;
+    for i in 0..n {
+        let b = problem.bound_at(i, p);
+        p[i] = p[i].max(-b).min(b);
+    }
+    for sweep in 1..=limit {
+        let mut change = T::ZERO;
+        for i in 0..n {
+            let w = problem.delassus[i][i];
+            let movable = T::ZERO.lt(w);
+            let u = problem.velocity_at(i, p);
+            let b = problem.bound_at(i, p);
+            let target = (p[i] - u / T::select(movable, w, T::ONE)).max(-b).min(b);
+            let next = T::select(movable, target, p[i]);
+            change = change.max((next - p[i]).abs() * w);
+            p[i] = next;
+        }
+        if change.le(tolerance).all() {
+            return SolveReport { converged: true, iterations: sweep };
+        }
+    }
+    SolveReport { converged: n == 0, iterations: limit }
+}

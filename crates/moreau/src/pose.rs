@@ -1,0 +1,124 @@
+//! Where every body is: the kinematic tree, evaluated once per Newton iteration.
+
+use crate::contact::{gap_of, gap_row_of};
+use crate::model::{GROUND, Model};
+use crate::real::sin_cos;
+use crate::vector::{Vector, add, cross};
+use crate::{Real, Scalar};
+
+/// Rotations and pivots of all bodies at one configuration.
+#[derive(Debug, Clone)]
+pub struct Pose<T, const B: usize> {
+    pub(crate) cos: [T; B],
+    pub(crate) sin: [T; B],
+    /// Pivots in the world.
+    pub(crate) pivot: [Vector<T>; B],
+    /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
+    pub(crate) arm: [Vector<T>; B],
+}
+
+impl<T: Real, const B: usize> Pose<T, B> {
+    pub(crate) fn new() -> Self {
+        let o = [T::ZERO; 2];
+        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot: [o; B], arm: [o; B] }
+    }
+
+    /// Places every body for the given absolute angles, parents first.
+    #[inline(always)]
+    pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
+        for i in 0..B {
+            (self.sin[i], self.cos[i]) = sin_cos(angle[i]);
+        }
+        for i in 0..B {
+            let parent = model.parent[i];
+            if parent < B {
+                self.arm[i] = self.rotate(parent, model.pivot[i]);
+                self.pivot[i] = add(self.pivot[parent], self.arm[i]);
+            } else {
+                self.pivot[i] = model.pivot[i];
+            }
+        }
+    }
+
+    /// A direction of a body's frame, in the world.
+    #[inline(always)]
+    pub(crate) fn rotate(&self, body: usize, a: Vector<T>) -> Vector<T> {
+        if body < B {
+            let (c, s) = (self.cos[body], self.sin[body]);
+            [c * a[0] - s * a[1], s * a[0] + c * a[1]]
+        } else {
+            a
+        }
+    }
+
+    /// A point of a body's frame (or of the ground), in the world.
+    #[inline(always)]
+    pub fn point(&self, body: usize, a: Vector<T>) -> Vector<T> {
+        if body < B { add(self.pivot[body], self.rotate(body, a)) } else { a }
+    }
+
+    /// Adds `sign` times the row that maps angular velocities to `n . velocity(x)`, x being carried by `body`.
+    ///
+    /// Absolute angles: a body's own rate turns x about its pivot, an ancestor's turns the pivot of the branch.
+    #[inline(always)]
+    pub(crate) fn add_velocity_row<const Z: usize>(
+        &self,
+        model: &Model<T, B, Z>,
+        body: usize,
+        x: Vector<T>,
+        n: Vector<T>,
+        sign: T,
+        row: &mut [T; B],
+    ) {
+        if body >= B {
+            return;
+        }
+        let pivot = self.pivot[body];
+        row[body] += sign * cross([x[0] - pivot[0], x[1] - pivot[1]], n);
+        let mut i = body;
+        while model.parent[i] < B {
+            row[model.parent[i]] += sign * cross(self.arm[i], n);
+            i = model.parent[i];
+        }
+    }
+}
+
+impl<T: Scalar, const B: usize> Pose<T, B> {
+    /// The pose of a model at given absolute angles.
+    pub fn of<const Z: usize>(model: &Model<T, B, Z>, angle: &[T; B]) -> Self {
+        let mut pose = Pose::new();
+        pose.place(model, angle);
+        pose
+    }
+
+    /// Pivot of a body in the world, m.
+    pub fn pivot(&self, body: usize) -> Vector<T> {
+        self.pivot[body]
+    }
+
+    /// The row that maps angular velocities to `n . velocity` of a point given in a body's frame.
+    pub fn velocity_row<const Z: usize>(
+        &self,
+        model: &Model<T, B, Z>,
+        body: usize,
+        point: Vector<T>,
+        n: Vector<T>,
+    ) -> [T; B] {
+        let mut row = [T::ZERO; B];
+        let x = self.point(body, point);
+        self.add_velocity_row(model, body, x, n, T::ONE, &mut row);
+        row
+    }
+
+    /// Compression of a zone at this pose, m; negative apart.
+    pub fn gap<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
+        gap_of(&model.zones[zone], self)
+    }
+
+    /// The row G of a zone at this pose: dg/dt = G v, whether the zone touches or not.
+    pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
+        gap_row_of(model, &model.zones[zone], self)
+    }
+}
+
+const _: () = assert!(GROUND > 1 << 16, "the ground's index lies beyond any body's");

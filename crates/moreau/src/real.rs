@@ -1,0 +1,195 @@
+//! The scalar that the kernel computes with.
+//!
+//! The kernel compares through masks and chooses through [`Real::select`], so that the same source serves one number
+//! (mask = `bool`), several SIMD lanes, or dual numbers. Bits are the same on every target: only `+ - * /`, square root
+//! and the `libm` crate are used.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// The outcome of a comparison, one truth value per lane.
+pub trait Mask: Copy + Debug {
+    /// True in at least one lane.
+    fn any(self) -> bool;
+    /// True in every lane.
+    fn all(self) -> bool;
+    /// Lane-wise conjunction.
+    fn and(self, other: Self) -> Self;
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        self & other
+    }
+}
+
+/// A real number, or several of them in lanes.
+pub trait Real:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// The type of a comparison.
+    type Mask: Mask;
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// The distance from 1 to the next number.
+    const EPSILON: Self;
+    /// Nearest representable number (in every lane).
+    fn from_f64(x: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The larger one.
+    fn max(self, other: Self) -> Self;
+    /// The smaller one.
+    fn min(self, other: Self) -> Self;
+    /// self < other.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// self <= other.
+    fn le(self, other: Self) -> Self::Mask;
+    /// Neither infinite nor not-a-number.
+    fn finite(self) -> Self::Mask;
+    /// `yes` where the mask is true, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// self^exponent, for self >= 0. Slow; the kernel avoids it for the usual felt exponents.
+    fn powf(self, exponent: Self) -> Self;
+    /// Hyperbolic tangent. Slow; used by regularised friction only.
+    fn tanh(self) -> Self;
+    /// Sine and cosine for any argument. Slow; [`sin_cos`] calls it beyond a quarter of pi.
+    fn sin_cos_any(self) -> (Self, Self);
+}
+
+/// A [`Real`] with one lane.
+pub trait Scalar: Real<Mask = bool> + PartialOrd {
+    /// Widening or rounding conversion.
+    fn to_f64(self) -> f64;
+}
+
+/// Sine and cosine, radians.
+///
+/// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (coefficients of
+/// fdlibm's `__kernel_sin` and `__kernel_cos`, error below one unit in the last place); elsewhere `libm`.
+#[inline(always)]
+pub(crate) fn sin_cos<T: Real>(x: T) -> (T, T) {
+    let quarter_pi = T::from_f64(core::f64::consts::FRAC_PI_4);
+    if !x.abs().le(quarter_pi).all() {
+        return x.sin_cos_any();
+    }
+    let c = T::from_f64;
+    let z = x * x;
+    let s = c(8.333_333_333_322_49e-3)
+        + z * (c(-1.984_126_982_985_795e-4)
+            + z * (c(2.755_731_370_707_007e-6)
+                + z * (c(-2.505_076_025_340_686_3e-8) + z * c(1.589_690_995_211_55e-10))));
+    let sin = x + x * z * (c(-1.666_666_666_666_663_2e-1) + z * s);
+    let k = c(-1.388_888_888_887_411e-3)
+        + z * (c(2.480_158_728_947_673e-5)
+            + z * (c(-2.755_731_435_139_066_3e-7)
+                + z * (c(2.087_572_321_298_175e-9) + z * c(-1.135_964_755_778_819_5e-11))));
+    let cos = T::ONE - z * (c(0.5) - z * (c(4.166_666_666_666_66e-2) + z * k));
+    (sin, cos)
+}
+
+macro_rules! real_for {
+    ($t:ident, $sqrt:path, $pow:path, $tanh:path, $sincos:path) => {
+        impl Real for $t {
+            type Mask = bool;
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $t::EPSILON;
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                x as $t
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                if self < 0.0 { -self } else { self }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self < other { other } else { self }
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if other < self { other } else { self }
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn finite(self) -> bool {
+                self.is_finite()
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+            fn powf(self, exponent: Self) -> Self {
+                $pow(self, exponent)
+            }
+            fn tanh(self) -> Self {
+                $tanh(self)
+            }
+            #[cold]
+            fn sin_cos_any(self) -> (Self, Self) {
+                $sincos(self)
+            }
+        }
+        impl Scalar for $t {
+            #[inline(always)]
+            #[allow(clippy::unnecessary_cast)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+        }
+    };
+}
+
+real_for!(f64, libm::sqrt, libm::pow, libm::tanh, libm::sincos);
+real_for!(f32, libm::sqrtf, libm::powf, libm::tanhf, libm::sincosf);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The polynomial agrees with `libm` to two units in the last place on its interval.
+    #[test]
+    fn sin_cos_matches_libm() {
+        for i in -1000..=1000 {
+            let x = f64::from(i) * core::f64::consts::FRAC_PI_4 / 1000.0;
+            let (s, c) = sin_cos(x);
+            let (s_ref, c_ref) = libm::sincos(x);
+            assert!((s - s_ref).abs() <= 2.0 * f64::EPSILON * s_ref.abs(), "sin {x}");
+            assert!((c - c_ref).abs() <= 2.0 * f64::EPSILON, "cos {x}");
+        }
+        assert_eq!(sin_cos(10.0_f64), libm::sincos(10.0));
+    }
+}

@@ -1,0 +1,55 @@
+//! How a step is to be taken. Every tunable says its unit, its usual value and what breaks when it changes.
+
+use crate::{Real, Solver};
+
+/// How dry friction is modelled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrictionLaw<T> {
+    /// The set-valued law, |p| <= bound with true stick: the model.
+    SetValued,
+    /// `tanh(u / width)`: kept for comparison only. It never sticks, so whatever it should hold creeps.
+    Regularised {
+        /// Width for pivots, rad/s. Smaller is nearer to the true law and stiffer.
+        pivot_width: T,
+        /// Width for sliding contacts, m/s.
+        sliding_width: T,
+    },
+}
+
+/// How a step is to be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings<T> {
+    /// Step h, s. 50e-6 is usual for the piano; the error falls with its square on smooth motion at theta = 1/2.
+    pub step: T,
+    /// theta of the theta-method, in [1/2, 1]. 1/2 is of second order and loses no energy of its own; 1 is of first order and damps.
+    pub theta: T,
+    /// A step has converged when the last Newton correction is at most this times (1 rad/s + |velocity|), for every body.
+    /// Newton converges quadratically, so what remains is about the square of it. 1e-5 is usual; looser loses the order.
+    pub tolerance: T,
+    /// Largest number of Newton iterations. Usual steps take two or three; beyond eight the corrections are halved.
+    pub newton_limit: u32,
+    /// The one-step solver stops when no velocity of a law changes by more than this (rad/s or m/s).
+    pub solver_tolerance: T,
+    /// Largest number of sweeps (or active sets) in one one-step problem.
+    pub solver_limit: u32,
+    /// Which one-step solver.
+    pub solver: Solver,
+    /// Which friction law.
+    pub friction: FrictionLaw<T>,
+}
+
+impl<T: Real> Settings<T> {
+    /// The usual settings at step `h`: theta = 1/2, set-valued friction, the active-set solver.
+    pub fn new(h: T) -> Self {
+        Settings {
+            step: h,
+            theta: T::from_f64(0.5),
+            tolerance: T::from_f64(1e-5).max(T::from_f64(64.0) * T::EPSILON),
+            newton_limit: 25,
+            solver_tolerance: T::from_f64(1e-11).max(T::from_f64(8.0) * T::EPSILON),
+            solver_limit: 2000,
+            solver: Solver::ActiveSet,
+            friction: FrictionLaw::SetValued,
+        }
+    }
+}

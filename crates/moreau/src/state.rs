@@ -1,0 +1,118 @@
+//! Where a mechanism is now, what drives it in a step, and the step's working memory.
+
+use crate::contact::Contact;
+use crate::osnsp::OneStepProblem;
+use crate::pose::Pose;
+use crate::vector::dot;
+use crate::{Model, Real, Scalar};
+
+/// Where a mechanism is: everything that the next step depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<T, const B: usize, const Z: usize> {
+    /// Absolute angles q, rad.
+    pub angle: [T; B],
+    /// Absolute angular velocities v, rad/s.
+    pub velocity: [T; B],
+    /// Dry friction torque of each pivot over the last step, N m (counter-clockwise on the body); warm-starts the solver.
+    pub pivot_friction: [T; B],
+    /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
+    pub tangential: [T; Z],
+    /// Force of a rigid drive over the last step, N.
+    pub rigid_force: T,
+}
+
+impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
+    /// At rest at the given absolute angles.
+    pub fn at_rest(angle: [T; B]) -> Self {
+        let z = T::ZERO;
+        State { angle, velocity: [z; B], pivot_friction: [z; B], tangential: [z; Z], rigid_force: z }
+    }
+}
+
+/// What drives the mechanism at the model's [`Site`](crate::Site) during one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Input<T> {
+    /// Nothing.
+    Free,
+    /// A force, N, along the site's direction, at time t0 + theta h.
+    Force(T),
+    /// The driver's position (m, world coordinate along the site's direction) and velocity at t0 + theta h; the force comes
+    /// from the site's spring and damper, which only push.
+    Motion {
+        /// m.
+        position: T,
+        /// m/s.
+        velocity: T,
+    },
+    /// Velocity of the site along its direction at the step's end, m/s, imposed.
+    Rigid {
+        /// m/s.
+        velocity: T,
+    },
+}
+
+/// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
+#[derive(Debug, Clone)]
+pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
+    /// The pose at which the last Newton iteration evaluated the forces.
+    pub pose: Pose<T, B>,
+    /// The zones there.
+    pub contacts: [Contact<T, B>; Z],
+    /// Velocity at t0 + theta h.
+    pub velocity: [T; B],
+    /// Force of the drive on the mechanism, N.
+    pub drive_force: T,
+    /// Velocity of the site along its direction at t0 + theta h, m/s.
+    pub drive_velocity: T,
+    /// Slip velocity of each zone with friction at t0 + h, m/s, and at t0.
+    pub(crate) slip: [[T; 2]; Z],
+    pub(crate) slip_row: [[T; B]; Z],
+    pub(crate) has_slip_row: [bool; Z],
+    pub(crate) mass: [[T; B]; B],
+    pub(crate) site_row: [T; B],
+    pub(crate) problem: OneStepProblem<T, N>,
+    pub(crate) columns: [[T; B]; N],
+    pub(crate) impulse: [T; N],
+    /// Forces of the set-valued laws, kept from iteration to iteration.
+    pub(crate) pivot_friction: [T; B],
+    pub(crate) tangential: [T; Z],
+    pub(crate) rigid_force: T,
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N> {
+    /// Fresh working memory; results do not depend on what it held before.
+    pub fn new() -> Self {
+        let z = T::ZERO;
+        Scratch {
+            pose: Pose::new(),
+            contacts: [Contact::apart(); Z],
+            velocity: [z; B],
+            drive_force: z,
+            drive_velocity: z,
+            slip: [[z; 2]; Z],
+            slip_row: [[z; B]; Z],
+            has_slip_row: [false; Z],
+            mass: [[z; B]; B],
+            site_row: [z; B],
+            problem: OneStepProblem::new(),
+            columns: [[z; B]; N],
+            impulse: [z; N],
+            pivot_friction: [z; B],
+            tangential: [z; Z],
+            rigid_force: z,
+        }
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Default for Scratch<T, B, Z, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
+    /// World coordinate of the driven point along the site's direction, m; zero without a site.
+    pub fn site_position(&self, angle: &[T; B]) -> T {
+        self.site.as_ref().map_or(T::ZERO, |s| dot(s.direction, Pose::of(self, angle).point(s.body, s.point)))
+    }
+}
