@@ -18,29 +18,17 @@ pub fn parts(instrument: &Instrument) -> Vec<Part> {
     for (index, body) in instrument.bodies.iter().enumerate() {
         for reach in reaches(instrument, index) {
             if reach[0].hypot(reach[1]) > ROD {
-                out.push(part(
-                    &body.name,
-                    Some(index),
-                    Material::Wood,
-                    capsule([0.0, 0.0], reach, ROD),
-                ));
+                out.push(part(&body.name, Some(index), Material::Wood, capsule([0.0, 0.0], reach, ROD)));
             }
         }
     }
     for zone in &instrument.zones {
         let (outline, material) = match zone.curve {
             Curve::Line { point_m, normal } => (slab(point_m, normal), Material::Cloth),
-            Curve::Segment {
-                from_m,
-                to_m,
-                rounding_m,
-            } => (
-                capsule(from_m, to_m, rounding_m.max(POINT)),
-                Material::Leather,
-            ),
-            Curve::Disc { center_m, radius_m } => {
-                (circle(center_m, radius_m.max(POINT)), Material::Leather)
+            Curve::Segment { from_m, to_m, rounding_m } => {
+                (capsule(from_m, to_m, rounding_m.max(POINT)), Material::Leather)
             }
+            Curve::Disc { center_m, radius_m } => (circle(center_m, radius_m.max(POINT)), Material::Leather),
         };
         out.push(part(&zone.name, zone.curve_body, material, outline));
         let disc = circle(zone.disc_center_m, zone.disc_radius_m.max(POINT));
@@ -51,10 +39,7 @@ pub fn parts(instrument: &Instrument) -> Vec<Part> {
 
 /// The points of a body worth a rod: its children's pivots and its contacts.
 fn reaches(instrument: &Instrument, body: usize) -> Vec<Vec2> {
-    let children = instrument
-        .bodies
-        .iter()
-        .filter(|child| child.parent == Some(body));
+    let children = instrument.bodies.iter().filter(|child| child.parent == Some(body));
     let mut out: Vec<Vec2> = children.map(|child| child.pivot_m).collect();
     for zone in &instrument.zones {
         if zone.disc_body == Some(body) {
@@ -63,9 +48,7 @@ fn reaches(instrument: &Instrument, body: usize) -> Vec<Vec2> {
         if zone.curve_body == Some(body) {
             out.push(match zone.curve {
                 Curve::Line { point_m, normal } => below(point_m, normal, SLAB),
-                Curve::Segment { from_m, to_m, .. } => {
-                    [0.5 * (from_m[0] + to_m[0]), 0.5 * (from_m[1] + to_m[1])]
-                }
+                Curve::Segment { from_m, to_m, .. } => [0.5 * (from_m[0] + to_m[0]), 0.5 * (from_m[1] + to_m[1])],
                 Curve::Disc { center_m, .. } => center_m,
             });
         }
@@ -74,13 +57,7 @@ fn reaches(instrument: &Instrument, body: usize) -> Vec<Vec2> {
 }
 
 fn part(name: &str, body: Option<usize>, material: Material, outline_m: Vec<Vec2>) -> Part {
-    Part {
-        name: format!("{name}, made up"),
-        body,
-        material,
-        outline_m,
-        smooth: true,
-    }
+    Part { name: format!("{name}, made up"), body, material, outline_m, smooth: true }
 }
 
 fn below(point: Vec2, normal: Vec2, depth: f64) -> Vec2 {
@@ -135,13 +112,7 @@ mod tests {
             assert!(made_up.iter().any(|part| part.body == Some(body)));
         }
         assert!(made_up.iter().any(|part| part.body.is_none()));
-        assert!(
-            made_up
-                .iter()
-                .flat_map(|part| &part.outline_m)
-                .flatten()
-                .all(|c| c.is_finite())
-        );
+        assert!(made_up.iter().flat_map(|part| &part.outline_m).flatten().all(|c| c.is_finite()));
     }
 
     /// Midpoints of a circle's polygon lie on the circle, which is what the smooth outline passes through.

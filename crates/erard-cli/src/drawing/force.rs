@@ -25,11 +25,7 @@ pub struct ContactForce {
 /// the later one is the one being driven, and what the ground does to a body is what is worth seeing.
 pub fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
     let zone = &instrument.zones[zone];
-    if zone.disc_body >= zone.curve_body {
-        1.0
-    } else {
-        -1.0
-    }
+    if zone.disc_body >= zone.curve_body { 1.0 } else { -1.0 }
 }
 
 /// All contacts that push in one frame of a run.
@@ -44,34 +40,40 @@ pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Contac
                 return None;
             }
             let sign = arrow_sign(instrument, zone);
-            Some(ContactForce {
-                zone,
-                point_m: [x, y],
-                direction: [sign * nx, sign * ny],
-                normal_n,
-            })
+            Some(ContactForce { zone, point_m: [x, y], direction: [sign * nx, sign * ny], normal_n })
         })
         .collect()
 }
 
 /// The absolute angles of all bodies in one frame of a run, in the instrument's order.
 pub fn angles_at(run: &Run, frame: usize) -> Vec<f64> {
-    run.bodies
-        .iter()
-        .map(|body| body.angle_rad.get(frame).copied().unwrap_or(f64::NAN))
-        .collect()
+    run.bodies.iter().map(|body| body.angle_rad.get(frame).copied().unwrap_or(f64::NAN)).collect()
 }
 
-/// Forces below this are not drawn, N: a felt that only just touches is not news.
-pub const SMALLEST_DRAWN_N: f64 = 0.02;
+/// How long an arrow is and what it says. The page's script is given these numbers, so that both draw alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArrowLaw {
+    /// Length of the arrow of a vanishing force, mm.
+    pub base_mm: f64,
+    /// Growth per factor of ten, mm: logarithmic, since weights at rest are tenths of a newton and blows a hundred.
+    pub per_decade_mm: f64,
+    /// Force at which growth sets in, N.
+    pub knee_n: f64,
+    /// Forces below this are not drawn, N: a felt that only just touches is not news.
+    pub smallest_drawn_n: f64,
+    /// Forces from here on carry their number, N.
+    pub smallest_labelled_n: f64,
+}
 
-/// Forces from here on carry their number, N.
-pub const SMALLEST_LABELLED_N: f64 = 0.2;
+/// The arrows of all pictures.
+pub const ARROW: ArrowLaw =
+    ArrowLaw { base_mm: 7.0, per_decade_mm: 9.0, knee_n: 0.1, smallest_drawn_n: 0.02, smallest_labelled_n: 0.2 };
 
-/// Length of an arrow, mm: logarithmic, since weights at rest are tenths of a newton and blows a hundred.
-/// The page's script holds the same law.
-pub fn arrow_length_mm(normal_n: f64) -> f64 {
-    7.0 + 9.0 * (1.0 + normal_n / 0.1).log10()
+impl ArrowLaw {
+    /// Length of an arrow, mm.
+    pub fn length_mm(&self, normal_n: f64) -> f64 {
+        self.base_mm + self.per_decade_mm * (1.0 + normal_n / self.knee_n).log10()
+    }
 }
 
 /// A force with as many digits as an eye can use.
@@ -86,13 +88,10 @@ pub fn force_label(normal_n: f64) -> String {
 /// The arrows as SVG, in picture millimetres.
 pub fn arrows(forces: &[ContactForce]) -> String {
     let mut out = String::from("<g class=\"forces\">");
-    for force in forces
-        .iter()
-        .filter(|force| force.normal_n >= SMALLEST_DRAWN_N)
-    {
+    for force in forces.iter().filter(|force| force.normal_n >= ARROW.smallest_drawn_n) {
         let [ux, uy] = [force.direction[0], -force.direction[1]];
         let [x, y] = [force.point_m[0] * MM, -force.point_m[1] * MM];
-        let length = arrow_length_mm(force.normal_n);
+        let length = ARROW.length_mm(force.normal_n);
         let (neck, half) = (length - 4.0, 1.9);
         let _ = write!(
             out,
@@ -108,7 +107,7 @@ pub fn arrows(forces: &[ContactForce]) -> String {
             number(x + ux * neck + uy * half),
             number(y + uy * neck - ux * half),
         );
-        if force.normal_n >= SMALLEST_LABELLED_N {
+        if force.normal_n >= ARROW.smallest_labelled_n {
             let (tx, ty) = (x + ux * (length + 3.0), y + uy * (length + 3.0));
             let _ = write!(
                 out,
@@ -136,19 +135,14 @@ mod tests {
 
     #[test]
     fn arrows_grow_with_the_force_but_fit_the_picture() {
-        assert!(arrow_length_mm(0.2) > 7.0);
-        assert!(arrow_length_mm(1.0) < arrow_length_mm(10.0));
-        assert!(arrow_length_mm(300.0) < 45.0);
+        assert!(ARROW.length_mm(0.2) > 7.0);
+        assert!(ARROW.length_mm(1.0) < ARROW.length_mm(10.0));
+        assert!(ARROW.length_mm(300.0) < 45.0);
     }
 
     #[test]
     fn small_forces_stay_silent() {
-        let force = |normal_n| ContactForce {
-            zone: 0,
-            point_m: [0.0, 0.0],
-            direction: [0.0, 1.0],
-            normal_n,
-        };
+        let force = |normal_n| ContactForce { zone: 0, point_m: [0.0, 0.0], direction: [0.0, 1.0], normal_n };
         assert!(!arrows(&[force(0.001)]).contains("path"));
         assert!(!arrows(&[force(0.1)]).contains("text"));
         assert!(arrows(&[force(12.34)]).contains("12.3 N"));

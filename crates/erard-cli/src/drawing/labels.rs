@@ -41,10 +41,7 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
     let [left, top, right, bottom] = bounds;
     let mut found: Vec<Label> = Vec::new();
     for part in parts {
-        if part.name.contains(',')
-            || part.name.is_empty()
-            || found.iter().any(|label| label.text == part.name)
-        {
+        if part.name.contains(',') || part.name.is_empty() || found.iter().any(|label| label.text == part.name) {
             continue;
         }
         let Some(inside) = a_point_inside(&part.outline_m) else {
@@ -52,19 +49,13 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
         };
         let world = carrier(placed, part.body).to_world(inside);
         let anchor = [world[0] * MM, -world[1] * MM];
-        found.push(Label {
-            text: part.name.clone(),
-            anchor,
-            x: anchor[0],
-            row: 0,
-        });
+        found.push(Label { text: part.name.clone(), anchor, x: anchor[0], row: 0 });
     }
     let mut heights: Vec<f64> = found.iter().map(|label| label.anchor[1]).collect();
     heights.sort_by(f64::total_cmp);
     let middle = heights.get(heights.len() / 2).copied().unwrap_or(0.0);
-    let (mut above, mut below): (Vec<Label>, Vec<Label>) = found
-        .into_iter()
-        .partition(|label| label.anchor[1] < middle);
+    let (mut above, mut below): (Vec<Label>, Vec<Label>) =
+        found.into_iter().partition(|label| label.anchor[1] < middle);
     let mut out = String::from("<g class=\"labels\">");
     for (side, edge, outward) in [(&mut above, top, -1.0), (&mut below, bottom, 1.0)] {
         spread(side, left, right);
@@ -82,11 +73,7 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
                 number(ax),
                 number(ay),
                 number(label.x),
-                number(if outward < 0.0 {
-                    y - 1.0
-                } else {
-                    y + SIZE * 0.8
-                }),
+                number(if outward < 0.0 { y - 1.0 } else { y + SIZE * 0.8 }),
                 number(SIZE),
                 escape(&label.text)
             );
@@ -104,8 +91,7 @@ fn spread(side: &mut [Label], left: f64, right: f64) {
         label.row = index % 2;
     }
     for row in 0..2 {
-        let mut members: Vec<&mut Label> =
-            side.iter_mut().filter(|label| label.row == row).collect();
+        let mut members: Vec<&mut Label> = side.iter_mut().filter(|label| label.row == row).collect();
         // Relaxation: push overlapping neighbours apart by halves. A few hundred rounds settle some twenty labels.
         for _ in 0..400 {
             for index in 1..members.len() {
@@ -141,10 +127,7 @@ fn a_point_inside(outline: &[Vec2]) -> Option<Vec2> {
     if doubled_area == 0.0 {
         return Some(outline[0]);
     }
-    let centroid = [
-        moment[0] / (3.0 * doubled_area),
-        moment[1] / (3.0 * doubled_area),
-    ];
+    let centroid = [moment[0] / (3.0 * doubled_area), moment[1] / (3.0 * doubled_area)];
     let mut crossings: Vec<f64> = outline
         .iter()
         .enumerate()
@@ -156,9 +139,7 @@ fn a_point_inside(outline: &[Vec2]) -> Option<Vec2> {
         .collect();
     crossings.sort_by(f64::total_cmp);
     let chords = crossings.chunks_exact(2);
-    let inside = chords
-        .clone()
-        .any(|chord| chord[0] <= centroid[0] && centroid[0] <= chord[1]);
+    let inside = chords.clone().any(|chord| chord[0] <= centroid[0] && centroid[0] <= chord[1]);
     if inside {
         return Some(centroid);
     }
@@ -192,18 +173,8 @@ mod tests {
 
     #[test]
     fn a_leader_ends_inside_an_l() {
-        let l = [
-            [0.0, 0.0],
-            [10.0, 0.0],
-            [10.0, 1.0],
-            [1.0, 1.0],
-            [1.0, 10.0],
-            [0.0, 10.0],
-        ];
+        let l = [[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [1.0, 1.0], [1.0, 10.0], [0.0, 10.0]];
         let [x, y] = a_point_inside(&l).unwrap();
-        assert!(
-            (0.0..=1.0).contains(&x) || (0.0..=1.0).contains(&y),
-            "{x} {y}"
-        );
+        assert!((0.0..=1.0).contains(&x) || (0.0..=1.0).contains(&y), "{x} {y}");
     }
 }

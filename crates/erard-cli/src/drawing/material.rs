@@ -43,12 +43,7 @@ pub const fn paint(material: Material) -> Paint {
         Material::Ivory => ("ivory", "#fdfbf4", "#ece4d0", "#a89c80"),
         Material::String => ("string", "#b9a778", "#857346", "#5b4d2b"),
     };
-    Paint {
-        id,
-        light,
-        shade,
-        edge,
-    }
+    Paint { id, light, shade, edge }
 }
 
 /// The gradients of all materials, for a document's `<defs>`.

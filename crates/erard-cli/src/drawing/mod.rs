@@ -10,7 +10,7 @@ mod outline;
 mod pose;
 
 pub use force::{
-    ContactForce, angles_at, arrow_length_mm, arrow_sign, arrows, force_label, forces_at,
+    ARROW, ArrowLaw, ContactForce, angles_at, arrow_sign, arrows, force_label, forces_at,
 };
 pub use material::{Paint, gradients, paint};
 pub use outline::{path, transform};
@@ -18,7 +18,7 @@ pub use pose::{Placement, carrier, drawn_angles, placements};
 
 use crate::svg::{escape, number};
 use erard::instrument::{Instrument, Part};
-use outline::MM;
+pub(crate) use outline::MM;
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -40,22 +40,13 @@ pub struct PoseOptions {
 
 impl Default for PoseOptions {
     fn default() -> Self {
-        Self {
-            width_px: 1400.0,
-            labels: false,
-            forces: Vec::new(),
-            caption: None,
-        }
+        Self { width_px: 1400.0, labels: false, forces: Vec::new(), caption: None }
     }
 }
 
 /// The instrument's parts, or made-up ones where its file draws none.
 pub fn parts(instrument: &Instrument) -> Cow<'_, [Part]> {
-    if instrument.parts.is_empty() {
-        Cow::Owned(fallback::parts(instrument))
-    } else {
-        Cow::Borrowed(&instrument.parts)
-    }
+    if instrument.parts.is_empty() { Cow::Owned(fallback::parts(instrument)) } else { Cow::Borrowed(&instrument.parts) }
 }
 
 /// The style of everything in a picture of the action; the page inlines the same.
@@ -143,12 +134,7 @@ pub fn shapes(instrument: &Instrument, parts: &[Part], placed: &[Placement]) -> 
 }
 
 fn carried(body: Option<usize>, placed: &[Placement]) -> String {
-    body.map_or(String::new(), |index| {
-        format!(
-            " data-body=\"{index}\" transform=\"{}\"",
-            transform(&placed[index])
-        )
-    })
+    body.map_or(String::new(), |index| format!(" data-body=\"{index}\" transform=\"{}\"", transform(&placed[index])))
 }
 
 /// `[left, top, right, bottom]` in picture millimetres, with a margin, holding the parts both in this pose and as
@@ -156,39 +142,20 @@ fn carried(body: Option<usize>, placed: &[Placement]) -> String {
 pub fn view(instrument: &Instrument, parts: &[Part], placed: &[Placement]) -> [f64; 4] {
     const MARGIN: f64 = 8.0;
     let drawn = placements(instrument, &drawn_angles(instrument));
-    let mut bounds = [
-        f64::INFINITY,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NEG_INFINITY,
-    ];
+    let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     for frames in [placed, &drawn] {
         for part in parts {
             let frame = carrier(frames, part.body);
-            for &point in part
-                .outline_m
-                .iter()
-                .filter(|p| p.iter().all(|c| c.is_finite()))
-            {
+            for &point in part.outline_m.iter().filter(|p| p.iter().all(|c| c.is_finite())) {
                 let [x, y] = frame.to_world(point).map(|c| c * MM);
-                bounds = [
-                    bounds[0].min(x),
-                    bounds[1].min(-y),
-                    bounds[2].max(x),
-                    bounds[3].max(-y),
-                ];
+                bounds = [bounds[0].min(x), bounds[1].min(-y), bounds[2].max(x), bounds[3].max(-y)];
             }
         }
     }
     if bounds[0] > bounds[2] {
         bounds = [-50.0, -50.0, 50.0, 50.0];
     }
-    [
-        bounds[0] - MARGIN,
-        bounds[1] - MARGIN,
-        bounds[2] + MARGIN,
-        bounds[3] + MARGIN,
-    ]
+    [bounds[0] - MARGIN, bounds[1] - MARGIN, bounds[2] + MARGIN, bounds[3] + MARGIN]
 }
 
 #[cfg(test)]
@@ -198,11 +165,7 @@ mod tests {
     #[test]
     fn names_from_files_are_escaped() {
         let instrument = fixture::two_levers_drawn();
-        let options = PoseOptions {
-            labels: true,
-            caption: Some("</svg>".into()),
-            ..PoseOptions::default()
-        };
+        let options = PoseOptions { labels: true, caption: Some("</svg>".into()), ..PoseOptions::default() };
         let svg = pose_svg(&instrument, &[], &options);
         assert!(!svg.contains("</script>") && !svg.contains("<b>") && !svg.contains("<levers>"));
         assert_eq!(svg.matches("</svg>").count(), 1);
@@ -212,10 +175,7 @@ mod tests {
     fn the_same_pose_gives_the_same_bytes() {
         let instrument = fixture::two_levers_drawn();
         let options = PoseOptions::default();
-        assert_eq!(
-            pose_svg(&instrument, &[0.2, 0.3], &options),
-            pose_svg(&instrument, &[0.2, 0.3], &options)
-        );
+        assert_eq!(pose_svg(&instrument, &[0.2, 0.3], &options), pose_svg(&instrument, &[0.2, 0.3], &options));
     }
 
     /// An instrument without parts, without bodies even, still gives a document.

@@ -52,14 +52,8 @@ fn smooth(points: &[Vec2], out: &mut String) {
         let command = if index == 0 { 'M' } else { 'L' };
         let _ = write!(out, "{command}{} {}", number(enter[0]), number(enter[1]));
         if cut > 0.0 {
-            let _ = write!(
-                out,
-                "Q{} {} {} {}",
-                number(corner[0]),
-                number(corner[1]),
-                number(leave[0]),
-                number(leave[1])
-            );
+            let _ =
+                write!(out, "Q{} {} {} {}", number(corner[0]), number(corner[1]), number(leave[0]), number(leave[1]));
         }
     }
 }
@@ -73,10 +67,7 @@ fn along(from: Vec2, to: Vec2, distance: f64, step: f64) -> Vec2 {
         return from;
     }
     let share = step / distance;
-    [
-        from[0] + share * (to[0] - from[0]),
-        from[1] + share * (to[1] - from[1]),
-    ]
+    [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
 }
 
 /// The `transform` attribute that carries a body's frame into the picture.

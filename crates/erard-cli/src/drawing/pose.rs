@@ -13,18 +13,12 @@ pub struct Placement {
 
 impl Placement {
     /// The world's own frame, for what the ground carries.
-    pub const GROUND: Self = Self {
-        pivot_m: [0.0, 0.0],
-        angle_rad: 0.0,
-    };
+    pub const GROUND: Self = Self { pivot_m: [0.0, 0.0], angle_rad: 0.0 };
 
     /// A point of the body, seen in the world.
     pub fn to_world(&self, point_m: Vec2) -> Vec2 {
         let (sin, cos) = self.angle_rad.sin_cos();
-        [
-            self.pivot_m[0] + cos * point_m[0] - sin * point_m[1],
-            self.pivot_m[1] + sin * point_m[0] + cos * point_m[1],
-        ]
+        [self.pivot_m[0] + cos * point_m[0] - sin * point_m[1], self.pivot_m[1] + sin * point_m[0] + cos * point_m[1]]
     }
 }
 
@@ -33,29 +27,16 @@ impl Placement {
 pub fn placements(instrument: &Instrument, angles_rad: &[f64]) -> Vec<Placement> {
     let mut placed: Vec<Placement> = Vec::with_capacity(instrument.bodies.len());
     for (index, body) in instrument.bodies.iter().enumerate() {
-        let angle_rad = angles_rad
-            .get(index)
-            .copied()
-            .filter(|angle| angle.is_finite())
-            .unwrap_or(body.angle_rad);
-        let carrier = body
-            .parent
-            .map_or(Placement::GROUND, |parent| placed[parent]);
-        placed.push(Placement {
-            pivot_m: carrier.to_world(body.pivot_m),
-            angle_rad,
-        });
+        let angle_rad = angles_rad.get(index).copied().filter(|angle| angle.is_finite()).unwrap_or(body.angle_rad);
+        let carrier = body.parent.map_or(Placement::GROUND, |parent| placed[parent]);
+        placed.push(Placement { pivot_m: carrier.to_world(body.pivot_m), angle_rad });
     }
     placed
 }
 
 /// The angles that the instrument is drawn with.
 pub fn drawn_angles(instrument: &Instrument) -> Vec<f64> {
-    instrument
-        .bodies
-        .iter()
-        .map(|body| body.angle_rad)
-        .collect()
+    instrument.bodies.iter().map(|body| body.angle_rad).collect()
 }
 
 /// The frame of an optional carrier, `None` being the ground.
@@ -75,15 +56,9 @@ mod tests {
         let instrument = two_levers();
         let placed = placements(&instrument, &[FRAC_PI_2, 0.0]);
         let tip = placed[1].pivot_m;
-        assert!(
-            (tip[0] - 0.01).abs() < 1e-15 && (tip[1] - 0.12).abs() < 1e-15,
-            "{tip:?}"
-        );
+        assert!((tip[0] - 0.01).abs() < 1e-15 && (tip[1] - 0.12).abs() < 1e-15, "{tip:?}");
         let end = placed[1].to_world([0.05, 0.0]);
-        assert!(
-            (end[0] - 0.06).abs() < 1e-15 && (end[1] - 0.12).abs() < 1e-15,
-            "{end:?}"
-        );
+        assert!((end[0] - 0.06).abs() < 1e-15 && (end[1] - 0.12).abs() < 1e-15, "{end:?}");
     }
 
     #[test]

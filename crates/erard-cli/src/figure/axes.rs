@@ -6,20 +6,10 @@ use crate::svg::{escape, number};
 use std::fmt::Write;
 
 /// The abscissa's grid, and below the last panel its numbers.
-pub(super) fn abscissa(
-    out: &mut String,
-    figure: &Figure,
-    window: &Window,
-    area: Area,
-    numbers: bool,
-) {
+pub(super) fn abscissa(out: &mut String, figure: &Figure, window: &Window, area: Area, numbers: bool) {
     let shown = (window.from * figure.x_unit, window.to * figure.x_unit);
     let marks = ticks(shown, ((area.width / 64.0) as usize).max(2));
-    let step = if marks.len() > 1 {
-        marks[1] - marks[0]
-    } else {
-        1.0
-    };
+    let step = if marks.len() > 1 { marks[1] - marks[0] } else { 1.0 };
     for tick in marks {
         let x = area.left + (tick - shown.0) / (shown.1 - shown.0) * area.width;
         line(out, "grid", [x, area.top], [x, area.bottom()]);
@@ -49,11 +39,7 @@ pub(super) fn together(
     let (low, high) = panel.y_range.unwrap_or_else(|| fitted(figure, panel));
     let y_of = |value: f64| area.bottom() - (value - low) / (high - low) * area.height;
     let marks = ticks((low, high), ((area.height / 24.0) as usize).clamp(2, 8));
-    let step = if marks.len() > 1 {
-        marks[1] - marks[0]
-    } else {
-        1.0
-    };
+    let step = if marks.len() > 1 { marks[1] - marks[0] } else { 1.0 };
     for tick in marks {
         let y = y_of(tick);
         line(out, "grid", [area.left, y], [area.right(), y]);
@@ -89,12 +75,7 @@ pub(super) fn together(
 
 /// The range of everything that any window shows, so that windows share their ordinate.
 fn fitted(figure: &Figure, panel: &Panel) -> (f64, f64) {
-    let shown = |x: f64| {
-        figure
-            .windows
-            .iter()
-            .any(|window| (window.from..=window.to).contains(&x))
-    };
+    let shown = |x: f64| figure.windows.iter().any(|window| (window.from..=window.to).contains(&x));
     range(panel.curves.iter().flat_map(|curve| {
         let pairs = curve.x.iter().zip(curve.y.iter());
         pairs.filter(|(x, _)| shown(**x)).map(|(_, y)| *y)
@@ -122,7 +103,7 @@ pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
     let _ = write!(
         out,
         "<text class=\"ink\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\">{}</text>",
-        escape(&panel.y_label),
+        escape(&format!("{} ({})", panel.quantity, panel.unit)),
         x = number(x),
         y = number(y),
     );

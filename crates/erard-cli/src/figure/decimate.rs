@@ -6,16 +6,9 @@
 /// polyline through them covers the same pixels as the polyline through all, so a contact that lasts two samples of a
 /// million still shows with its full height. One sample beyond either end is kept, so that curves reach the frame.
 /// Samples that are not finite break the curve.
-pub fn decimate(
-    x: &[f64],
-    y: &[f64],
-    (from, to): (f64, f64),
-    columns: usize,
-) -> Vec<Vec<(f64, f64)>> {
+pub fn decimate(x: &[f64], y: &[f64], (from, to): (f64, f64), columns: usize) -> Vec<Vec<(f64, f64)>> {
     let samples = x.len().min(y.len());
-    let first = x[..samples]
-        .partition_point(|&t| t < from)
-        .saturating_sub(1);
+    let first = x[..samples].partition_point(|&t| t < from).saturating_sub(1);
     let last = (x[..samples].partition_point(|&t| t <= to) + 1).min(samples);
     let mut runs = Vec::new();
     let mut run = Vec::new();
@@ -77,12 +70,7 @@ impl Column {
         if self.seen == 0 {
             return;
         }
-        let mut kept = [
-            (0, self.first),
-            self.low,
-            self.high,
-            (self.seen - 1, self.last),
-        ];
+        let mut kept = [(0, self.first), self.low, self.high, (self.seen - 1, self.last)];
         kept.sort_by_key(|(order, _)| *order);
         let mut previous = usize::MAX;
         for (order, point) in kept {
@@ -111,10 +99,7 @@ mod tests {
         assert!(kept.len() <= 4 * 501, "{}", kept.len());
         assert!(kept.contains(&(x[612_345], 80.0)) && kept.contains(&(x[612_400], -7.0)));
         assert!(kept.is_sorted_by(|a, b| a.0 < b.0));
-        assert_eq!(
-            (kept[0], kept[kept.len() - 1]),
-            ((x[0], y[0]), (x[999_999], y[999_999]))
-        );
+        assert_eq!((kept[0], kept[kept.len() - 1]), ((x[0], y[0]), (x[999_999], y[999_999])));
     }
 
     #[test]
@@ -129,10 +114,7 @@ mod tests {
     fn a_window_keeps_one_sample_beyond_either_end() {
         let x: Vec<f64> = (0..100).map(f64::from).collect();
         let runs = decimate(&x, &x, (40.5, 42.5), 10);
-        assert_eq!(
-            runs,
-            vec![vec![(40.0, 40.0), (41.0, 41.0), (42.0, 42.0), (43.0, 43.0)]]
-        );
+        assert_eq!(runs, vec![vec![(40.0, 40.0), (41.0, 41.0), (42.0, 42.0), (43.0, 43.0)]]);
     }
 
     #[test]

@@ -24,11 +24,7 @@ pub(super) fn lanes(
     for (index, curve) in panel.curves.iter().enumerate() {
         let base = area.top + tall * (index as f64 + 1.0);
         let y_of = |value: f64| {
-            if value > floor {
-                base - share(value) * (tall - HEADROOM)
-            } else {
-                base
-            }
+            if value > floor { base - share(value) * (tall - HEADROOM) } else { base }
         };
         for decade in decades(floor, ceiling) {
             let y = y_of(decade);
@@ -79,12 +75,7 @@ pub(super) fn names(out: &mut String, panel: &Panel, left: f64, top: f64) {
     let tall = panel.height_px / panel.curves.len().max(1) as f64;
     for (index, curve) in panel.curves.iter().enumerate() {
         let y = top + tall * (index as f64 + 0.5);
-        let peak = curve
-            .y
-            .iter()
-            .copied()
-            .filter(|value| value.is_finite())
-            .fold(0.0, f64::max);
+        let peak = curve.y.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
         let _ = write!(
             out,
             "<rect x=\"{}\" y=\"{}\" width=\"5\" height=\"{}\" fill=\"{}\"/>\
@@ -106,11 +97,7 @@ pub(super) fn names(out: &mut String, panel: &Panel, left: f64, top: f64) {
 /// Powers of ten strictly between the ends.
 fn decades(floor: f64, ceiling: f64) -> Vec<f64> {
     let first = (floor.log10() + 1e-9).floor() as i32 + 1;
-    (first..)
-        .map(|power| 10f64.powi(power))
-        .take_while(|decade| *decade < ceiling * (1.0 - 1e-9))
-        .take(20)
-        .collect()
+    (first..).map(|power| 10f64.powi(power)).take_while(|decade| *decade < ceiling * (1.0 - 1e-9)).take(20).collect()
 }
 
 #[cfg(test)]

@@ -23,10 +23,7 @@ pub(super) fn names(out: &mut String, figure: &Figure, window: &Window, strip: A
     let mut markers: Vec<&Marker> = shown(figure, window).collect();
     markers.sort_by(|a, b| a.x.total_cmp(&b.x));
     let wide = |marker: &Marker| marker.label.chars().count() as f64 * SIZE * 0.56 + 8.0;
-    let mut places: Vec<f64> = markers
-        .iter()
-        .map(|marker| at(marker.x, window, strip))
-        .collect();
+    let mut places: Vec<f64> = markers.iter().map(|marker| at(marker.x, window, strip)).collect();
     // neighbours stand in different rows; a leader from the upper row must pass beside the name in the lower one
     for _ in 0..300 {
         for index in 1..places.len() {
@@ -39,9 +36,7 @@ pub(super) fn names(out: &mut String, figure: &Figure, window: &Window, strip: A
         }
         for (place, marker) in places.iter_mut().zip(&markers) {
             let half = 0.5 * wide(marker);
-            *place = place
-                .min(strip.right() + 60.0 - half)
-                .max(strip.left - 20.0 + half);
+            *place = place.min(strip.right() + 60.0 - half).max(strip.left - 20.0 + half);
         }
     }
     for (index, (marker, place)) in markers.iter().zip(&places).enumerate() {
@@ -73,10 +68,7 @@ fn push_apart(places: &mut [f64], left: usize, right: usize, need: f64) {
 }
 
 fn shown<'a>(figure: &'a Figure, window: &'a Window) -> impl Iterator<Item = &'a Marker> {
-    figure
-        .markers
-        .iter()
-        .filter(|marker| (window.from..=window.to).contains(&marker.x))
+    figure.markers.iter().filter(|marker| (window.from..=window.to).contains(&marker.x))
 }
 
 fn at(x: f64, window: &Window, area: Area) -> f64 {

@@ -16,7 +16,7 @@ mod ticks;
 
 pub use decimate::decimate;
 pub use png::{PngError, png_from_svg};
-pub use run::{events, run_figure, run_svg};
+pub use run::{events, instants, run_figure, run_svg, windows};
 
 use crate::drawing::FONTS;
 use crate::svg::{escape, number};
@@ -25,9 +25,7 @@ use std::fmt::Write;
 
 /// Colours told apart by everybody, also in grey print when combined with [`Dash`] (Okabe and Ito's set, yellow left
 /// out because it vanishes on paper).
-pub const PALETTE: [&str; 7] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000",
-];
+pub const PALETTE: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"];
 
 /// How a curve's line is broken.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -74,8 +72,10 @@ pub enum Layout {
 /// One panel of the stack.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel<'a> {
-    /// Quantity and unit, e.g. `key (mm)`.
-    pub y_label: String,
+    /// Quantity, e.g. `key`.
+    pub quantity: String,
+    /// Unit of the ordinates, e.g. `mm`.
+    pub unit: &'static str,
     /// Height, px.
     pub height_px: f64,
     /// How the curves share the panel.
@@ -168,23 +168,9 @@ const STYLE: &str = ".ink{fill:#222}.soft{fill:#555}.frame{fill:none;stroke:#777
 
 /// The figure as an SVG document. The same figure gives the same bytes.
 pub fn figure_svg(figure: &Figure) -> String {
-    let named =
-        figure.windows.iter().any(|window| window.names_markers) && !figure.markers.is_empty();
-    let heading = if figure
-        .windows
-        .iter()
-        .all(|window| window.heading.is_empty())
-    {
-        0.0
-    } else {
-        18.0
-    };
-    let top =
-        30.0 + if figure.subtitle.is_empty() {
-            0.0
-        } else {
-            18.0
-        } + heading;
+    let named = figure.windows.iter().any(|window| window.names_markers) && !figure.markers.is_empty();
+    let heading = if figure.windows.iter().all(|window| window.heading.is_empty()) { 0.0 } else { 18.0 };
+    let top = 30.0 + if figure.subtitle.is_empty() { 0.0 } else { 18.0 } + heading;
     let marks = if named { markers::HEIGHT } else { 8.0 };
     let heights: f64 = figure.panels.iter().map(|panel| panel.height_px).sum();
     let gaps = PANEL_GAP * figure.panels.len().saturating_sub(1) as f64;
@@ -199,11 +185,7 @@ pub fn figure_svg(figure: &Figure) -> String {
         title = escape(&figure.title),
     );
     if !figure.subtitle.is_empty() {
-        let _ = write!(
-            out,
-            "<text class=\"soft\" x=\"{LEFT}\" y=\"41\">{}</text>",
-            escape(&figure.subtitle)
-        );
+        let _ = write!(out, "<text class=\"soft\" x=\"{LEFT}\" y=\"41\">{}</text>", escape(&figure.subtitle));
     }
     let columns = columns(figure, width);
     for (window, (left, wide)) in figure.windows.iter().zip(&columns) {
@@ -217,12 +199,7 @@ pub fn figure_svg(figure: &Figure) -> String {
             );
         }
         if window.names_markers {
-            let strip = Area {
-                left: *left,
-                top,
-                width: *wide,
-                height: marks,
-            };
+            let strip = Area { left: *left, top, width: *wide, height: marks };
             markers::names(&mut out, figure, window, strip);
         }
     }
@@ -230,12 +207,7 @@ pub fn figure_svg(figure: &Figure) -> String {
     for (index, panel) in figure.panels.iter().enumerate() {
         let is_last = index + 1 == figure.panels.len();
         for (column, (window, (left, wide))) in figure.windows.iter().zip(&columns).enumerate() {
-            let area = Area {
-                left: *left,
-                top: y,
-                width: *wide,
-                height: panel.height_px,
-            };
+            let area = Area { left: *left, top: y, width: *wide, height: panel.height_px };
             let clip = format!("clip-{index}-{column}");
             let _ = write!(
                 out,
@@ -247,19 +219,9 @@ pub fn figure_svg(figure: &Figure) -> String {
             );
             axes::abscissa(&mut out, figure, window, area, is_last);
             match panel.layout {
-                Layout::Together => {
-                    axes::together(&mut out, figure, panel, window, area, column == 0, &clip)
-                }
+                Layout::Together => axes::together(&mut out, figure, panel, window, area, column == 0, &clip),
                 Layout::Lanes { floor, ceiling } => {
-                    lanes::lanes(
-                        &mut out,
-                        panel,
-                        window,
-                        area,
-                        (floor, ceiling),
-                        column == 0,
-                        &clip,
-                    );
+                    lanes::lanes(&mut out, panel, window, area, (floor, ceiling), column == 0, &clip);
                 }
             }
             markers::lines(&mut out, figure, window, area);

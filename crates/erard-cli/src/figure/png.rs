@@ -57,13 +57,8 @@ fn fonts() -> Arc<usvg::fontdb::Database> {
 
 /// Renders an SVG document at `scale` pixels per SVG pixel. The same document gives the same bytes.
 pub fn png_from_svg(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
-    let options = usvg::Options {
-        fontdb: fonts(),
-        font_family: "DejaVu Sans".to_owned(),
-        ..usvg::Options::default()
-    };
-    let tree =
-        usvg::Tree::from_str(svg, &options).map_err(|error| PngError::Svg(error.to_string()))?;
+    let options = usvg::Options { fontdb: fonts(), font_family: "DejaVu Sans".to_owned(), ..usvg::Options::default() };
+    let tree = usvg::Tree::from_str(svg, &options).map_err(|error| PngError::Svg(error.to_string()))?;
     let width = (f64::from(tree.size().width()) * scale).round();
     let height = (f64::from(tree.size().height()) * scale).round();
     let possible = 1.0..=LARGEST_SIDE;
@@ -75,9 +70,7 @@ pub fn png_from_svg(svg: &str, scale: f64) -> Result<Vec<u8>, PngError> {
     };
     let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
     resvg::render(&tree, transform, &mut pixels.as_mut());
-    pixels
-        .encode_png()
-        .map_err(|error| PngError::Encode(error.to_string()))
+    pixels.encode_png().map_err(|error| PngError::Encode(error.to_string()))
 }
 
 #[cfg(test)]
@@ -93,11 +86,7 @@ mod tests {
 
     fn dark_pixels(png: &[u8]) -> usize {
         let pixels = tiny_skia::Pixmap::decode_png(png).unwrap();
-        pixels
-            .pixels()
-            .iter()
-            .filter(|pixel| pixel.red() < 100)
-            .count()
+        pixels.pixels().iter().filter(|pixel| pixel.red() < 100).count()
     }
 
     /// The classic failure is a PNG whose text is simply not there.
@@ -114,22 +103,13 @@ mod tests {
     #[test]
     fn the_same_svg_gives_the_same_png() {
         let svg = svg("hammer", "sans-serif");
-        assert_eq!(
-            png_from_svg(&svg, 1.0).unwrap(),
-            png_from_svg(&svg, 1.0).unwrap()
-        );
+        assert_eq!(png_from_svg(&svg, 1.0).unwrap(), png_from_svg(&svg, 1.0).unwrap());
     }
 
     #[test]
     fn what_cannot_be_rendered_says_so() {
         assert!(matches!(png_from_svg("no svg", 1.0), Err(PngError::Svg(_))));
-        assert!(matches!(
-            png_from_svg(&svg("x", "y"), 1e6),
-            Err(PngError::Size { .. })
-        ));
-        assert!(matches!(
-            png_from_svg(&svg("x", "y"), f64::NAN),
-            Err(PngError::Size { .. })
-        ));
+        assert!(matches!(png_from_svg(&svg("x", "y"), 1e6), Err(PngError::Size { .. })));
+        assert!(matches!(png_from_svg(&svg("x", "y"), f64::NAN), Err(PngError::Size { .. })));
     }
 }

@@ -4,9 +4,7 @@
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     if low > high {
         return (0.0, 1.0);
     }
@@ -33,10 +31,7 @@ pub(crate) fn ticks((low, high): (f64, f64), most: usize) -> Vec<f64> {
         .find(|step| *step >= raw * (1.0 - 1e-9))
         .unwrap_or(10.0 * power);
     let first = (low / step - 1e-9).ceil();
-    (0..=most)
-        .map(|index| (first + index as f64) * step)
-        .take_while(|tick| *tick <= high + 1e-9 * spread)
-        .collect()
+    (0..=most).map(|index| (first + index as f64) * step).take_while(|tick| *tick <= high + 1e-9 * spread).collect()
 }
 
 /// A tick's number with no more decimals than its step needs.
