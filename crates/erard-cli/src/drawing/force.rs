@@ -88,45 +88,61 @@ pub fn force_label(normal_n: f64) -> String {
 /// The arrows as SVG, in picture millimetres.
 pub fn arrows(forces: &[ContactForce]) -> String {
     let mut out = String::from("<g class=\"forces\">");
+    let mut numbers = String::new();
+    let mut taken: Vec<Vec2> = Vec::new();
     for force in forces.iter().filter(|force| force.normal_n >= ARROW.smallest_drawn_n) {
         let [ux, uy] = [force.direction[0], -force.direction[1]];
-        let [x, y] = [force.point_m[0] * MM, -force.point_m[1] * MM];
         let length = ARROW.length_mm(force.normal_n);
+        let point = |along: f64, across: f64| {
+            let x = force.point_m[0] * MM + ux * along - uy * across;
+            let y = -force.point_m[1] * MM + uy * along + ux * across;
+            format!("{} {}", number(x), number(y))
+        };
         let (neck, half) = (length - 4.0, 1.9);
         let _ = write!(
             out,
-            "<path class=\"arrow\" d=\"M{} {}L{} {}M{} {}L{} {}L{} {}Z\"/>",
-            number(x),
-            number(y),
-            number(x + ux * neck),
-            number(y + uy * neck),
-            number(x + ux * length),
-            number(y + uy * length),
-            number(x + ux * neck - uy * half),
-            number(y + uy * neck + ux * half),
-            number(x + ux * neck + uy * half),
-            number(y + uy * neck - ux * half),
+            "<path class=\"arrow\" d=\"M{}L{}M{}L{}L{}Z\"/>",
+            point(0.0, 0.0),
+            point(neck, 0.0),
+            point(length, 0.0),
+            point(neck, half),
+            point(neck, -half)
         );
         if force.normal_n >= ARROW.smallest_labelled_n {
-            let (tx, ty) = (x + ux * (length + 3.0), y + uy * (length + 3.0));
-            let _ = write!(
-                out,
-                "<text class=\"newton\" x=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>",
-                number(tx + if ux.abs() < 0.4 { 0.0 } else { ux.signum() }),
-                number(ty + 1.8),
-                if ux.abs() < 0.4 {
-                    "middle"
-                } else if ux > 0.0 {
-                    "start"
-                } else {
-                    "end"
-                },
-                force_label(force.normal_n)
-            );
+            write_number(&mut numbers, &mut taken, force, length);
         }
     }
+    // numbers after all arrows, so that none is struck through
+    out.push_str(&numbers);
     out.push_str("</g>");
     out
+}
+
+/// Writes a force's number beyond its arrow's tip, further on where another number stands already.
+fn write_number(out: &mut String, taken: &mut Vec<Vec2>, force: &ContactForce, length: f64) {
+    let [ux, uy] = [force.direction[0], -force.direction[1]];
+    let (anchor, aside) = match ux {
+        ux if ux.abs() < 0.4 => ("middle", 0.0),
+        ux if ux > 0.0 => ("start", 1.0),
+        _ => ("end", -1.0),
+    };
+    let x = force.point_m[0] * MM + ux * (length + 3.0) + aside;
+    let mut y = -force.point_m[1] * MM + uy * (length + 3.0) + 1.8;
+    let step = if uy <= 0.0 { -5.5 } else { 5.5 };
+    for _ in 0..6 {
+        if !taken.iter().any(|[a, b]| (a - x).abs() < 17.0 && (b - y).abs() < 5.0) {
+            break;
+        }
+        y += step;
+    }
+    taken.push([x, y]);
+    let _ = write!(
+        out,
+        "<text class=\"newton\" x=\"{}\" y=\"{}\" text-anchor=\"{anchor}\">{}</text>",
+        number(x),
+        number(y),
+        force_label(force.normal_n)
+    );
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Height of a label's letters, mm of the picture.
 const SIZE: f64 = 6.4;
 /// Width of an average letter against its height.
-const LETTER: f64 = 0.58;
+const LETTER: f64 = 0.6;
 /// Room between neighbouring labels, mm.
 const GAP: f64 = 5.0;
 /// Distance between the two rows on either side, mm.
@@ -20,6 +20,8 @@ const ROW: f64 = 10.0;
 struct Label {
     text: String,
     anchor: Vec2,
+    /// Edge of the picture on the label's side.
+    edge: f64,
     x: f64,
     row: usize,
 }
@@ -27,6 +29,11 @@ struct Label {
 impl Label {
     fn width(&self) -> f64 {
         self.text.chars().count() as f64 * SIZE * LETTER
+    }
+
+    /// How far from the edge lies what it names.
+    fn depth(&self) -> f64 {
+        (self.anchor[1] - self.edge).abs()
     }
 }
 
@@ -49,7 +56,7 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
         };
         let world = carrier(placed, part.body).to_world(inside);
         let anchor = [world[0] * MM, -world[1] * MM];
-        found.push(Label { text: part.name.clone(), anchor, x: anchor[0], row: 0 });
+        found.push(Label { text: part.name.clone(), anchor, edge: 0.0, x: anchor[0], row: 0 });
     }
     let mut heights: Vec<f64> = found.iter().map(|label| label.anchor[1]).collect();
     heights.sort_by(f64::total_cmp);
@@ -58,6 +65,9 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
         found.into_iter().partition(|label| label.anchor[1] < middle);
     let mut out = String::from("<g class=\"labels\">");
     for (side, edge, outward) in [(&mut above, top, -1.0), (&mut below, bottom, 1.0)] {
+        for label in side.iter_mut() {
+            label.edge = edge;
+        }
         spread(side, left, right);
         for label in side.iter() {
             let y = edge + outward * (5.0 + ROW * label.row as f64);
@@ -83,31 +93,60 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
     out
 }
 
-/// Puts the labels of one side into two staggered rows, in the order of what they name (so that no leaders cross
-/// within a row), pushed apart as little as needed and kept within the picture.
+/// Puts the labels of one side into two staggered rows, in the order of what they name, pushed apart as little as
+/// needed and kept within the picture. Row 0 is the one next to the picture: a leader from row 1 has to pass beside the
+/// names in it.
 fn spread(side: &mut [Label], left: f64, right: f64) {
     side.sort_by(|a, b| a.anchor[0].total_cmp(&b.anchor[0]));
-    for (index, label) in side.iter_mut().enumerate() {
-        label.row = index % 2;
+    // Two leaders that cross are untangled by swapping their places, then everything is pushed apart again.
+    for _ in 0..side.len().max(1) {
+        for (index, label) in side.iter_mut().enumerate() {
+            label.row = index % 2;
+            label.x = label.anchor[0];
+        }
+        push_apart(side, left, right);
+        let Some(index) = (1..side.len()).find(|index| cross(&side[index - 1], &side[*index])) else {
+            break;
+        };
+        side.swap(index - 1, index);
     }
-    for row in 0..2 {
-        let mut members: Vec<&mut Label> = side.iter_mut().filter(|label| label.row == row).collect();
-        // Relaxation: push overlapping neighbours apart by halves. A few hundred rounds settle some twenty labels.
-        for _ in 0..400 {
-            for index in 1..members.len() {
-                let need = 0.5 * (members[index - 1].width() + members[index].width()) + GAP;
-                let lack = need - (members[index].x - members[index - 1].x);
-                if lack > 0.0 {
-                    members[index - 1].x -= 0.5 * lack;
-                    members[index].x += 0.5 * lack;
-                }
-            }
-            for label in &mut members {
-                let half = 0.5 * label.width();
-                label.x = label.x.min(right - half).max(left + half);
+}
+
+/// Relaxation: neighbours that are too close move apart by halves. A few hundred rounds settle some twenty labels.
+fn push_apart(side: &mut [Label], left: f64, right: f64) {
+    for _ in 0..600 {
+        for index in 1..side.len() {
+            let near = if side[index].row == 0 { index } else { index - 1 };
+            separate(side, index - 1, index, 0.5 * side[near].width() + 2.0);
+            if index > 1 {
+                let room = 0.5 * (side[index - 2].width() + side[index].width()) + GAP;
+                separate(side, index - 2, index, room);
             }
         }
+        for label in side.iter_mut() {
+            let half = 0.5 * label.width();
+            label.x = label.x.min(right - half).max(left + half);
+        }
     }
+}
+
+fn separate(side: &mut [Label], before: usize, after: usize, room: f64) {
+    let lack = room - (side[after].x - side[before].x);
+    if lack > 0.0 {
+        side[before].x -= 0.5 * lack;
+        side[after].x += 0.5 * lack;
+    }
+}
+
+/// Whether two leaders, drawn from their labels' places on one line to their anchors, cross.
+fn cross(a: &Label, b: &Label) -> bool {
+    // from the labels (depth 0) to the shallower of the two anchors
+    let depth = a.depth().min(b.depth());
+    let at = |label: &Label| {
+        let share = depth / label.depth().max(1e-9);
+        label.x + share * (label.anchor[0] - label.x)
+    };
+    (a.x - b.x) * (at(a) - at(b)) < 0.0
 }
 
 /// The centroid of an outline, or, where that lies outside (an L, a sickle), the middle of a chord through it.
@@ -158,6 +197,7 @@ mod tests {
             .map(|i| Label {
                 text: format!("a rather long name {i}"),
                 anchor: [f64::from(i), 0.0],
+                edge: -50.0,
                 x: f64::from(i),
                 row: 0,
             })

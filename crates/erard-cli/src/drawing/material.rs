@@ -40,7 +40,7 @@ pub const fn paint(material: Material) -> Paint {
         Material::Leather => ("leather", "#b3aca2", "#8d867d", "#5a554e"),
         Material::Metal => ("metal", "#d3d9de", "#929ba3", "#555e66"),
         Material::Lead => ("lead", "#868c92", "#62686e", "#3c4146"),
-        Material::Ivory => ("ivory", "#fdfbf4", "#ece4d0", "#a89c80"),
+        Material::Ivory => ("ivory", "#fdfbf4", "#ece4d0", "#8d8266"),
         Material::String => ("string", "#b9a778", "#857346", "#5b4d2b"),
     };
     Paint { id, light, shade, edge }

@@ -9,9 +9,7 @@ mod material;
 mod outline;
 mod pose;
 
-pub use force::{
-    ARROW, ArrowLaw, ContactForce, angles_at, arrow_sign, arrows, force_label, forces_at,
-};
+pub use force::{ARROW, ArrowLaw, ContactForce, angles_at, arrow_sign, arrows, force_label, forces_at};
 pub use material::{Paint, gradients, paint};
 pub use outline::{path, transform};
 pub use pose::{Placement, carrier, drawn_angles, placements};

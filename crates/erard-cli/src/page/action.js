@@ -54,11 +54,12 @@ const push = (where) => {
     path.setAttribute("d", `M${point(0, 0)}L${point(neck, 0)}M${point(length, 0)}L${point(neck, half)}L${point(neck, -half)}Z`);
     text.textContent = newtons(force);
     const upright = Math.abs(ux) < 0.4;
-    const tx = x + ux * (length + 3) + (upright ? 0 : Math.sign(ux));
-    let ty = y + uy * (length + 3) + 1.8;
+    const tx = x + ux * (length + 6 * pixel) + (upright ? 0 : Math.sign(ux) * 2 * pixel);
+    let ty = y + uy * (length + 8 * pixel) + 4.5 * pixel;
     // numbers of neighbouring arrows step aside along the picture's height
-    const step = uy <= 0 ? -5.5 : 5.5;
-    for (let tries = 0; tries < 6 && taken.some(([a, b]) => Math.abs(a - tx) < 17 && Math.abs(b - ty) < 5); tries++) ty += step;
+    const step = (uy <= 0 ? -14 : 14) * pixel;
+    const meets = ([a, b]) => Math.abs(a - tx) < 46 * pixel && Math.abs(b - ty) < 13 * pixel;
+    for (let tries = 0; tries < 6 && taken.some(meets); tries++) ty += step;
     taken.push([tx, ty]);
     text.setAttribute("x", tx.toFixed(2));
     text.setAttribute("y", ty.toFixed(2));
@@ -74,6 +75,15 @@ const look = (to) => {
   if (!(to[2] > 5 && to[2] < widest)) return;
   view = to;
   picture.setAttribute("viewBox", view.map((v) => v.toFixed(3)).join(" "));
+  measure();
+};
+// Numbers at the arrows keep their size on the screen whatever the zoom: millimetres of the picture per pixel.
+let pixel = 0.4;
+const measure = () => {
+  const matrix = picture.getScreenCTM();
+  if (!matrix) return;
+  pixel = 1 / matrix.a;
+  picture.style.setProperty("--px", pixel);
 };
 const zoom = (factor, x, y) =>
   look([x + (view[0] - x) * factor, y + (view[1] - y) * factor, view[2] * factor, view[3] * factor]);

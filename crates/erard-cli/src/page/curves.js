@@ -5,8 +5,11 @@ let shownTime = [...data.windows[data.windows.length - 1]];
 let layout = [], high = 0, wide = 0;
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-// black curves must not vanish on a dark page
-const curveColour = (curve) => (curve.colour === "#000000" ? colour("--ink") : curve.colour);
+// On a dark page curves are a third lighter, and black ones as the text.
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const lighter = (hex) => `#${[1, 3, 5].map((k) => Math.round(parseInt(hex.slice(k, k + 2), 16) * 0.67 + 84).toString(16)).join("")}`;
+const curveColour = (curve) =>
+  curve.colour === "#000000" ? colour("--ink") : dark.matches ? lighter(curve.colour) : curve.colour;
 const xOf = (t) => LEFT + ((t - shownTime[0]) / (shownTime[1] - shownTime[0])) * (wide - LEFT - RIGHT);
 const tOf = (x) => shownTime[0] + ((x - LEFT) / (wide - LEFT - RIGHT)) * (shownTime[1] - shownTime[0]);
 
@@ -47,8 +50,12 @@ const thin = (y, each) => {
 const arrange = () => {
   wide = canvas.parentElement.clientWidth;
   let y = TOP;
+  const least = (panel) => (panel.lanes ? 21 * panel.curves.length : 88);
+  // a tall window is filled
+  const room = window.innerHeight - 130 - FOOT - TOP - GAP * data.panels.length;
+  const stretch = Math.min(Math.max(room / data.panels.reduce((sum, panel) => sum + least(panel), 1), 1), 2.2);
   layout = data.panels.map((panel) => {
-    const tall = panel.lanes ? 21 * panel.curves.length : 88;
+    const tall = stretch * least(panel);
     const place = { panel, top: y + GAP - 6, tall };
     y += tall + GAP;
     return place;

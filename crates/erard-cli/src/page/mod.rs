@@ -41,7 +41,7 @@ pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)
     }
     let picture = format!(
         "<svg id=\"action\" tabindex=\"0\" role=\"img\" aria-label=\"The action, {}\" viewBox=\"{} {} {} {}\" \
-         preserveAspectRatio=\"xMidYMid meet\"><style>{}</style><defs>{}</defs>{}<g class=\"forces\" id=\"forces\"></g></svg>",
+         preserveAspectRatio=\"xMaxYMid meet\"><style>{}</style><defs>{}</defs>{}<g class=\"forces\" id=\"forces\"></g></svg>",
         escape(&instrument.name),
         number(whole[0]),
         number(whole[1]),
@@ -73,15 +73,14 @@ fn inline(data: &serde_json::Value) -> String {
     data.to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
 
-/// The part of the picture where the small things happen: everything carried by bodies other than the key, or by the
-/// ground within reach of them. `None` where that is nearly all.
+/// The part of the picture where the small things happen: from the first thing carried by a body other than the key,
+/// to the end, and as high as the whole. `None` where that is nearly all.
 fn close_up(instrument: &Instrument, parts: &[Part], placed: &[drawing::Placement]) -> Option<[f64; 4]> {
     let key = instrument.roles.key?;
     let small: Vec<Part> = parts.iter().filter(|part| part.body.is_some_and(|body| body != key)).cloned().collect();
     let whole = drawing::view(instrument, parts, placed);
     let mut close = drawing::view(instrument, &small, placed);
-    // the hammer's way up to the string
-    close[1] = whole[1];
+    [_, close[1], close[2], close[3]] = whole;
     (!small.is_empty() && close[2] - close[0] < 0.8 * (whole[2] - whole[0])).then_some(close)
 }
 

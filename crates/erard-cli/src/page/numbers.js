@@ -19,7 +19,10 @@ const contacts = [];
 for (const panel of data.panels) {
   for (const curve of panel.curves) {
     if (panel.lanes) contacts.push({ curve, ...row("pushes", curve.label, curveColour(curve)) });
-    else readings.push({ curve, unit: panel.unit, ...row("now", panel.curves.length > 1 ? `${panel.quantity}: ${curve.label}` : `${panel.quantity}: ${curve.label}`, curveColour(curve)) });
+    else {
+      const name = panel.curves.length > 1 ? `${curve.label} ${panel.quantity}` : panel.quantity;
+      readings.push({ curve, unit: panel.unit, ...row("now", name, curveColour(curve)) });
+    }
   }
 }
 const nothing = row("pushes", "nothing touches");

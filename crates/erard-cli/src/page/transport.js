@@ -143,6 +143,7 @@ document.addEventListener("keydown", (event) => {
     "+": () => zoomMiddle(0.8),
     "-": () => zoomMiddle(1.25),
     0: wholeView,
+    9: closeUp,
   };
   // a focused button or box takes the space bar itself
   if (!event.target.matches("button, input[type=checkbox]")) keys[" "] = () => play(!playing);
@@ -152,17 +153,19 @@ document.addEventListener("keydown", (event) => {
   act();
 });
 
-// #t=0.123 opens the page at that time (s); view=close at the close-up; shown=from,to at that stretch of the curves.
+// #t=0.123 opens the page at that time (s); view=whole with the whole action; shown=from,to at that stretch of the curves.
 const hash = new URLSearchParams(location.hash.slice(1));
 const redraw = () => {
   arrange();
+  measure();
   showTime(...shownTime);
   show();
 };
 addEventListener("resize", redraw);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+dark.addEventListener("change", redraw);
 redraw();
-if (hash.get("view") === "close") closeUp();
+if (hash.get("view") === "whole" || data.views.close === null) wholeView();
+else closeUp();
 const asked = (hash.get("shown") ?? "").split(",").map(Number);
 if (asked.length === 2 && asked[1] > asked[0]) showTime(...asked);
 go(hash.has("t") ? +hash.get("t") || 0 : begin);
