@@ -5,12 +5,17 @@ use crate::pose::Pose;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Mask, Real};
 
-/// A zone at one configuration and velocity.
+/// m/s; the fastest that two bodies are expected to close.
+const CLOSING_SPEED: f64 = 100.0;
+/// 1/sqrt(3): the two-point Gauss nodes on [-1, 1].
+const GAUSS_POINT: f64 = 0.577_350_269_189_625_8;
+
+/// A zone during one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T, const B: usize> {
-    /// Whether the felt is compressed (gap > 0); the other fields hold only then.
+    /// Whether the felt is touched; the other fields (but `gap` and `force`) hold only then.
     pub active: bool,
-    /// Compression g, m; negative apart.
+    /// Compression g at the theta point, m; negative apart.
     pub gap: T,
     /// dg/dt, m/s.
     pub rate: T,
@@ -22,9 +27,8 @@ pub struct Contact<T, const B: usize> {
     pub force: T,
     /// The part of `force` due to damping, b g^2 dg/dt (or what the clamp left of it), N.
     pub damping_force: T,
-    /// dF/dg and dF/d(dg/dt).
-    pub(crate) stiffness: T,
-    pub(crate) damping: T,
+    /// h dF/dv1 along the row (the linearised felt), never negative.
+    pub(crate) tangent: T,
     /// Row G: dg/dt = G v.
     pub(crate) row: [T; B],
 }
@@ -40,13 +44,17 @@ impl<T: Real, const B: usize> Contact<T, B> {
             point: o,
             force: z,
             damping_force: z,
-            stiffness: z,
-            damping: z,
+            tangent: z,
             row: [z; B],
         }
     }
 
-    /// Evaluates geometry, and felt where there is contact.
+    /// Evaluates geometry at the theta point, and the felt where it is touched during the step.
+    ///
+    /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
+    /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
+    /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
+    /// step's end, and the scheme is backward Euler.
     #[inline(always)]
     pub(crate) fn evaluate<const Z: usize>(
         &mut self,
@@ -54,28 +62,39 @@ impl<T: Real, const B: usize> Contact<T, B> {
         zone: &Zone<T>,
         pose: &Pose<T, B>,
         v: &[T; B],
+        h: T,
+        theta: T,
     ) {
         let center = pose.point(zone.disc_body, zone.center);
         let (distance, normal) = distance_to_curve(zone, pose, center);
         self.gap = zone.radius - distance;
-        let touching = T::ZERO.lt(self.gap);
-        self.active = touching.any();
-        if !self.active {
-            self.force = T::ZERO;
+        self.active = false;
+        self.force = T::ZERO;
+        // No zone closes faster than this while the step lasts; farther apart its rate need not be known.
+        if !(-h * T::from_f64(CLOSING_SPEED)).lt(self.gap).any() {
             return;
         }
-        self.normal = normal;
-        self.point = sub(center, scale(normal, distance));
-        self.row = gap_row(model, zone, pose, center, normal);
+        let row = gap_row(model, zone, pose, center, normal);
         self.rate = T::ZERO;
-        for (r, w) in self.row.iter().zip(v) {
+        for (r, w) in row.iter().zip(v) {
             self.rate += *r * *w;
         }
-        let law = felt_law(&zone.felt, self.gap.max(T::ZERO), self.rate);
-        self.force = law.force;
-        self.damping_force = law.damping_force;
-        self.stiffness = law.stiffness;
-        self.damping = law.damping;
+        let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
+        let offset = reach * self.rate;
+        if !T::ZERO.lt(self.gap + offset.abs()).any() {
+            return;
+        }
+        self.active = true;
+        self.normal = normal;
+        self.point = sub(center, scale(normal, distance));
+        self.row = row;
+        let (half, h_theta) = (T::from_f64(0.5), h * theta);
+        let a = felt_law(&zone.felt, (self.gap + offset).max(T::ZERO), self.rate);
+        let b = felt_law(&zone.felt, (self.gap - offset).max(T::ZERO), self.rate);
+        self.force = half * (a.force + b.force);
+        self.damping_force = half * (a.damping_force + b.damping_force);
+        let slope = (h_theta + reach) * a.stiffness + (h_theta - reach) * b.stiffness;
+        self.tangent = (half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO);
     }
 
     /// The row that maps velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal turned
@@ -237,7 +256,7 @@ mod tests {
                 let q = [0.3, -0.7, 1.9, 0.4];
                 let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
                 let mut contact = Contact::apart();
-                contact.evaluate(&model, &zone, &Pose::of(&model, &q), &[0.0; 4]);
+                contact.evaluate(&model, &zone, &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
                 assert!(contact.active);
                 for i in 0..4 {
                     let e = 1e-6;

@@ -71,7 +71,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             mass_matrix(model, scratch);
             site_row(model, scratch);
         }
-        evaluate_contacts(model, &v_theta, scratch);
+        evaluate_contacts(model, settings, &v_theta, scratch);
         let (mut a, residual) = linearise(model, settings, input, &v, &v0, &q_theta, scratch);
         let inverse_d = linear::factor(&mut a);
         let inverse = linear::inverse(&a, &inverse_d);
@@ -161,17 +161,18 @@ fn site_row<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 }
 
-/// Geometry and felt of every zone at the theta point; tangents of zones with friction once, where they first touch.
+/// Geometry and felt of every zone during the step; slip rows of zones with friction once, where they first touch.
 #[inline(always)]
 fn evaluate_contacts<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
+    settings: &Settings<T>,
     v_theta: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let Scratch { pose, contacts, slip_row, has_slip_row, .. } = scratch;
     for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
         let contact: &mut Contact<T, B> = &mut contacts[z];
-        contact.evaluate(model, zone, pose, v_theta);
+        contact.evaluate(model, zone, pose, v_theta, settings.step, settings.theta);
         if contact.active && zone.friction.is_some() && !has_slip_row[z] {
             slip_row[z] = contact.slip_row(model, zone, pose);
             has_slip_row[z] = true;
@@ -237,8 +238,7 @@ fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     for z in 0..model.zone_count {
         let contact = &scratch.contacts[z];
         if contact.active {
-            let tangent = contact_tangent(contact, h_theta);
-            add_term(&mut a, &mut force, &contact.row, tangent, -contact.force);
+            add_term(&mut a, &mut force, &contact.row, contact.tangent, -contact.force);
             if let (FrictionLaw::Regularised { sliding_width, .. }, Some(mu)) =
                 (settings.friction, model.zones[z].friction)
             {
@@ -259,12 +259,6 @@ fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         }
     }
     (a, residual)
-}
-
-/// h dF/dv1 along the contact's row: h theta (dF/d(dg/dt) + theta h dF/dg), never negative.
-#[inline(always)]
-fn contact_tangent<T: Real, const B: usize>(contact: &Contact<T, B>, h_theta: T) -> T {
-    (h_theta * (contact.damping + h_theta * contact.stiffness)).max(T::ZERO)
 }
 
 /// force += row f and A += tangent row row^T (lower triangle and its mirror).
@@ -331,7 +325,6 @@ fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     laws: &mut [Law; N],
 ) {
     let h = settings.step;
-    let h_theta = h * settings.theta;
     let Scratch {
         problem,
         columns,
@@ -373,12 +366,11 @@ fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             laws[n] = Law::Sliding(z);
             columns[n] = linear::times(inverse, &slip_row[z]);
             problem.free[n] = product(&slip_row[z], v_free);
-            let tangent = contact_tangent(contact, h_theta);
             let mut ahead = T::ZERO;
             for i in 0..B {
                 ahead += contact.row[i] * (v_free[i] - v[i]);
             }
-            problem.bound[n] = mu * (h * contact.force + tangent * ahead);
+            problem.bound[n] = mu * (h * contact.force + contact.tangent * ahead);
             problem.sloped[n] = true;
             impulse[n] = h * tangential[z];
             n += 1;
@@ -407,7 +399,7 @@ fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         }
         if let Law::Sliding(z) = laws[i] {
             let contact = &contacts[z];
-            let factor = model.zones[z].friction.unwrap_or(T::ZERO) * contact_tangent(contact, h_theta);
+            let factor = model.zones[z].friction.unwrap_or(T::ZERO) * contact.tangent;
             for j in 0..n {
                 problem.slope[i][j] = factor * product(&contact.row, &columns[j]);
             }
