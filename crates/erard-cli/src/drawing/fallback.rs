@@ -18,7 +18,10 @@ pub fn parts(instrument: &Instrument) -> Vec<Part> {
     for (index, body) in instrument.bodies.iter().enumerate() {
         for reach in reaches(instrument, index) {
             if reach[0].hypot(reach[1]) > ROD {
-                out.push(part(&body.name, Some(index), Material::Wood, capsule([0.0, 0.0], reach, ROD)));
+                // without a comma, so that the body is labelled
+                let rod =
+                    part(&body.name.replace(',', " "), Some(index), Material::Wood, capsule([0.0, 0.0], reach, ROD));
+                out.push(rod);
             }
         }
     }
@@ -30,9 +33,10 @@ pub fn parts(instrument: &Instrument) -> Vec<Part> {
             }
             Curve::Disc { center_m, radius_m } => (circle(center_m, radius_m.max(POINT)), Material::Leather),
         };
-        out.push(part(&zone.name, zone.curve_body, material, outline));
+        let name = format!("{}, made up", zone.name);
+        out.push(part(&name, zone.curve_body, material, outline));
         let disc = circle(zone.disc_center_m, zone.disc_radius_m.max(POINT));
-        out.push(part(&zone.name, zone.disc_body, Material::Felt, disc));
+        out.push(part(&name, zone.disc_body, Material::Felt, disc));
     }
     out
 }
@@ -57,7 +61,7 @@ fn reaches(instrument: &Instrument, body: usize) -> Vec<Vec2> {
 }
 
 fn part(name: &str, body: Option<usize>, material: Material, outline_m: Vec<Vec2>) -> Part {
-    Part { name: format!("{name}, made up"), body, material, outline_m, smooth: true }
+    Part { name: name.to_owned(), body, material, outline_m, smooth: true }
 }
 
 fn below(point: Vec2, normal: Vec2, depth: f64) -> Vec2 {

@@ -26,8 +26,8 @@ pub const FONTS: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 /// What to show beside the wood.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseOptions {
-    /// Width of the picture, px.
-    pub width_px: f64,
+    /// Width of the picture, or height where that is larger, px.
+    pub size_px: f64,
     /// Whether the main parts are named, with leader lines.
     pub labels: bool,
     /// Contact forces to draw as arrows.
@@ -38,7 +38,7 @@ pub struct PoseOptions {
 
 impl Default for PoseOptions {
     fn default() -> Self {
-        Self { width_px: 1400.0, labels: false, forces: Vec::new(), caption: None }
+        Self { size_px: 1400.0, labels: false, forces: Vec::new(), caption: None }
     }
 }
 
@@ -66,12 +66,13 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
         bottom += 12.0;
     }
     let (width, height) = (right - left, bottom - top);
+    let pixels = options.size_px / width.max(height);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"{} {} {} {}\" \
          font-family=\"{FONTS}\" role=\"img\"><title>{}</title><style>{STYLE}</style><defs>{}</defs>\
          <rect class=\"paper\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
-        number(options.width_px),
-        number((options.width_px * height / width).round()),
+        number((pixels * width).round()),
+        number((pixels * height).round()),
         number(left),
         number(top),
         number(width),

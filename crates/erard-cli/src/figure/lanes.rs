@@ -21,17 +21,20 @@ pub(super) fn lanes(
     let count = panel.curves.len().max(1) as f64;
     let tall = area.height / count;
     let share = |value: f64| ((value / floor).log10() / (ceiling / floor).log10()).clamp(0.0, 1.0);
+    // every other decade is enough in a lane this low: the even or the odd ones, whichever are more
+    let marks = decades(floor, ceiling);
+    let is_even = |decade: f64| (decade.log10().round() as i64).rem_euclid(2) == 0;
+    let evens = marks.iter().filter(|decade| is_even(**decade)).count();
+    let is_numbered = |decade: f64| is_even(decade) == (2 * evens >= marks.len());
     for (index, curve) in panel.curves.iter().enumerate() {
         let base = area.top + tall * (index as f64 + 1.0);
         let y_of = |value: f64| {
             if value > floor { base - share(value) * (tall - HEADROOM) } else { base }
         };
-        for decade in decades(floor, ceiling) {
+        for &decade in &marks {
             let y = y_of(decade);
             line(out, "grid", [area.left, y], [area.right(), y]);
-            // every other decade is enough in a lane this low
-            let is_numbered = (decade.log10().round() as i64).rem_euclid(2) == 0;
-            if numbers && is_numbered {
+            if numbers && is_numbered(decade) {
                 let _ = write!(
                     out,
                     "<text class=\"soft\" x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"8.5\">{decade}</text>",

@@ -159,7 +159,7 @@ const BOTTOM: f64 = 48.0;
 /// Between panels, px.
 const PANEL_GAP: f64 = 12.0;
 /// Between windows, px.
-const WINDOW_GAP: f64 = 14.0;
+const WINDOW_GAP: f64 = 34.0;
 
 /// The style of all figures.
 const STYLE: &str = ".ink{fill:#222}.soft{fill:#555}.frame{fill:none;stroke:#777;stroke-width:.8}\

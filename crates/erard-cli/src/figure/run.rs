@@ -1,5 +1,6 @@
 //! The figure of one run: force, key, hammer, angles and contact forces over time.
 
+use super::ticks::range;
 use super::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg};
 use erard::run::{Events, Run};
 use std::borrow::Cow;
@@ -136,13 +137,17 @@ fn panel<'a>(
     height_px: f64,
     curves: impl IntoIterator<Item = (&'a str, Cow<'a, [f64]>)>,
 ) -> Panel<'a> {
+    let curves: Vec<(&str, Cow<[f64]>)> = curves.into_iter().collect();
+    // all of these quantities start from nothing, and a curve is misread on an axis without its zero
+    let values = curves.iter().flat_map(|(_, y)| y.iter().copied());
+    let y_range = Some(range(values.chain([0.0])));
     let dashes = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dotted];
     Panel {
         quantity: quantity.into(),
         unit,
         height_px,
         layout: Layout::Together,
-        y_range: None,
+        y_range,
         curves: curves
             .into_iter()
             .enumerate()

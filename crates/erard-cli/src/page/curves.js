@@ -1,6 +1,6 @@
 // The curves: panels on a canvas, a cursor on another above it.
 const canvas = $("curves"), cursor = $("cursor");
-const LEFT = 46, RIGHT = 8, TOP = 6, FOOT = 30, GAP = 20;
+const LEFT = 46, RIGHT = 18, TOP = 6, FOOT = 30, GAP = 20;
 let shownTime = [...data.windows[data.windows.length - 1]];
 let layout = [], high = 0, wide = 0;
 
@@ -76,7 +76,7 @@ const range = (panel) => {
   if (!(top > low)) return [(low || 0) - 1, (low || 0) + 1];
   return [low - 0.06 * (top - low), top + 0.06 * (top - low)];
 };
-for (const panel of data.panels) panel.range = range(panel);
+for (const panel of data.panels) panel.range ??= range(panel);
 
 const rule = (g, style, x1, y1, x2, y2) => {
   g.strokeStyle = style;

@@ -81,7 +81,7 @@ fn panel_value(panel: &Panel, at: &dyn Fn(&[f64]) -> String) -> Value {
         Layout::Together => Value::Null,
         Layout::Lanes { floor, ceiling } => json!([floor, ceiling]),
     };
-    json!({"quantity": panel.quantity, "unit": panel.unit, "lanes": lanes, "curves": curves})
+    json!({"quantity": panel.quantity, "unit": panel.unit, "range": panel.y_range, "lanes": lanes, "curves": curves})
 }
 
 /// A zone's contact, only where it pushes: `spans` are `[first frame, frames]`, and for every frame within them stand

@@ -76,16 +76,29 @@ $("back").addEventListener("click", () => step(-1));
 $("on").addEventListener("click", () => step(1));
 $("first").addEventListener("click", () => go(begin));
 $("arrows").addEventListener("change", show);
-for (const [name, t] of data.events) {
+const visit = (t) => {
+  play(false);
+  go(t);
+};
+// The first blow's events as buttons; of the blows after it a few as well, many as a list.
+const isBlow = ([name]) => name.startsWith("blow ");
+const blows = data.events.filter(isBlow);
+const listed = blows.length > 6;
+for (const [name, t] of data.events.filter((event) => !(listed && isBlow(event)))) {
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = name;
   button.title = milliseconds(t);
-  button.addEventListener("click", () => {
-    play(false);
-    go(t);
-  });
+  button.addEventListener("click", () => visit(t));
   $("events").append(button);
+}
+if (listed) {
+  const list = document.createElement("select");
+  list.setAttribute("aria-label", "Go to a later blow");
+  list.add(new Option("later blows", ""));
+  for (const [name, t] of blows) list.add(new Option(`${name}: ${milliseconds(t)}`, t));
+  list.addEventListener("change", () => list.value !== "" && visit(+list.value));
+  $("events").append(list);
 }
 
 // Which stretch of time the curves show.
@@ -169,5 +182,5 @@ else closeUp();
 const asked = (hash.get("shown") ?? "").split(",").map(Number);
 if (asked.length === 2 && asked[1] > asked[0]) showTime(...asked);
 go(hash.has("t") ? +hash.get("t") || 0 : begin);
-$("what").textContent = `One key press, simulated: ${milliseconds(end - begin)}, ${frames} frames${
+$("what").textContent = `A simulated run of ${milliseconds(end - begin)}, ${frames} frames${
   frames < data.rows ? ` of ${data.rows} rows` : ""}.`;
