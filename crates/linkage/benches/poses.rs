@@ -34,11 +34,7 @@ fn equations(bencher: divan::Bencher) {
     let levers = ThreeLever::c7f_like();
     bencher.bench(|| {
         let mechanism = levers.linkage(Drive::Key).assemble().unwrap();
-        mechanism
-            .equations()
-            .iter()
-            .map(ToString::to_string)
-            .collect::<Vec<_>>()
+        mechanism.equations().iter().map(ToString::to_string).collect::<Vec<_>>()
     });
 }
 

@@ -72,10 +72,7 @@ impl FourBar {
         let across = side * square.sqrt();
         let (ex, ey) = (dx / distance, dy / distance);
         let joint = (px + along * ex - across * ey, py + along * ey + across * ex);
-        Some(FourBarPose {
-            t3: (joint.1 - py).atan2(joint.0 - px),
-            t4: joint.1.atan2(joint.0 - self.d),
-        })
+        Some(FourBarPose { t3: (joint.1 - py).atan2(joint.0 - px), t4: joint.1.atan2(joint.0 - self.d) })
     }
 
     /// `(dt3/dt2, dt4/dt2)` at a pose: the textbook's velocity ratios. Infinite or
@@ -83,10 +80,7 @@ impl FourBar {
     #[must_use]
     pub fn rates(&self, t2: f64, pose: FourBarPose) -> (f64, f64) {
         let between = (pose.t4 - pose.t3).sin();
-        (
-            self.a * (t2 - pose.t4).sin() / (self.b * between),
-            self.a * (t2 - pose.t3).sin() / (self.c * between),
-        )
+        (self.a * (t2 - pose.t4).sin() / (self.b * between), self.a * (t2 - pose.t3).sin() / (self.c * between))
     }
 
     /// The crank angles (rad, 0 to π) beyond which a crank that cannot turn fully
@@ -94,8 +88,7 @@ impl FourBar {
     #[must_use]
     pub fn dead_centres(&self) -> [Option<f64>; 2] {
         [self.b + self.c, self.b - self.c].map(|reach| {
-            let cosine =
-                (self.a * self.a + self.d * self.d - reach * reach) / (2.0 * self.a * self.d);
+            let cosine = (self.a * self.a + self.d * self.d - reach * reach) / (2.0 * self.a * self.d);
             (cosine.abs() <= 1.0).then(|| cosine.acos())
         })
     }
@@ -143,12 +136,7 @@ mod tests {
     /// arctangent leaves a few 1e-16; 1e-14 allows for cancellation near a dead centre.
     #[test]
     fn four_bar_closes() {
-        let bar = FourBar {
-            a: 0.1,
-            b: 0.25,
-            c: 0.3,
-            d: 0.35,
-        };
+        let bar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
         for step in 0..64 {
             let t2 = f64::from(step) * 0.1;
             for side in [1.0, -1.0] {
@@ -165,11 +153,7 @@ mod tests {
     fn no_solution_is_none() {
         assert_eq!(cosine_equation(1.0, 0.0, 1.1), None);
         assert_eq!(cosine_equation(f64::NAN, 0.0, 0.0), None);
-        let short = SliderCrank {
-            r: 0.1,
-            l: 0.05,
-            e: 0.0,
-        };
+        let short = SliderCrank { r: 0.1, l: 0.05, e: 0.0 };
         assert_eq!(short.pose(PI / 2.0), None);
     }
 }

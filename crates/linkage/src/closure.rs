@@ -46,13 +46,7 @@ impl Term {
             Magnitude::Sliding(_) => 1,
             Magnitude::Length(_) => 2,
         };
-        (
-            group,
-            self.direction.quarters,
-            self.frame,
-            self.magnitude,
-            &self.direction,
-        )
+        (group, self.direction.quarters, self.frame, self.magnitude, &self.direction)
     }
 }
 
@@ -130,11 +124,7 @@ impl Orientations {
             }
             repeated.push(joint);
         }
-        Ok(Orientations {
-            leader,
-            turned,
-            repeated,
-        })
+        Ok(Orientations { leader, turned, repeated })
     }
 }
 
@@ -172,12 +162,7 @@ pub(crate) fn terms_along(
             EdgeKind::Prismatic(joint) => {
                 if let JointKind::Prismatic { along, .. } = &linkage.joints[joint.0].kind {
                     let carrier = linkage.body_of(edge.from);
-                    add(
-                        step.sense,
-                        Magnitude::Sliding(joint),
-                        carrier,
-                        along.clone(),
-                    );
+                    add(step.sense, Magnitude::Sliding(joint), carrier, along.clone());
                 }
             }
         }
@@ -185,12 +170,7 @@ pub(crate) fn terms_along(
     let mut terms: Vec<Term> = sum
         .into_iter()
         .filter(|&(_, coefficient)| coefficient != 0)
-        .map(|((magnitude, frame, direction), coefficient)| Term {
-            coefficient,
-            magnitude,
-            frame,
-            direction,
-        })
+        .map(|((magnitude, frame, direction), coefficient)| Term { coefficient, magnitude, frame, direction })
         .collect();
     terms.sort_by(|a, b| a.place().cmp(&b.place()));
     terms
@@ -198,11 +178,7 @@ pub(crate) fn terms_along(
 
 /// One closure equation per fundamental circuit. The sense of each walk is chosen
 /// so that the first term is positive: a vector equation may be negated as a whole.
-pub(crate) fn closures(
-    linkage: &Linkage,
-    graph: &LinearGraph,
-    orientations: &Orientations,
-) -> Vec<Closure> {
+pub(crate) fn closures(linkage: &Linkage, graph: &LinearGraph, orientations: &Orientations) -> Vec<Closure> {
     (graph.circuits().into_iter())
         .map(|circuit| {
             let mut terms = terms_along(linkage, graph, orientations, &circuit.path);
@@ -214,22 +190,14 @@ pub(crate) fn closures(
             let mut bodies = Vec::new();
             for step in &circuit.path {
                 let edge = graph.edges()[step.edge];
-                let ends: [PointId; 2] = if step.sense > 0 {
-                    [edge.from, edge.to]
-                } else {
-                    [edge.to, edge.from]
-                };
+                let ends: [PointId; 2] = if step.sense > 0 { [edge.from, edge.to] } else { [edge.to, edge.from] };
                 for body in ends.map(|node| linkage.body_of(node)) {
                     if !bodies.contains(&body) {
                         bodies.push(body);
                     }
                 }
             }
-            Closure {
-                chord: circuit.chord,
-                bodies,
-                terms,
-            }
+            Closure { chord: circuit.chord, bodies, terms }
         })
         .collect()
 }

@@ -41,24 +41,16 @@ impl Direction {
     /// `n` quarter turns counter-clockwise from the x axis.
     #[must_use]
     pub const fn quarter(n: u8) -> Direction {
-        Direction {
-            quarters: n % 4,
-            named: Vec::new(),
-        }
+        Direction { quarters: n % 4, named: Vec::new() }
     }
 
     pub(crate) fn at(angle: AngleId) -> Direction {
-        Direction {
-            quarters: 0,
-            named: vec![(angle, 1)],
-        }
+        Direction { quarters: 0, named: vec![(angle, 1)] }
     }
 
     /// Cosine and sine, given the values of the named angles.
     pub(crate) fn cos_sin(&self, angles: &[Constant]) -> [f64; 2] {
-        let turn: f64 = (self.named.iter())
-            .map(|&(id, factor)| f64::from(factor) * angles[id.0].value)
-            .sum();
+        let turn: f64 = (self.named.iter()).map(|&(id, factor)| f64::from(factor) * angles[id.0].value).sum();
         let (s, c) = turn.sin_cos();
         match self.quarters {
             0 => [c, s],

@@ -49,11 +49,7 @@ impl Elimination {
 
     /// Sign of the determinant; 0 unless the matrix is square and of full rank.
     pub fn orientation(&self) -> f64 {
-        if self.rows == self.cols && self.rank == self.rows {
-            self.sign
-        } else {
-            0.0
-        }
+        if self.rows == self.cols && self.rank == self.rows { self.sign } else { 0.0 }
     }
 
     /// The smallest of the first `count` pivots; 0 if there are fewer.

@@ -50,11 +50,7 @@ pub struct Equation {
     pub terms: Vec<EquationTerm>,
 }
 
-pub(crate) fn equations(
-    linkage: &Linkage,
-    leaders: &Symbols,
-    closures: &[Closure],
-) -> Vec<Equation> {
+pub(crate) fn equations(linkage: &Linkage, leaders: &Symbols, closures: &[Closure]) -> Vec<Equation> {
     let mut equations = Vec::with_capacity(2 * closures.len());
     for (i, closure) in closures.iter().enumerate() {
         for axis in [Axis::X, Axis::Y] {
@@ -62,9 +58,7 @@ pub(crate) fn equations(
                 number: equations.len() + 1,
                 circuit: i + 1,
                 axis,
-                terms: (closure.terms.iter())
-                    .filter_map(|term| component(linkage, leaders, term, axis))
-                    .collect(),
+                terms: (closure.terms.iter()).filter_map(|term| component(linkage, leaders, term, axis)).collect(),
             });
         }
     }
@@ -74,12 +68,7 @@ pub(crate) fn equations(
 /// The symbols of the bodies' angles, by body.
 pub(crate) struct Symbols(pub Vec<String>);
 
-fn component(
-    linkage: &Linkage,
-    symbols: &Symbols,
-    term: &Term,
-    axis: Axis,
-) -> Option<EquationTerm> {
+fn component(linkage: &Linkage, symbols: &Symbols, term: &Term, axis: Axis) -> Option<EquationTerm> {
     let argument = argument(linkage, symbols, term.frame, &term.direction);
     // (cos, sin) of an angle, and of that angle plus a quarter turn.
     let (sign, trig) = match (axis, term.direction.quarters) {
@@ -113,12 +102,7 @@ fn component(
     })
 }
 
-fn argument(
-    linkage: &Linkage,
-    symbols: &Symbols,
-    frame: BodyId,
-    direction: &Direction,
-) -> Vec<(i32, String)> {
+fn argument(linkage: &Linkage, symbols: &Symbols, frame: BodyId, direction: &Direction) -> Vec<(i32, String)> {
     let body = (frame.0 > 0).then(|| (1, symbols.0[frame.0].clone()));
     let named = direction.named.iter().map(|&(id, factor)| {
         let name = linkage.angles[id.0].name.clone().unwrap_or_default();
@@ -152,21 +136,10 @@ struct Notation {
     close: &'static str,
 }
 
-const TEXT: Notation = Notation {
-    symbol: |name| name.to_owned(),
-    cos: "cos",
-    sin: "sin",
-    open: "(",
-    close: ")",
-};
+const TEXT: Notation = Notation { symbol: |name| name.to_owned(), cos: "cos", sin: "sin", open: "(", close: ")" };
 
-const LATEX: Notation = Notation {
-    symbol: latex_symbol,
-    cos: r"\cos",
-    sin: r"\sin",
-    open: r"\left(",
-    close: r"\right)",
-};
+const LATEX: Notation =
+    Notation { symbol: latex_symbol, cos: r"\cos", sin: r"\sin", open: r"\left(", close: r"\right)" };
 
 impl EquationTerm {
     fn write(&self, out: &mut String, notation: &Notation) {
@@ -184,12 +157,7 @@ impl EquationTerm {
                 (*factor, show)
             })
             .collect();
-        write_sum(
-            &mut inside,
-            shows
-                .iter()
-                .map(|(factor, show)| (*factor, show as &dyn Fn(&mut String))),
-        );
+        write_sum(&mut inside, shows.iter().map(|(factor, show)| (*factor, show as &dyn Fn(&mut String))));
         let bare = matches!(self.argument.as_slice(), [(1, _)]);
         if bare {
             out.push(' ');
@@ -211,12 +179,7 @@ impl Equation {
                 (term.coefficient, show)
             })
             .collect();
-        write_sum(
-            &mut out,
-            shows
-                .iter()
-                .map(|(factor, show)| (*factor, show as &dyn Fn(&mut String))),
-        );
+        write_sum(&mut out, shows.iter().map(|(factor, show)| (*factor, show as &dyn Fn(&mut String))));
         if self.terms.is_empty() {
             out.push('0');
         }
@@ -241,19 +204,14 @@ impl fmt::Display for Equation {
 /// All equations as one LaTeX `align` environment, numbered by LaTeX.
 #[must_use]
 pub fn latex_align(equations: &[Equation]) -> String {
-    let lines: Vec<String> = (equations.iter())
-        .map(|equation| format!("  {}", equation.latex().replace(" = 0", " &= 0")))
-        .collect();
-    format!(
-        "\\begin{{align}}\n{}\n\\end{{align}}\n",
-        lines.join(" \\\\\n")
-    )
+    let lines: Vec<String> =
+        (equations.iter()).map(|equation| format!("  {}", equation.latex().replace(" = 0", " &= 0"))).collect();
+    format!("\\begin{{align}}\n{}\n\\end{{align}}\n", lines.join(" \\\\\n"))
 }
 
 const GREEK: [&str; 24] = [
-    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
-    "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi",
-    "psi", "omega",
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+    "omicron", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
 ];
 
 /// `L10` becomes `L_{10}`, `theta2` becomes `\theta_{2}`, `front` becomes `\mathrm{front}`.
@@ -261,9 +219,7 @@ fn latex_symbol(name: &str) -> String {
     if name.starts_with(|c: char| c.is_ascii_digit()) {
         return name.to_owned();
     }
-    let split = name
-        .find(|c: char| c == '_' || c.is_ascii_digit())
-        .unwrap_or(name.len());
+    let split = name.find(|c: char| c == '_' || c.is_ascii_digit()).unwrap_or(name.len());
     let (stem, index) = name.split_at(split);
     let index = index.trim_start_matches('_').replace('_', r"\_");
     let stem = if GREEK.contains(&stem) {
@@ -273,11 +229,7 @@ fn latex_symbol(name: &str) -> String {
     } else {
         stem.to_owned()
     };
-    if index.is_empty() {
-        stem
-    } else {
-        format!("{stem}_{{{index}}}")
-    }
+    if index.is_empty() { stem } else { format!("{stem}_{{{index}}}") }
 }
 
 #[cfg(test)]

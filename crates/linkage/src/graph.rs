@@ -89,13 +89,11 @@ pub struct LinearGraph {
 impl LinearGraph {
     /// Builds graph and tree, or returns a point that no path connects to the ground.
     pub(crate) fn new(linkage: &Linkage) -> Result<Self, PointId> {
-        let arms = linkage.points.iter().enumerate().filter_map(|(i, point)| {
-            Some(Edge {
-                from: point.base?,
-                to: PointId(i),
-                kind: EdgeKind::Arm,
-            })
-        });
+        let arms = linkage
+            .points
+            .iter()
+            .enumerate()
+            .filter_map(|(i, point)| Some(Edge { from: point.base?, to: PointId(i), kind: EdgeKind::Arm }));
         let joints = linkage.joints.iter().enumerate().map(|(i, joint)| Edge {
             from: joint.a,
             to: joint.b,
@@ -121,22 +119,15 @@ impl LinearGraph {
                     (edge.kind.rank_for_tree(), near, i)
                 });
             let Some((i, edge)) = next else { break };
-            let (near, far, sense) = if reached(edge.from) {
-                (edge.from, edge.to, 1)
-            } else {
-                (edge.to, edge.from, -1)
-            };
+            let (near, far, sense) =
+                if reached(edge.from) { (edge.from, edge.to, 1) } else { (edge.to, edge.from, -1) };
             in_tree[i] = true;
             parent[far.0] = Some(Traversal { edge: i, sense });
             joints_away[far.0] = joints_away[near.0] + usize::from(edge.kind != EdgeKind::Arm);
         }
         match joints_away.iter().position(|&away| away == usize::MAX) {
             Some(node) => Err(PointId(node)),
-            None => Ok(LinearGraph {
-                edges,
-                in_tree,
-                parent,
-            }),
+            None => Ok(LinearGraph { edges, in_tree, parent }),
         }
     }
 
@@ -176,18 +167,9 @@ impl LinearGraph {
                 let home = self.path_to(edge.to);
                 let shared = out.iter().zip(&home).take_while(|(a, b)| a == b).count();
                 let mut path = out[shared..].to_vec();
-                path.push(Traversal {
-                    edge: chord,
-                    sense: 1,
-                });
-                path.extend(home[shared..].iter().rev().map(|step| Traversal {
-                    edge: step.edge,
-                    sense: -step.sense,
-                }));
-                Circuit {
-                    chord: edge.kind.joint().expect("arms are all in the tree"),
-                    path,
-                }
+                path.push(Traversal { edge: chord, sense: 1 });
+                path.extend(home[shared..].iter().rev().map(|step| Traversal { edge: step.edge, sense: -step.sense }));
+                Circuit { chord: edge.kind.joint().expect("arms are all in the tree"), path }
             })
             .collect()
     }

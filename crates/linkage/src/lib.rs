@@ -20,8 +20,7 @@ pub use direction::{AngleId, Direction};
 pub use equation::{Axis, Equation, EquationTerm, Trig, latex_align};
 pub use graph::{Circuit, Edge, EdgeKind, LinearGraph, Traversal};
 pub use linkage::{
-    Body, BodyId, Constant, Contact, Joint, JointId, JointKind, Length, LengthId, Linkage, Point,
-    PointId,
+    Body, BodyId, Constant, Contact, Joint, JointId, JointKind, Length, LengthId, Linkage, Point, PointId,
 };
 pub use mechanism::{AssembleError, Coordinate, CoordinateId, CoordinateKind, Mechanism, Pose};
 pub use mobility::{Mobility, Redundancy, Verdict};

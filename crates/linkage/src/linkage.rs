@@ -237,11 +237,7 @@ impl Linkage {
             x: Length::Zero,
             y: Length::Zero,
         });
-        self.bodies.push(Body {
-            name: name.to_owned(),
-            symbol,
-            origin,
-        });
+        self.bodies.push(Body { name: name.to_owned(), symbol, origin });
         id
     }
 
@@ -264,10 +260,7 @@ impl Linkage {
     /// A constant angle of `radians` under the user's own `name`, as a direction.
     pub fn angle(&mut self, name: &str, radians: f64) -> Direction {
         let id = AngleId(self.angles.len());
-        self.angles.push(Constant {
-            name: Some(name.to_owned()),
-            value: radians,
-        });
+        self.angles.push(Constant { name: Some(name.to_owned()), value: radians });
         Direction::at(id)
     }
 
@@ -282,13 +275,7 @@ impl Linkage {
     /// `B` brings only that vector into a loop through `B` and `C`.
     pub fn point_from(&mut self, base: PointId, name: &str, x: Length, y: Length) -> PointId {
         let id = PointId(self.points.len());
-        self.points.push(Point {
-            name: name.to_owned(),
-            body: self.points[base.0].body,
-            base: Some(base),
-            x,
-            y,
-        });
+        self.points.push(Point { name: name.to_owned(), body: self.points[base.0].body, base: Some(base), x, y });
         id
     }
 
@@ -299,14 +286,7 @@ impl Linkage {
 
     /// A slide: `b = a + s u` with `u` the direction `along` on the body of `a`,
     /// and the body of `b` parallel to that of `a`. `symbol` names `s` (metres).
-    pub fn prismatic(
-        &mut self,
-        name: &str,
-        symbol: &str,
-        a: PointId,
-        along: Direction,
-        b: PointId,
-    ) -> JointId {
+    pub fn prismatic(&mut self, name: &str, symbol: &str, a: PointId, along: Direction, b: PointId) -> JointId {
         self.prismatic_turned(name, symbol, a, along, b, Direction::X)
     }
 
@@ -321,11 +301,7 @@ impl Linkage {
         b: PointId,
         turned: Direction,
     ) -> JointId {
-        let kind = JointKind::Prismatic {
-            symbol: symbol.to_owned(),
-            along,
-            turned,
-        };
+        let kind = JointKind::Prismatic { symbol: symbol.to_owned(), along, turned };
         self.add_joint(name, a, b, kind)
     }
 
@@ -333,33 +309,17 @@ impl Linkage {
     /// `on` along `along` fixed on another. It is a prismatic and a revolute joint
     /// in series, with a massless slider between them. `symbol` names the distance
     /// from `on` to the contact (metres, along `along`).
-    pub fn contact(
-        &mut self,
-        name: &str,
-        symbol: &str,
-        on: PointId,
-        along: Direction,
-        point: PointId,
-    ) -> Contact {
+    pub fn contact(&mut self, name: &str, symbol: &str, on: PointId, along: Direction, point: PointId) -> Contact {
         let slider = self.slider(&format!("{name} slider"));
         let origin = self.origin(slider);
         let prismatic = self.prismatic(&format!("{name} slide"), symbol, on, along, origin);
         let revolute = self.revolute(&format!("{name} pin"), origin, point);
-        Contact {
-            slider,
-            prismatic,
-            revolute,
-        }
+        Contact { slider, prismatic, revolute }
     }
 
     fn add_joint(&mut self, name: &str, a: PointId, b: PointId, kind: JointKind) -> JointId {
         let id = JointId(self.joints.len());
-        self.joints.push(Joint {
-            name: name.to_owned(),
-            a,
-            b,
-            kind,
-        });
+        self.joints.push(Joint { name: name.to_owned(), a, b, kind });
         id
     }
 

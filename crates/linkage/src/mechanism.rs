@@ -91,14 +91,10 @@ pub enum AssembleError {
     #[error("body `{0}` has no angle of its own and no prismatic joint to take one from")]
     NoAngle(String),
     /// Prismatic joints in a loop that demand different constant angles.
-    #[error(
-        "prismatic joint `{0}` demands a constant angle that contradicts the other prismatic joints"
-    )]
+    #[error("prismatic joint `{0}` demands a constant angle that contradicts the other prismatic joints")]
     ContradictoryAngles(String),
     /// The prescribed coordinate does not exist.
-    #[error(
-        "`{0}` cannot be prescribed: it is not a free coordinate (the ground, a body held to it, or a pin)"
-    )]
+    #[error("`{0}` cannot be prescribed: it is not a free coordinate (the ground, a body held to it, or a pin)")]
     NotACoordinate(String),
     /// The same coordinate prescribed twice.
     #[error("`{0}` is prescribed twice")]
@@ -140,9 +136,8 @@ impl Mechanism {
             let body = linkage.body_of(point);
             AssembleError::Disconnected(linkage.bodies[body.0].name.clone())
         })?;
-        let orientations = Orientations::new(&linkage).map_err(|joint| {
-            AssembleError::ContradictoryAngles(linkage.joints[joint.0].name.clone())
-        })?;
+        let orientations = Orientations::new(&linkage)
+            .map_err(|joint| AssembleError::ContradictoryAngles(linkage.joints[joint.0].name.clone()))?;
 
         let mut coordinates = Vec::new();
         let mut angle_of_leader = vec![None; linkage.bodies.len()];
@@ -150,19 +145,13 @@ impl Mechanism {
             if orientations.leader[i] != BodyId(i) {
                 continue;
             }
-            let symbol =
-                (body.symbol.clone()).ok_or_else(|| AssembleError::NoAngle(body.name.clone()))?;
+            let symbol = (body.symbol.clone()).ok_or_else(|| AssembleError::NoAngle(body.name.clone()))?;
             angle_of_leader[i] = Some(coordinates.len());
-            coordinates.push(Coordinate {
-                symbol,
-                kind: CoordinateKind::Angle(BodyId(i)),
-                prescribed: false,
-            });
+            coordinates.push(Coordinate { symbol, kind: CoordinateKind::Angle(BodyId(i)), prescribed: false });
         }
         let angles = coordinates.len();
-        let angle_of: Vec<Option<usize>> = (orientations.leader.iter())
-            .map(|leader| angle_of_leader[leader.0])
-            .collect();
+        let angle_of: Vec<Option<usize>> =
+            (orientations.leader.iter()).map(|leader| angle_of_leader[leader.0]).collect();
         let mut sliding_of = vec![None; linkage.joints.len()];
         for (i, joint) in linkage.joints.iter().enumerate() {
             if let JointKind::Prismatic { symbol, .. } = &joint.kind {
@@ -189,26 +178,15 @@ impl Mechanism {
             coordinates[place].prescribed = true;
             prescribed.push(place);
         }
-        let unknown = (0..coordinates.len())
-            .filter(|&i| !coordinates[i].prescribed)
-            .collect();
+        let unknown = (0..coordinates.len()).filter(|&i| !coordinates[i].prescribed).collect();
 
         let closures = closures(&linkage, &graph, &orientations);
-        let symbols = Symbols(
-            (linkage.bodies.iter())
-                .map(|body| body.symbol.clone().unwrap_or_default())
-                .collect(),
-        );
+        let symbols = Symbols((linkage.bodies.iter()).map(|body| body.symbol.clone().unwrap_or_default()).collect());
         let equations = equations(&linkage, &symbols, &closures);
 
-        let largest = (linkage.lengths.iter())
-            .map(|l| l.value.abs())
-            .fold(0.0, f64::max);
+        let largest = (linkage.lengths.iter()).map(|l| l.value.abs()).fold(0.0, f64::max);
         let scale = if largest > 0.0 { largest } else { 1.0 };
-        let places = Places {
-            angle: &angle_of,
-            sliding: &sliding_of,
-        };
+        let places = Places { angle: &angle_of, sliding: &sliding_of };
         let loop_terms: Vec<&[Term]> = closures.iter().map(|c| c.terms.as_slice()).collect();
         let loops = VectorSums::new(&linkage, &places, scale, &loop_terms);
         let point_terms: Vec<Vec<Term>> = (0..linkage.points.len())
@@ -265,9 +243,7 @@ impl Mechanism {
     /// The coordinate that `symbol` names in the equations.
     #[must_use]
     pub fn coordinate(&self, symbol: &str) -> Option<CoordinateId> {
-        (self.coordinates.iter())
-            .position(|c| c.symbol == symbol)
-            .map(CoordinateId)
+        (self.coordinates.iter()).position(|c| c.symbol == symbol).map(CoordinateId)
     }
 
     /// The prescribed coordinates, in the order in which they were prescribed.
@@ -289,9 +265,7 @@ impl Mechanism {
     /// A pose of zeros, to be filled as a first guess.
     #[must_use]
     pub fn zero_pose(&self) -> Pose {
-        Pose {
-            values: vec![0.0; self.coordinates.len()],
-        }
+        Pose { values: vec![0.0; self.coordinates.len()] }
     }
 
     /// The largest residual of the closure equations at `pose`, over
@@ -318,9 +292,7 @@ impl Mechanism {
         [2 * point.0, 2 * point.0 + 1].map(|row| {
             let row = &jacobian[row * n..(row + 1) * n];
             let scaled = |i: usize| if i < self.angles { self.scale } else { 1.0 };
-            (row.iter().zip(rates).enumerate())
-                .map(|(i, (d, rate))| d * rate * scaled(i))
-                .sum()
+            (row.iter().zip(rates).enumerate()).map(|(i, (d, rate))| d * rate * scaled(i)).sum()
         })
     }
 
@@ -368,23 +340,14 @@ impl Mechanism {
 
 /// The largest absolute value; NaN if there is one, never hidden.
 pub(crate) fn largest(values: &[f64]) -> f64 {
-    (values.iter()).fold(0.0, |most: f64, x| {
-        if x.abs() <= most || most.is_nan() {
-            most
-        } else {
-            x.abs()
-        }
-    })
+    (values.iter()).fold(0.0, |most: f64, x| if x.abs() <= most || most.is_nan() { most } else { x.abs() })
 }
 
 fn check(linkage: &Linkage) -> Result<(), AssembleError> {
     let constants = linkage.lengths.iter().chain(&linkage.angles);
     for (i, constant) in constants.clone().enumerate() {
         if !constant.value.is_finite() {
-            let name = constant
-                .name
-                .clone()
-                .unwrap_or_else(|| format!("number {}", i + 1));
+            let name = constant.name.clone().unwrap_or_else(|| format!("number {}", i + 1));
             return Err(AssembleError::NotFinite(name));
         }
     }
@@ -392,16 +355,12 @@ fn check(linkage: &Linkage) -> Result<(), AssembleError> {
         JointKind::Prismatic { symbol, .. } => Some(symbol),
         JointKind::Revolute => None,
     });
-    let symbols = (linkage
-        .bodies
-        .iter()
-        .filter_map(|body| body.symbol.as_ref()))
-    .chain(slidings)
-    .chain(constants.filter_map(|constant| constant.name.as_ref()));
+    let symbols = (linkage.bodies.iter().filter_map(|body| body.symbol.as_ref()))
+        .chain(slidings)
+        .chain(constants.filter_map(|constant| constant.name.as_ref()));
     let mut seen = Vec::new();
     for symbol in symbols {
-        let sound = symbol.starts_with(char::is_alphabetic)
-            && symbol.chars().all(|c| c.is_alphanumeric() || c == '_');
+        let sound = symbol.starts_with(char::is_alphabetic) && symbol.chars().all(|c| c.is_alphanumeric() || c == '_');
         if !sound {
             return Err(AssembleError::BadSymbol(symbol.clone()));
         }

@@ -106,13 +106,8 @@ fn dependence(vectors: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
         for _ in 0..2 {
             for (direction, made_of) in &basis {
                 let part: f64 = rest.iter().zip(direction).map(|(a, b)| a * b).sum();
-                rest.iter_mut()
-                    .zip(direction)
-                    .for_each(|(r, d)| *r -= part * d);
-                recipe
-                    .iter_mut()
-                    .zip(made_of)
-                    .for_each(|(r, m)| *r += part * m);
+                rest.iter_mut().zip(direction).for_each(|(r, d)| *r -= part * d);
+                recipe.iter_mut().zip(made_of).for_each(|(r, m)| *r += part * m);
             }
         }
         let size = norm(&rest);
@@ -136,19 +131,14 @@ impl Mechanism {
     pub fn mobility(&self, pose: &Pose) -> Mobility {
         let n = self.coordinates().len();
         let jacobian = self.jacobian(pose);
-        let rows: Vec<Vec<f64>> = if n == 0 {
-            Vec::new()
-        } else {
-            jacobian.chunks_exact(n).map(<[f64]>::to_vec).collect()
-        };
+        let rows: Vec<Vec<f64>> =
+            if n == 0 { Vec::new() } else { jacobian.chunks_exact(n).map(<[f64]>::to_vec).collect() };
         let column = |id: CoordinateId| rows.iter().map(|row| row[id.0]).collect::<Vec<f64>>();
         let symbol = |id: CoordinateId| self.coordinates()[id.0].symbol.clone();
 
         let by_row = dependence(&rows);
         let mut redundant: Vec<Redundancy> = (self.repeated_angles().iter())
-            .map(|joint| Redundancy::Angle {
-                joint: self.linkage().joints[joint.0].name.clone(),
-            })
+            .map(|joint| Redundancy::Angle { joint: self.linkage().joints[joint.0].name.clone() })
             .collect();
         for (i, recipe) in by_row.iter().enumerate() {
             let Some(recipe) = recipe else { continue };
@@ -169,10 +159,7 @@ impl Mechanism {
         // first is called free, and the one prescribed last is called excess.
         let unknown: Vec<CoordinateId> = self.unknown().collect();
         let prescribed: Vec<CoordinateId> = self.prescribed().collect();
-        let order: Vec<CoordinateId> = (unknown.iter().rev())
-            .chain(prescribed.iter().rev())
-            .copied()
-            .collect();
+        let order: Vec<CoordinateId> = (unknown.iter().rev()).chain(prescribed.iter().rev()).copied().collect();
         let columns: Vec<Vec<f64>> = order.iter().map(|&id| column(id)).collect();
         let by_column = dependence(&columns);
         let mut free = Vec::new();
@@ -190,8 +177,7 @@ impl Mechanism {
             loops: self.closures().len(),
             coordinates: n,
             rank,
-            grubler: 3 * signed(self.linkage().bodies.len() - 1)
-                - 2 * signed(self.linkage().joints.len()),
+            grubler: 3 * signed(self.linkage().bodies.len() - 1) - 2 * signed(self.linkage().joints.len()),
             degrees_of_freedom: n - rank,
             redundant,
             free,
@@ -202,42 +188,28 @@ impl Mechanism {
 }
 
 fn list(names: &[String]) -> String {
-    if names.is_empty() {
-        "nothing".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
 }
 
 impl fmt::Display for Redundancy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Redundancy::Equation {
-                equation,
-                circuit,
-                axis,
-                chord,
-                follows_from,
-            } => {
+            Redundancy::Equation { equation, circuit, axis, chord, follows_from } => {
                 let axis = match axis {
                     Axis::X => "x",
                     Axis::Y => "y",
                 };
                 let from: Vec<String> = follows_from.iter().map(|n| format!("({n})")).collect();
-                write!(
-                    f,
-                    "equation ({equation}), {axis} of loop {circuit} closed by `{chord}`, "
-                )?;
+                write!(f, "equation ({equation}), {axis} of loop {circuit} closed by `{chord}`, ")?;
                 if from.is_empty() {
                     write!(f, "constrains nothing here")
                 } else {
                     write!(f, "repeats what {} already say here", from.join(", "))
                 }
             }
-            Redundancy::Angle { joint } => write!(
-                f,
-                "the constant angle of prismatic joint `{joint}` is already enforced by the others"
-            ),
+            Redundancy::Angle { joint } => {
+                write!(f, "the constant angle of prismatic joint `{joint}` is already enforced by the others")
+            }
         }
     }
 }

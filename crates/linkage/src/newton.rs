@@ -114,15 +114,8 @@ impl Scratch {
                 *at = *angle;
             }
         }
-        let Scratch {
-            trig,
-            sums,
-            jacobian,
-            ..
-        } = self;
-        mechanism
-            .loops
-            .linearise(&pose.values, trig, sums, jacobian);
+        let Scratch { trig, sums, jacobian, .. } = self;
+        mechanism.loops.linearise(&pose.values, trig, sums, jacobian);
     }
 
     /// Cosine and sine of an angle coordinate, as linearised last.
@@ -137,10 +130,7 @@ impl Scratch {
         if unknown.is_empty() {
             return;
         }
-        let target = self
-            .elimination
-            .matrix_mut()
-            .chunks_exact_mut(unknown.len());
+        let target = self.elimination.matrix_mut().chunks_exact_mut(unknown.len());
         for (to, from) in target.zip(self.jacobian.chunks_exact(n)) {
             for (x, &place) in to.iter_mut().zip(unknown) {
                 *x = from[place];
@@ -175,11 +165,7 @@ impl Scratch {
             let length = largest(&self.step);
             // Steps of a rounding error change nothing any more.
             if length <= 4.0 * f64::EPSILON {
-                break if residual <= PROMISE {
-                    Outcome::Converged
-                } else {
-                    Outcome::Inconsistent
-                };
+                break if residual <= PROMISE { Outcome::Converged } else { Outcome::Inconsistent };
             }
             let mut shorten = 1.0;
             match guess {
@@ -188,20 +174,12 @@ impl Scratch {
                 _ => {}
             }
             for (&place, step) in mechanism.unknown_places().iter().zip(&self.step) {
-                let unit = if place < self.trig.len() {
-                    1.0
-                } else {
-                    mechanism.scale()
-                };
+                let unit = if place < self.trig.len() { 1.0 } else { mechanism.scale() };
                 pose.values[place] += shorten * step * unit;
             }
             iterations += 1;
         };
-        NewtonReport {
-            outcome,
-            iterations,
-            residual: *self.history.last().expect("one residual at least"),
-        }
+        NewtonReport { outcome, iterations, residual: *self.history.last().expect("one residual at least") }
     }
 
     /// Rates of all coordinates (rad and m per unit time) from those of the
@@ -212,18 +190,10 @@ impl Scratch {
         for (&place, rate) in mechanism.prescribed_places().iter().zip(input) {
             rates[place] = *rate;
         }
-        for (r, row) in self
-            .rhs
-            .iter_mut()
-            .zip(self.jacobian.chunks_exact(n.max(1)))
-        {
+        for (r, row) in self.rhs.iter_mut().zip(self.jacobian.chunks_exact(n.max(1))) {
             *r = 0.0;
             for &place in mechanism.prescribed_places() {
-                let unit = if place < self.trig.len() {
-                    1.0
-                } else {
-                    mechanism.scale()
-                };
+                let unit = if place < self.trig.len() { 1.0 } else { mechanism.scale() };
                 *r -= row[place] * rates[place] / unit;
             }
         }
@@ -232,13 +202,7 @@ impl Scratch {
 
     /// Second derivatives of all coordinates while the prescribed ones move at
     /// constant rates; `rates` as found by [`Scratch::rates`].
-    pub fn accelerations(
-        &mut self,
-        mechanism: &Mechanism,
-        pose: &Pose,
-        rates: &[f64],
-        accelerations: &mut [f64],
-    ) {
+    pub fn accelerations(&mut self, mechanism: &Mechanism, pose: &Pose, rates: &[f64], accelerations: &mut [f64]) {
         accelerations.fill(0.0);
         (mechanism.loops).convective(&pose.values, rates, &self.trig, &mut self.rhs);
         for r in &mut self.rhs {
@@ -250,11 +214,7 @@ impl Scratch {
     fn back_substitute(&mut self, mechanism: &Mechanism, out: &mut [f64]) {
         self.elimination.solve(&self.rhs, &mut self.step);
         for (&place, step) in mechanism.unknown_places().iter().zip(&self.step) {
-            let unit = if place < self.trig.len() {
-                1.0
-            } else {
-                mechanism.scale()
-            };
+            let unit = if place < self.trig.len() { 1.0 } else { mechanism.scale() };
             out[place] = step * unit;
         }
     }

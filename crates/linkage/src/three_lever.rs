@@ -57,27 +57,13 @@ impl Lengths {
     /// L1 to L10 in order.
     #[must_use]
     pub fn to_array(self) -> [f64; 10] {
-        [
-            self.l1, self.l2, self.l3, self.l4, self.l5, self.l6, self.l7, self.l8, self.l9,
-            self.l10,
-        ]
+        [self.l1, self.l2, self.l3, self.l4, self.l5, self.l6, self.l7, self.l8, self.l9, self.l10]
     }
 }
 
 impl From<[f64; 10]> for Lengths {
     fn from([l1, l2, l3, l4, l5, l6, l7, l8, l9, l10]: [f64; 10]) -> Self {
-        Lengths {
-            l1,
-            l2,
-            l3,
-            l4,
-            l5,
-            l6,
-            l7,
-            l8,
-            l9,
-            l10,
-        }
+        Lengths { l1, l2, l3, l4, l5, l6, l7, l8, l9, l10 }
     }
 }
 
@@ -114,9 +100,7 @@ pub enum ThreeLeverError {
     #[error("the key's front arm must be positive, not {0} m")]
     NoKeyFront(f64),
     /// At the given position a contact cannot be made.
-    #[error(
-        "the {contact} contact cannot be made at {lever} = {at:.6} rad: the levers do not reach"
-    )]
+    #[error("the {contact} contact cannot be made at {lever} = {at:.6} rad: the levers do not reach")]
     OutOfReach {
         /// `capstan` or `knuckle`.
         contact: &'static str,
@@ -145,23 +129,13 @@ impl ThreeLever {
     /// regulation (spread 112.5 mm, blow 46 mm). Not the action paper's table.
     #[must_use]
     pub fn c7f_like() -> Self {
-        Self::estimated(
-            [
-                205.23, 28.32, -63.00, 16.18, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60,
-            ],
-            265.0,
-        )
+        Self::estimated([205.23, 28.32, -63.00, 16.18, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60], 265.0)
     }
 
     /// Lever arms of a Steinway O of 1906, otherwise as [`ThreeLever::c7f_like`].
     #[must_use]
     pub fn steinway_o_like() -> Self {
-        Self::estimated(
-            [
-                186.77, 26.62, -64.62, 17.88, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60,
-            ],
-            233.0,
-        )
+        Self::estimated([186.77, 26.62, -64.62, 17.88, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60], 233.0)
     }
 
     fn estimated(lengths_mm: [f64; 10], front_mm: f64) -> Self {
@@ -222,13 +196,7 @@ impl ThreeLever {
         self.check()?;
         let mechanism = self.linkage(drive).assemble()?;
         let find = |symbol| mechanism.coordinate(symbol).expect("named in `linkage`");
-        let places = Places {
-            k: find("k"),
-            w: find("w"),
-            h: find("h"),
-            s1: find("S1"),
-            s2: find("S2"),
-        };
+        let places = Places { k: find("k"), w: find("w"), h: find("h"), s1: find("S1"), s2: find("S2") };
         let exact = self.exact(self.key_rest)?;
         let mut guess = mechanism.zero_pose();
         guess.set(places.k, self.key_rest);
@@ -237,13 +205,7 @@ impl ThreeLever {
         guess.set(places.s1, exact.s1);
         guess.set(places.s2, exact.s2);
         let rest = mechanism.walk(guess)?.pose().clone();
-        Ok(LeverTrain {
-            levers: *self,
-            mechanism,
-            places,
-            rest_height: self.head_height(rest.value(places.h)),
-            rest,
-        })
+        Ok(LeverTrain { levers: *self, mechanism, places, rest_height: self.head_height(rest.value(places.h)), rest })
     }
 
     fn check(&self) -> Result<(), ThreeLeverError> {

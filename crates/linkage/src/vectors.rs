@@ -58,34 +58,21 @@ impl VectorSums {
         let mut fixed = vec![[0.0; 2]; sums.len()];
         let mut rigid: Vec<Rigid> = Vec::new();
         let mut slides = Vec::new();
-        for (sum, term) in
-            (sums.iter().enumerate()).flat_map(|(i, s)| s.iter().map(move |t| (i, t)))
-        {
+        for (sum, term) in (sums.iter().enumerate()).flat_map(|(i, s)| s.iter().map(move |t| (i, t))) {
             let direction = term.direction.cos_sin(&linkage.angles);
             let u = direction.map(|x| f64::from(term.coefficient) * x);
             let angle = places.angle(term.frame);
             match term.magnitude {
-                Magnitude::Sliding(joint) => slides.push(Slide {
-                    sum,
-                    angle,
-                    sliding: places.sliding(joint),
-                    u,
-                }),
+                Magnitude::Sliding(joint) => slides.push(Slide { sum, angle, sliding: places.sliding(joint), u }),
                 Magnitude::Length(id) => {
                     let length = linkage.lengths[id.0].value / scale;
                     let v = u.map(|x| x * length);
-                    let same = rigid
-                        .iter()
-                        .position(|r| r.sum == sum && Some(r.angle) == angle);
+                    let same = rigid.iter().position(|r| r.sum == sum && Some(r.angle) == angle);
                     let target = match (angle, same) {
                         (None, _) => &mut fixed[sum],
                         (Some(_), Some(at)) => &mut rigid[at].v,
                         (Some(angle), None) => {
-                            rigid.push(Rigid {
-                                sum,
-                                angle,
-                                v: [0.0; 2],
-                            });
+                            rigid.push(Rigid { sum, angle, v: [0.0; 2] });
                             &mut rigid.last_mut().expect("just pushed").v
                         }
                     };
@@ -94,12 +81,7 @@ impl VectorSums {
                 }
             }
         }
-        VectorSums {
-            fixed,
-            rigid,
-            slides,
-            scale,
-        }
+        VectorSums { fixed, rigid, slides, scale }
     }
 
     /// `sums[2i..2i+2]` becomes the i-th vector over `scale`; `jacobian`
@@ -120,9 +102,7 @@ impl VectorSums {
             jacobian[(row + 1) * n + r.angle] += x;
         }
         for slide in &self.slides {
-            let [dx, dy] = slide
-                .angle
-                .map_or(slide.u, |angle| turn(trig[angle], slide.u));
+            let [dx, dy] = slide.angle.map_or(slide.u, |angle| turn(trig[angle], slide.u));
             let s = q[slide.sliding] / self.scale;
             let row = 2 * slide.sum;
             sums[row] += s * dx;

@@ -56,9 +56,7 @@ pub struct Stop {
 
 impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let at: Vec<String> = (self.at.iter())
-            .map(|(s, v)| format!("{s} = {v:.9}"))
-            .collect();
+        let at: Vec<String> = (self.at.iter()).map(|(s, v)| format!("{s} = {v:.9}")).collect();
         let why = match self.kind {
             StopKind::Unreachable => "no pose exists beyond (dead centre or end of reach)",
             StopKind::Singular => "singular pose, where the linkage may go two ways",
@@ -163,11 +161,7 @@ impl<'m> Walk<'m> {
     /// # Panics
     /// If `input` does not have one value per prescribed coordinate.
     pub fn rates(&mut self, input: &[f64]) -> &[f64] {
-        assert_eq!(
-            input.len(),
-            self.way.len(),
-            "one rate per prescribed coordinate"
-        );
+        assert_eq!(input.len(), self.way.len(), "one rate per prescribed coordinate");
         self.scratch.rates(self.mechanism, input, &mut self.rates);
         &self.rates
     }
@@ -179,12 +173,7 @@ impl<'m> Walk<'m> {
     /// If `input` does not have one value per prescribed coordinate.
     pub fn rates_and_accelerations(&mut self, input: &[f64]) -> (&[f64], &[f64]) {
         self.rates(input);
-        self.scratch.accelerations(
-            self.mechanism,
-            &self.pose,
-            &self.rates,
-            &mut self.accelerations,
-        );
+        self.scratch.accelerations(self.mechanism, &self.pose, &self.rates, &mut self.accelerations);
         (&self.rates, &self.accelerations)
     }
 
@@ -204,34 +193,24 @@ impl<'m> Walk<'m> {
     /// If `targets` does not have one value per prescribed coordinate.
     pub fn advance(&mut self, targets: &[f64]) -> Result<NewtonReport, Stop> {
         let inputs = self.mechanism.prescribed_places();
-        assert_eq!(
-            targets.len(),
-            inputs.len(),
-            "one target per prescribed coordinate"
-        );
+        assert_eq!(targets.len(), inputs.len(), "one target per prescribed coordinate");
         for (i, (&place, target)) in inputs.iter().zip(targets).enumerate() {
             self.from[i] = self.pose.values[place];
             self.way[i] = target - self.from[i];
         }
         let (mut done, mut part) = (0.0, 1.0);
-        self.scratch
-            .rates(self.mechanism, &self.way, &mut self.rates);
+        self.scratch.rates(self.mechanism, &self.way, &mut self.rates);
         while done < 1.0 {
             let last = done + part >= 1.0;
             let to = if last { 1.0 } else { done + part };
             self.predict(to - done);
             for (i, &place) in inputs.iter().enumerate() {
-                self.trial.values[place] = if last {
-                    targets[i]
-                } else {
-                    self.from[i] + to * self.way[i]
-                };
+                self.trial.values[place] = if last { targets[i] } else { self.from[i] + to * self.way[i] };
             }
             if self.correct() {
                 done = to;
                 part *= 2.0;
-                self.scratch
-                    .rates(self.mechanism, &self.way, &mut self.rates);
+                self.scratch.rates(self.mechanism, &self.way, &mut self.rates);
             } else {
                 part *= 0.5;
                 if part < SMALLEST_PART {
@@ -251,10 +230,7 @@ impl<'m> Walk<'m> {
 
     /// Solves for the trial pose and takes it over if it is on the same branch.
     fn correct(&mut self) -> bool {
-        let before = (
-            self.scratch.elimination.orientation(),
-            self.scratch.elimination.rank(),
-        );
+        let before = (self.scratch.elimination.orientation(), self.scratch.elimination.rank());
         let report = (self.scratch).newton(self.mechanism, &mut self.trial, Guess::Predicted);
         let mut good = report.converged();
         if good {
@@ -280,8 +256,7 @@ impl<'m> Walk<'m> {
         let rows = 2 * mechanism.closures().len();
         let n = mechanism.coordinates().len();
         let mut full = Elimination::new(rows, n);
-        full.matrix_mut()
-            .copy_from_slice(&mechanism.jacobian(&self.pose));
+        full.matrix_mut().copy_from_slice(&mechanism.jacobian(&self.pose));
         full.factor(NEARLY_SINGULAR);
         let kind = if self.scratch.elimination.smallest_pivot(unknowns) > NEARLY_SINGULAR {
             StopKind::NoConvergence
@@ -337,17 +312,10 @@ impl Walk<'_> {
             match self.advance(&[value]) {
                 Ok(report) => {
                     let rates = self.rates(&[1.0]).to_vec();
-                    poses.push(SweptPose {
-                        pose: self.pose.clone(),
-                        rates,
-                        report,
-                    });
+                    poses.push(SweptPose { pose: self.pose.clone(), rates, report });
                 }
                 Err(stop) => {
-                    return Sweep {
-                        poses,
-                        stop: Some(stop),
-                    };
+                    return Sweep { poses, stop: Some(stop) };
                 }
             }
         }

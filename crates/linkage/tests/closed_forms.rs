@@ -21,12 +21,7 @@ fn get(mechanism: &Mechanism, pose: &Pose, symbol: &str) -> f64 {
     pose.value(mechanism.coordinate(symbol).expect(symbol))
 }
 
-const CRANK_ROCKER: FourBar = FourBar {
-    a: 0.1,
-    b: 0.25,
-    c: 0.3,
-    d: 0.35,
-};
+const CRANK_ROCKER: FourBar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
 
 /// Walks a four-bar through a whole turn of its crank and returns the largest
 /// error of any angle (rad) and the largest relative error of any rate.
@@ -35,10 +30,7 @@ fn four_bar_errors(bar: FourBar, side: f64, steps: u32) -> (f64, f64) {
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();
     let first = bar.pose(0.0, side).unwrap();
-    let guess = pose(
-        &mechanism,
-        &[("t3", first.t3 + 0.02), ("t4", first.t4 - 0.02)],
-    );
+    let guess = pose(&mechanism, &[("t3", first.t3 + 0.02), ("t4", first.t4 - 0.02)]);
     let mut walk = mechanism.walk(guess).unwrap();
     let turn = (0..=steps).map(|i| 2.0 * PI * f64::from(i) / f64::from(steps));
     let sweep = walk.sweep(turn.clone());
@@ -102,9 +94,7 @@ fn slider_crank_follows_its_closed_form() {
         built.linkage.prescribe_angle(built.bodies[0]);
         let mechanism = built.linkage.assemble().unwrap();
         let (p, x) = exact.pose(0.0).unwrap();
-        let mut walk = mechanism
-            .walk(pose(&mechanism, &[("p", p), ("x", x)]))
-            .unwrap();
+        let mut walk = mechanism.walk(pose(&mechanism, &[("p", p), ("x", x)])).unwrap();
         let turn = (0..=100).map(|i| 2.0 * PI * f64::from(i) / 100.0);
         let sweep = walk.sweep(turn.clone());
         assert_eq!(sweep.poses.len(), 101);
@@ -121,18 +111,12 @@ fn slider_crank_follows_its_closed_form() {
 /// is prescribed is a matter of data. (Away from the dead centres, to 1e-12.)
 #[test]
 fn slider_crank_driven_by_its_slider() {
-    let exact = SliderCrank {
-        r: 0.1,
-        l: 0.27,
-        e: 0.0,
-    };
+    let exact = SliderCrank { r: 0.1, l: 0.27, e: 0.0 };
     let mut built = slider_crank(exact);
     built.linkage.prescribe_sliding(built.slide.unwrap());
     let mechanism = built.linkage.assemble().unwrap();
     let (p, x) = exact.pose(0.5).unwrap();
-    let mut walk = mechanism
-        .walk(pose(&mechanism, &[("t", 0.5), ("p", p), ("x", x)]))
-        .unwrap();
+    let mut walk = mechanism.walk(pose(&mechanism, &[("t", 0.5), ("p", p), ("x", x)])).unwrap();
     for i in 0..=20 {
         let t = 0.5 + 0.1 * f64::from(i);
         let (p, x) = exact.pose(t).unwrap();
@@ -148,21 +132,11 @@ fn slider_crank_driven_by_its_slider() {
 fn six_bar_with_two_loops_sharing_a_body() {
     let first = CRANK_ROCKER;
     // The rocker's second arm lags by 90 degrees; the second ground pivot is level.
-    let second = FourBar {
-        a: 0.12,
-        b: 0.3,
-        c: 0.25,
-        d: 0.33,
-    };
+    let second = FourBar { a: 0.12, b: 0.3, c: 0.25, d: 0.33 };
     let mut m = Linkage::new();
     let (bodies, middle) = add_four_bar(&mut m, first);
-    let [p, e, f, g] = [
-        ("p", second.a),
-        ("e", second.b),
-        ("f", second.c),
-        ("g", second.d),
-    ]
-    .map(|(n, v)| m.length(n, v));
+    let [p, e, f, g] =
+        [("p", second.a), ("e", second.b), ("f", second.c), ("g", second.d)].map(|(n, v)| m.length(n, v));
     let link = m.body("link", "t5");
     let output = m.body("output", "t6");
     let elbow = m.point(bodies[2], "elbow", Length::Zero, -p);
@@ -182,10 +156,7 @@ fn six_bar_with_two_loops_sharing_a_body() {
         Some([one.t3, one.t4, two.t3, two.t4])
     };
     let [t3, t4, t5, t6] = exact(0.0).unwrap();
-    let guess = pose(
-        &mechanism,
-        &[("t3", t3), ("t4", t4), ("t5", t5), ("t6", t6)],
-    );
+    let guess = pose(&mechanism, &[("t3", t3), ("t4", t4), ("t5", t5), ("t6", t6)]);
     let mut walk = mechanism.walk(guess).unwrap();
     assert_eq!(mechanism.mobility(walk.pose()).degrees_of_freedom, 1);
     for i in 0..=200 {
@@ -212,20 +183,10 @@ fn scotch_yoke_is_a_cosine() {
     m.revolute("main", m.origin(m.ground()), m.origin(crank));
     m.revolute("pin", tip, m.origin(block));
     m.prismatic("slot", "y", m.origin(yoke), Direction::Y, m.origin(block));
-    m.prismatic(
-        "guide",
-        "x",
-        m.origin(m.ground()),
-        Direction::X,
-        m.origin(yoke),
-    );
+    m.prismatic("guide", "x", m.origin(m.ground()), Direction::X, m.origin(yoke));
     m.prescribe_angle(crank);
     let mechanism = m.assemble().unwrap();
-    let printed: Vec<String> = mechanism
-        .equations()
-        .iter()
-        .map(ToString::to_string)
-        .collect();
+    let printed: Vec<String> = mechanism.equations().iter().map(ToString::to_string).collect();
     assert_eq!(printed, ["r cos t - x = 0", "r sin t - y = 0"]);
     let mut walk = mechanism.walk(mechanism.zero_pose()).unwrap();
     for i in 0..=60 {
@@ -264,11 +225,7 @@ fn derivatives_agree_with_differences() {
             let first = (after[j] - before[j]) / (2.0 * step);
             let second = (after[j] - 2.0 * here[j] + before[j]) / (step * step);
             assert!((rates[j] - first).abs() < 1e-6, "{} {first}", rates[j]);
-            assert!(
-                (accelerations[j] - second).abs() < 1e-6,
-                "{} {second}",
-                accelerations[j]
-            );
+            assert!((accelerations[j] - second).abs() < 1e-6, "{} {second}", accelerations[j]);
         }
     }
 }
@@ -283,20 +240,12 @@ fn points_move_as_their_bodies_do() {
     let c = built.linkage.joints()[2].clone();
     let mechanism = built.linkage.assemble().unwrap();
     let first = CRANK_ROCKER.pose(0.7, 1.0).unwrap();
-    let guess = pose(
-        &mechanism,
-        &[("t2", 0.7), ("t3", first.t3), ("t4", first.t4)],
-    );
+    let guess = pose(&mechanism, &[("t2", 0.7), ("t3", first.t3), ("t4", first.t4)]);
     let mut walk = mechanism.walk(guess).unwrap();
     let rates = walk.rates(&[1.0]).to_vec();
     let here = walk.pose().clone();
     let gap = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    assert!(
-        gap(
-            mechanism.position(&here, c.a),
-            mechanism.position(&here, c.b)
-        ) < 1e-15
-    );
+    assert!(gap(mechanism.position(&here, c.a), mechanism.position(&here, c.b)) < 1e-15);
     let velocity = mechanism.velocity(&here, &rates, c.a);
     assert!(gap(velocity, mechanism.velocity(&here, &rates, c.b)) < 1e-15);
     let step = 1e-5;

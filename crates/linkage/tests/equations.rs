@@ -7,11 +7,7 @@ use linkage::three_lever::{Drive, ThreeLever};
 use linkage::{Direction, Equation, Length, Linkage, Mechanism, latex_align};
 
 fn printed(mechanism: &Mechanism) -> Vec<String> {
-    mechanism
-        .equations()
-        .iter()
-        .map(Equation::to_string)
-        .collect()
+    mechanism.equations().iter().map(Equation::to_string).collect()
 }
 
 /// The signed terms of `a + b - c = 0` as a set, signs relative to the first of
@@ -28,10 +24,7 @@ fn terms(equation: &str) -> BTreeSet<String> {
         }
     }
     let (_, first) = signed.iter().min().expect("not empty").clone();
-    signed
-        .iter()
-        .map(|(term, sign)| format!("{}{term}", if *sign == first { '+' } else { '-' }))
-        .collect()
+    signed.iter().map(|(term, sign)| format!("{}{term}", if *sign == first { '+' } else { '-' })).collect()
 }
 
 /// Equations (1) to (4) of the kinematic model, as its readers know them.
@@ -46,10 +39,7 @@ const PAPER: [&str; 4] = [
 /// term by term and sign by sign, whatever the order.
 #[test]
 fn three_levers_give_the_papers_equations() {
-    let mechanism = ThreeLever::c7f_like()
-        .linkage(Drive::Key)
-        .assemble()
-        .unwrap();
+    let mechanism = ThreeLever::c7f_like().linkage(Drive::Key).assemble().unwrap();
     let ours = printed(&mechanism);
     assert_eq!(ours.len(), 4);
     for (ours, paper) in ours.iter().zip(PAPER) {
@@ -62,10 +52,7 @@ fn three_levers_give_the_papers_equations() {
 /// coordinate it brings in, and passes two levers and the ground.
 #[test]
 fn the_slides_are_the_chords() {
-    let mechanism = ThreeLever::c7f_like()
-        .linkage(Drive::Key)
-        .assemble()
-        .unwrap();
+    let mechanism = ThreeLever::c7f_like().linkage(Drive::Key).assemble().unwrap();
     let linkage = mechanism.linkage();
     let loops: Vec<(&str, Vec<&str>)> = (mechanism.closures().iter())
         .map(|closure| {
@@ -78,14 +65,8 @@ fn the_slides_are_the_chords() {
     assert_eq!(
         loops,
         [
-            (
-                "capstan slide",
-                vec!["ground", "key", "capstan slider", "whippen"]
-            ),
-            (
-                "knuckle slide",
-                vec!["ground", "whippen", "knuckle slider", "hammer"]
-            ),
+            ("capstan slide", vec!["ground", "key", "capstan slider", "whippen"]),
+            ("knuckle slide", vec!["ground", "whippen", "knuckle slider", "hammer"]),
         ]
     );
     let graph = mechanism.graph();
@@ -97,10 +78,7 @@ fn the_slides_are_the_chords() {
 /// They even come out in the paper's order, from the general ordering rule.
 #[test]
 fn three_levers_print_in_the_papers_order() {
-    let mechanism = ThreeLever::c7f_like()
-        .linkage(Drive::Key)
-        .assemble()
-        .unwrap();
+    let mechanism = ThreeLever::c7f_like().linkage(Drive::Key).assemble().unwrap();
     assert_eq!(printed(&mechanism), PAPER);
     assert_eq!(
         latex_align(mechanism.equations()).lines().nth(4).unwrap(),
@@ -149,12 +127,10 @@ fn the_text_comes_from_the_graph() {
 #[test]
 fn four_bar() {
     let mut m = Linkage::new();
-    let [a, b, c, d] =
-        [("a", 0.1), ("b", 0.25), ("c", 0.3), ("d", 0.35)].map(|(n, v)| m.length(n, v));
-    let [crank, coupler, rocker] =
-        [("crank", "t2"), ("coupler", "t3"), ("rocker", "t4")].map(|(n, s)| m.body(n, s));
-    let [tip, joint, knee] = [(crank, a), (coupler, b), (rocker, c)]
-        .map(|(body, length)| m.point(body, "end", length, Length::Zero));
+    let [a, b, c, d] = [("a", 0.1), ("b", 0.25), ("c", 0.3), ("d", 0.35)].map(|(n, v)| m.length(n, v));
+    let [crank, coupler, rocker] = [("crank", "t2"), ("coupler", "t3"), ("rocker", "t4")].map(|(n, s)| m.body(n, s));
+    let [tip, joint, knee] =
+        [(crank, a), (coupler, b), (rocker, c)].map(|(body, length)| m.point(body, "end", length, Length::Zero));
     let far = m.point(m.ground(), "far", d, Length::Zero);
     m.revolute("A", m.origin(m.ground()), m.origin(crank));
     m.revolute("B", tip, m.origin(coupler));
@@ -162,13 +138,7 @@ fn four_bar() {
     m.revolute("D", far, m.origin(rocker));
     m.prescribe_angle(crank);
     let mechanism = m.assemble().unwrap();
-    assert_eq!(
-        printed(&mechanism),
-        [
-            "a cos t2 + b cos t3 - c cos t4 - d = 0",
-            "a sin t2 + b sin t3 - c sin t4 = 0",
-        ]
-    );
+    assert_eq!(printed(&mechanism), ["a cos t2 + b cos t3 - c cos t4 - d = 0", "a sin t2 + b sin t3 - c sin t4 = 0",]);
     assert_eq!(mechanism.closures()[0].bodies.len(), 4);
 }
 
@@ -193,10 +163,7 @@ fn slider_crank_on_an_inclined_line() {
     let mechanism = m.assemble().unwrap();
     assert_eq!(
         printed(&mechanism),
-        [
-            "r cos t + 0.25 cos p - s cos beta = 0",
-            "r sin t + 0.25 sin p - s sin beta = 0",
-        ]
+        ["r cos t + 0.25 cos p - s cos beta = 0", "r sin t + 0.25 sin p - s sin beta = 0",]
     );
 }
 
@@ -216,13 +183,7 @@ fn a_named_angle_on_a_moving_body() {
     m.contact("slot", "s", m.origin(arm), -beta + Direction::MINUS_Y, tip);
     m.prescribe_angle(crank);
     let mechanism = m.assemble().unwrap();
-    assert_eq!(
-        printed(&mechanism),
-        [
-            "r cos t - s sin(p - beta) - d = 0",
-            "r sin t + s cos(p - beta) = 0",
-        ]
-    );
+    assert_eq!(printed(&mechanism), ["r cos t - s sin(p - beta) - d = 0", "r sin t + s cos(p - beta) = 0",]);
 }
 
 /// Two loops that share the ground and a ternary rocker (Watt's second six-bar):
@@ -230,10 +191,8 @@ fn a_named_angle_on_a_moving_body() {
 #[test]
 fn six_bar_has_two_short_loops() {
     let mut m = Linkage::new();
-    let [a, b, c, d] =
-        [("a", 0.1), ("b", 0.25), ("c", 0.3), ("d", 0.35)].map(|(n, v)| m.length(n, v));
-    let [p, q, e, f, g] =
-        [("p", 0.1), ("q", 0.1), ("e", 0.3), ("f", 0.2), ("g", 0.3)].map(|(n, v)| m.length(n, v));
+    let [a, b, c, d] = [("a", 0.1), ("b", 0.25), ("c", 0.3), ("d", 0.35)].map(|(n, v)| m.length(n, v));
+    let [p, q, e, f, g] = [("p", 0.1), ("q", 0.1), ("e", 0.3), ("f", 0.2), ("g", 0.3)].map(|(n, v)| m.length(n, v));
     let bodies = ["t2", "t3", "t4", "t5", "t6"].map(|s| m.body(s, s));
     let [crank, coupler, ternary, link, output] = bodies;
     let tip = m.point(crank, "tip", a, Length::Zero);

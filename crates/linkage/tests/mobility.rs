@@ -6,9 +6,7 @@ use std::f64::consts::PI;
 
 use common::{add_four_bar, four_bar, slider_crank};
 use linkage::closed_form::{FourBar, SliderCrank};
-use linkage::{
-    AssembleError, Direction, Length, Linkage, Mechanism, Pose, Redundancy, StartError, Verdict,
-};
+use linkage::{AssembleError, Direction, Length, Linkage, Mechanism, Pose, Redundancy, StartError, Verdict};
 
 fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
     let mut pose = mechanism.zero_pose();
@@ -20,12 +18,7 @@ fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
 
 /// A parallelogram with a third crank, `lean` metres longer than the others.
 fn three_cranks(lean: f64) -> Linkage {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.3,
-        c: 0.1,
-        d: 0.3,
-    };
+    let bar = FourBar { a: 0.1, b: 0.3, c: 0.1, d: 0.3 };
     let mut m = Linkage::new();
     let (bodies, _) = add_four_bar(&mut m, bar);
     let half = m.length("half", 0.15);
@@ -52,16 +45,10 @@ fn over_constrained_but_mobile() {
     assert_eq!(mobility.degrees_of_freedom, 1);
     assert!(mobility.over_constrained());
     assert_eq!(mobility.verdict(), Verdict::Determined);
-    assert!(matches!(
-        mobility.redundant.as_slice(),
-        [Redundancy::Equation { circuit: 2, .. }]
-    ));
+    assert!(matches!(mobility.redundant.as_slice(), [Redundancy::Equation { circuit: 2, .. }]));
     let words = mobility.to_string();
     println!("{words}");
-    assert!(
-        words.contains("Over-constrained: equation (4), y of loop 2"),
-        "{words}"
-    );
+    assert!(words.contains("Over-constrained: equation (4), y of loop 2"), "{words}");
 
     let mut walk = mechanism.walk(at(0.5)).unwrap();
     for i in 0..=20 {
@@ -95,10 +82,7 @@ fn under_constrained() {
         let l = m.length("l", 0.2);
         let d = m.length("d", 0.3);
         let bars: Vec<_> = ["p", "q", "r", "s"].iter().map(|s| m.body(s, s)).collect();
-        let ends: Vec<_> = bars
-            .iter()
-            .map(|&b| m.point(b, "end", l, Length::Zero))
-            .collect();
+        let ends: Vec<_> = bars.iter().map(|&b| m.point(b, "end", l, Length::Zero)).collect();
         let far = m.point(m.ground(), "far", d, Length::Zero);
         m.revolute("A", m.origin(m.ground()), m.origin(bars[0]));
         m.revolute("B", ends[0], m.origin(bars[1]));
@@ -118,16 +102,9 @@ fn under_constrained() {
     };
     println!("{mobility}");
     assert_eq!(mobility.verdict(), Verdict::UnderConstrained);
-    assert_eq!(
-        (mobility.degrees_of_freedom, mobility.free.as_slice()),
-        (2, &["q".to_owned()][..])
-    );
+    assert_eq!((mobility.degrees_of_freedom, mobility.free.as_slice()), (2, &["q".to_owned()][..]));
     assert!(!mobility.over_constrained());
-    assert!(
-        mobility
-            .to_string()
-            .contains("with p prescribed, q can still be chosen freely")
-    );
+    assert!(mobility.to_string().contains("with p prescribed, q can still be chosen freely"));
 
     let two = five_bar(2);
     let mut walk = two.walk(pose(&two, &guess)).unwrap();
@@ -138,44 +115,27 @@ fn under_constrained() {
 /// Crank and rocker both prescribed: over-driven, and the excess drive is named.
 #[test]
 fn over_driven() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.25,
-        c: 0.3,
-        d: 0.35,
-    };
+    let bar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     built.linkage.prescribe_angle(built.bodies[2]);
     let mechanism = built.linkage.assemble().unwrap();
     let exact = bar.pose(1.0, 1.0).unwrap();
-    let guess = pose(
-        &mechanism,
-        &[("t2", 1.0), ("t3", exact.t3), ("t4", exact.t4)],
-    );
+    let guess = pose(&mechanism, &[("t2", 1.0), ("t3", exact.t3), ("t4", exact.t4)]);
     let mobility = mechanism.mobility(&guess);
     println!("{mobility}");
     assert_eq!(mobility.verdict(), Verdict::OverDriven);
     assert_eq!(mobility.excess, ["t4"]);
-    assert!(matches!(
-        mechanism.walk(guess),
-        Err(StartError::NotDetermined(_))
-    ));
+    assert!(matches!(mechanism.walk(guess), Err(StartError::NotDetermined(_))));
 }
 
 /// A slider-crank at its dead centre, driven by the slider: the counts are right but
 /// the pose is singular. Driven by the crank, the same pose is a pose like any other.
 #[test]
 fn dead_centre_depends_on_the_drive() {
-    let exact = SliderCrank {
-        r: 0.1,
-        l: 0.27,
-        e: 0.0,
-    };
+    let exact = SliderCrank { r: 0.1, l: 0.27, e: 0.0 };
     let mut by_slider = slider_crank(exact);
-    by_slider
-        .linkage
-        .prescribe_sliding(by_slider.slide.unwrap());
+    by_slider.linkage.prescribe_sliding(by_slider.slide.unwrap());
     let by_slider = by_slider.linkage.assemble().unwrap();
     let at = |m: &Mechanism| pose(m, &[("t", 0.0), ("p", 0.0), ("x", 0.37)]);
     let mobility = by_slider.mobility(&at(&by_slider));
@@ -186,10 +146,7 @@ fn dead_centre_depends_on_the_drive() {
     let mut by_crank = slider_crank(exact);
     by_crank.linkage.prescribe_angle(by_crank.bodies[0]);
     let by_crank = by_crank.linkage.assemble().unwrap();
-    assert_eq!(
-        by_crank.mobility(&at(&by_crank)).verdict(),
-        Verdict::Determined
-    );
+    assert_eq!(by_crank.mobility(&at(&by_crank)).verdict(), Verdict::Determined);
 }
 
 /// Two wedges between floor and wall: three prismatic joints whose constant angles
@@ -202,22 +159,9 @@ fn wedges_repeat_an_angle() {
         let shim = m.angle("shim", misfit);
         let low = m.slider("lower wedge");
         let high = m.slider("upper wedge");
-        let low_at = m.prismatic(
-            "floor",
-            "x",
-            m.origin(m.ground()),
-            Direction::X,
-            m.origin(low),
-        );
+        let low_at = m.prismatic("floor", "x", m.origin(m.ground()), Direction::X, m.origin(low));
         m.prismatic("slope face", "s", m.origin(low), slope, m.origin(high));
-        m.prismatic_turned(
-            "wall",
-            "y",
-            m.origin(m.ground()),
-            Direction::Y,
-            m.origin(high),
-            shim,
-        );
+        m.prismatic_turned("wall", "y", m.origin(m.ground()), Direction::Y, m.origin(high), shim);
         m.prescribe_sliding(low_at);
         m.assemble()
     };
@@ -226,54 +170,32 @@ fn wedges_repeat_an_angle() {
     let mobility = mechanism.mobility(walk.pose());
     println!("{mobility}");
     assert_eq!((mobility.grubler, mobility.degrees_of_freedom), (0, 1));
-    assert!(matches!(
-        mobility.redundant.as_slice(),
-        [Redundancy::Angle { .. }]
-    ));
+    assert!(matches!(mobility.redundant.as_slice(), [Redundancy::Angle { .. }]));
     // The lower wedge pushed by x lifts the upper one by -x tan(slope).
     walk.advance(&[-0.02]).unwrap();
     let y = walk.pose().value(mechanism.coordinate("y").unwrap());
     assert!((y - 0.02 * 0.3f64.tan()).abs() < 1e-15);
 
-    assert!(matches!(
-        wedges(0.01),
-        Err(AssembleError::ContradictoryAngles(_))
-    ));
+    assert!(matches!(wedges(0.01), Err(AssembleError::ContradictoryAngles(_))));
 }
 
 /// What is wrong with the data is said in the user's names.
 #[test]
 fn bad_data_is_named() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.25,
-        c: f64::NAN,
-        d: 0.35,
-    };
+    let bar = FourBar { a: 0.1, b: 0.25, c: f64::NAN, d: 0.35 };
     let error = four_bar(bar).linkage.assemble().unwrap_err();
     assert_eq!(error.to_string(), "the constant c is not a finite number");
 
     let mut loose = four_bar(FourBar { c: 0.3, ..bar }).linkage;
     loose.body("idler", "t9");
     let error = loose.assemble().unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("body `idler` is not connected to the ground"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("body `idler` is not connected to the ground"), "{error}");
 
     let mut twice = four_bar(FourBar { c: 0.3, ..bar }).linkage;
     twice.length("t2", 0.1);
-    assert_eq!(
-        twice.assemble().unwrap_err(),
-        AssembleError::RepeatedSymbol("t2".into())
-    );
+    assert_eq!(twice.assemble().unwrap_err(), AssembleError::RepeatedSymbol("t2".into()));
 
     let mut ground = four_bar(FourBar { c: 0.3, ..bar }).linkage;
     ground.prescribe_angle(ground.ground());
-    assert_eq!(
-        ground.assemble().unwrap_err(),
-        AssembleError::NotACoordinate("ground".into())
-    );
+    assert_eq!(ground.assemble().unwrap_err(), AssembleError::NotACoordinate("ground".into()));
 }

@@ -21,18 +21,12 @@ fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
 /// 1e-12 m is a hundred times both.
 #[test]
 fn slider_stops_at_the_dead_centre() {
-    let exact = SliderCrank {
-        r: 0.1,
-        l: 0.27,
-        e: 0.0,
-    };
+    let exact = SliderCrank { r: 0.1, l: 0.27, e: 0.0 };
     let mut built = slider_crank(exact);
     built.linkage.prescribe_sliding(built.slide.unwrap());
     let mechanism = built.linkage.assemble().unwrap();
     let (p, x) = exact.pose(1.0).unwrap();
-    let mut walk = mechanism
-        .walk(pose(&mechanism, &[("t", 1.0), ("p", p), ("x", x)]))
-        .unwrap();
+    let mut walk = mechanism.walk(pose(&mechanism, &[("t", 1.0), ("p", p), ("x", x)])).unwrap();
     let sweep = walk.sweep((0..=10).map(|i| x + 0.01 * f64::from(i)));
     let stop = sweep.stop.unwrap();
     println!("{stop}; off by {:.1e} m", stop.at[0].1 - 0.37);
@@ -53,22 +47,14 @@ fn slider_stops_at_the_dead_centre() {
 /// the law of cosines, on both branches.
 #[test]
 fn four_bar_stops_at_its_toggle() {
-    let bar = FourBar {
-        a: 0.3,
-        b: 0.2,
-        c: 0.25,
-        d: 0.35,
-    };
+    let bar = FourBar { a: 0.3, b: 0.2, c: 0.25, d: 0.35 };
     let limit = bar.dead_centres()[0].unwrap();
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();
     for side in [1.0, -1.0] {
         let exact = bar.pose(0.8, side).unwrap();
-        let guess = pose(
-            &mechanism,
-            &[("t2", 0.8), ("t3", exact.t3), ("t4", exact.t4)],
-        );
+        let guess = pose(&mechanism, &[("t2", 0.8), ("t3", exact.t3), ("t4", exact.t4)]);
         let mut walk = mechanism.walk(guess).unwrap();
         let stop = walk.advance(&[PI]).unwrap_err();
         println!("{stop}; off by {:.1e} rad", stop.at[0].1 - limit);
@@ -87,18 +73,11 @@ fn four_bar_stops_at_its_toggle() {
 /// to the root of rounding at worst; 1e-7 rad is asked.
 #[test]
 fn parallelogram_stops_at_its_change_point() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.3,
-        c: 0.1,
-        d: 0.3,
-    };
+    let bar = FourBar { a: 0.1, b: 0.3, c: 0.1, d: 0.3 };
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();
-    let mut walk = mechanism
-        .walk(pose(&mechanism, &[("t2", 1.0), ("t4", 1.0)]))
-        .unwrap();
+    let mut walk = mechanism.walk(pose(&mechanism, &[("t2", 1.0), ("t4", 1.0)])).unwrap();
     let sweep = walk.sweep((0..40).map(|i| 1.0 + 0.1 * f64::from(i)));
     let stop = sweep.stop.unwrap();
     println!("{stop}; off by {:.1e} rad", stop.at[0].1 - PI);
@@ -115,19 +94,12 @@ fn parallelogram_stops_at_its_change_point() {
 /// one that is not a number.
 #[test]
 fn no_first_pose() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.1,
-        c: 0.1,
-        d: 0.5,
-    };
+    let bar = FourBar { a: 0.1, b: 0.1, c: 0.1, d: 0.5 };
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();
     for start in [1.0, f64::NAN] {
-        let error = mechanism
-            .walk(pose(&mechanism, &[("t2", start)]))
-            .unwrap_err();
+        let error = mechanism.walk(pose(&mechanism, &[("t2", start)])).unwrap_err();
         println!("{error}");
         assert!(matches!(error, StartError::NoPose(_)));
     }
@@ -136,20 +108,12 @@ fn no_first_pose() {
 /// A target that is not a number moves nothing and does not spread.
 #[test]
 fn not_a_number_is_contained() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.25,
-        c: 0.3,
-        d: 0.35,
-    };
+    let bar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();
     let exact = bar.pose(1.0, 1.0).unwrap();
-    let guess = pose(
-        &mechanism,
-        &[("t2", 1.0), ("t3", exact.t3), ("t4", exact.t4)],
-    );
+    let guess = pose(&mechanism, &[("t2", 1.0), ("t3", exact.t3), ("t4", exact.t4)]);
     let mut walk = mechanism.walk(guess).unwrap();
     let before = walk.pose().clone();
     let stop = walk.advance(&[f64::NAN]).unwrap_err();
@@ -165,20 +129,12 @@ fn not_a_number_is_contained() {
 /// convergence linear and break it.
 #[test]
 fn convergence_is_quadratic() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.25,
-        c: 0.3,
-        d: 0.35,
-    };
+    let bar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();
     let exact = bar.pose(1.0, 1.0).unwrap();
-    let guess = pose(
-        &mechanism,
-        &[("t2", 1.0), ("t3", exact.t3 + 0.3), ("t4", exact.t4 - 0.3)],
-    );
+    let guess = pose(&mechanism, &[("t2", 1.0), ("t3", exact.t3 + 0.3), ("t4", exact.t4 - 0.3)]);
     let walk = mechanism.walk(guess).unwrap();
     let history = walk.residual_history();
     println!("{history:?}");
@@ -194,12 +150,7 @@ fn convergence_is_quadratic() {
 /// small steps arrive (1e-12 rad).
 #[test]
 fn large_steps_are_halved() {
-    let bar = FourBar {
-        a: 0.1,
-        b: 0.25,
-        c: 0.3,
-        d: 0.35,
-    };
+    let bar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
     let mut built = four_bar(bar);
     built.linkage.prescribe_angle(built.bodies[0]);
     let mechanism = built.linkage.assemble().unwrap();

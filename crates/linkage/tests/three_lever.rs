@@ -18,11 +18,7 @@ fn at(levers: ThreeLever, key: f64) -> StrokePose {
 }
 
 fn most(stroke: &Stroke, what: fn(&StrokePose) -> f64) -> f64 {
-    stroke
-        .poses
-        .iter()
-        .map(|pose| what(pose).abs())
-        .fold(0.0, f64::max)
+    stroke.poses.iter().map(|pose| what(pose).abs()).fold(0.0, f64::max)
 }
 
 /// At rest: k = 90 degrees, w = 0, h = -19.44 degrees, S1 = -142.23, S2 = 79.09 mm,
@@ -33,16 +29,9 @@ fn rest_pose() {
     let rest = ThreeLever::c7f_like().assemble().unwrap().rest();
     assert!((rest.k.to_degrees() - 90.0).abs() < 1e-12);
     assert!(rest.w.abs() < 1e-12);
-    assert!(
-        (rest.h.to_degrees() + 19.44).abs() < 0.02,
-        "{}",
-        rest.h.to_degrees()
-    );
+    assert!((rest.h.to_degrees() + 19.44).abs() < 0.02, "{}", rest.h.to_degrees());
     assert!((rest.s1 + 0.14223).abs() < 1e-5 && (rest.s2 - 0.07909).abs() < 1e-5);
-    assert_eq!(
-        (rest.key, rest.capstan_sliding, rest.head_rise),
-        (0.0, 0.0, 0.0)
-    );
+    assert_eq!((rest.key, rest.capstan_sliding, rest.head_rise), (0.0, 0.0, 0.0));
 }
 
 /// An independent solution gave leverage 6.27 / 5.61 / 5.13 / 4.75 at key 1.25 /
@@ -52,9 +41,7 @@ fn rest_pose() {
 fn leverage_per_millimetre_step() {
     let train = ThreeLever::c7f_like().assemble().unwrap();
     for (key, expected) in [(1.25, 6.27), (3.25, 5.61), (5.25, 5.13), (7.25, 4.75)] {
-        let ends = train
-            .stroke((key - 0.5) * 1e-3, (key + 0.5) * 1e-3, 1)
-            .poses;
+        let ends = train.stroke((key - 0.5) * 1e-3, (key + 0.5) * 1e-3, 1).poses;
         let leverage = (ends[1].head_rise - ends[0].head_rise) / 1e-3;
         println!("{key} mm: {leverage:.4}");
         assert!((leverage - expected).abs() < 0.005, "{key} mm: {leverage}");
@@ -92,11 +79,7 @@ fn sliding() {
     let stroke = stroke(ThreeLever::c7f_like(), 200);
     let capstan = most(&stroke, |p| p.capstan_sliding);
     let knuckle = most(&stroke, |p| p.knuckle_sliding);
-    println!(
-        "capstan {:.4} mm, knuckle {:.4} mm",
-        capstan * 1e3,
-        knuckle * 1e3
-    );
+    println!("capstan {:.4} mm, knuckle {:.4} mm", capstan * 1e3, knuckle * 1e3);
     assert!((capstan - 0.07e-3).abs() < 0.005e-3);
     assert!((knuckle - 0.82e-3).abs() < 0.005e-3);
     assert!(capstan < knuckle / 10.0, "far below");
@@ -109,18 +92,10 @@ fn sliding() {
 fn moves_change_the_leverage() {
     let as_is = ThreeLever::c7f_like();
     let moved = |part| as_is.moved(&[part], Regulation::Regulated).unwrap();
-    let cases = [
-        as_is,
-        moved(Move::Capstan(-0.010)),
-        moved(Move::Knuckle(-0.003)),
-    ];
+    let cases = [as_is, moved(Move::Capstan(-0.010)), moved(Move::Knuckle(-0.003))];
     let [as_is, capstan, knuckle] = cases.map(|levers| stroke(levers, 100));
     for case in [&as_is, &capstan, &knuckle] {
-        assert!(
-            case.poses
-                .windows(2)
-                .all(|two| two[1].leverage < two[0].leverage)
-        );
+        assert!(case.poses.windows(2).all(|two| two[1].leverage < two[0].leverage));
         assert!(most(case, |p| p.capstan_sliding) < 0.3 * most(case, |p| p.knuckle_sliding));
     }
     for ((as_is, capstan), knuckle) in as_is.poses.iter().zip(&capstan.poses).zip(&knuckle.poses) {
@@ -149,9 +124,7 @@ fn regulation_keeps_the_hammer_at_rest() {
         let h = moved.assemble().unwrap().rest().h;
         assert!((h - rest).abs() < 1e-12, "{part:?}");
     }
-    let sunk = as_is
-        .moved(&[Move::Knuckle(-0.003)], Regulation::AsMoved)
-        .unwrap();
+    let sunk = as_is.moved(&[Move::Knuckle(-0.003)], Regulation::AsMoved).unwrap();
     assert_eq!(sunk.lengths.l2, as_is.lengths.l2);
     assert!(sunk.assemble().unwrap().rest().h < rest - 0.05);
 }
@@ -162,9 +135,7 @@ fn regulation_keeps_the_hammer_at_rest() {
 #[test]
 fn capstan_move_changes_two_arms() {
     let as_is = ThreeLever::c7f_like();
-    let moved = as_is
-        .moved(&[Move::Capstan(-0.010)], Regulation::Regulated)
-        .unwrap();
+    let moved = as_is.moved(&[Move::Capstan(-0.010)], Regulation::Regulated).unwrap();
     let [before, after] = [as_is, moved].map(|levers| levers.assemble().unwrap().rest());
     assert!((after.s1 - before.s1 - 0.010).abs() < 1e-12);
     assert!((moved.lengths.l2 - as_is.lengths.l2).abs() < 1e-12);
@@ -187,10 +158,7 @@ fn classical_lever_arms() {
         (arms.hammer_knuckle, 20.5),
         (arms.hammer_head, 138.0),
     ] {
-        assert!(
-            (arm * 1e3 / published - 1.0).abs() < 0.005,
-            "{arm} {published}"
-        );
+        assert!((arm * 1e3 / published - 1.0).abs() < 0.005, "{arm} {published}");
     }
     assert!((arms.product() / 5.24 - 1.0).abs() < 0.01);
 }
@@ -230,17 +198,10 @@ fn unreachable_key_position() {
 #[test]
 fn key_position_of_a_head_rise() {
     let levers = ThreeLever::c7f_like();
-    let key = levers
-        .assemble()
-        .unwrap()
-        .key_travel_at_rise(0.0445)
-        .unwrap();
+    let key = levers.assemble().unwrap().key_travel_at_rise(0.0445).unwrap();
     println!("let-off at {:.4} mm", key * 1e3);
     assert!((at(levers, key).head_rise - 0.0445).abs() < 1e-12);
-    assert!(matches!(
-        levers.assemble().unwrap().key_travel_at_rise(1.0),
-        Err(ThreeLeverError::NoSuchRise(_))
-    ));
+    assert!(matches!(levers.assemble().unwrap().key_travel_at_rise(1.0), Err(ThreeLeverError::NoSuchRise(_))));
 }
 
 /// Levers that do not reach each other, or a length that is no number, are errors
@@ -250,14 +211,8 @@ fn bad_levers_are_named() {
     let mut far = ThreeLever::c7f_like();
     far.lengths.l2 = 0.2;
     let error = far.assemble().unwrap_err().to_string();
-    assert!(
-        error.contains("capstan contact cannot be made at k = 1.570796"),
-        "{error}"
-    );
+    assert!(error.contains("capstan contact cannot be made at k = 1.570796"), "{error}");
     let mut missing = ThreeLever::c7f_like();
     missing.lengths.l7 = f64::NAN;
-    assert_eq!(
-        missing.assemble().unwrap_err(),
-        ThreeLeverError::NotFinite("L7")
-    );
+    assert_eq!(missing.assemble().unwrap_err(), ThreeLeverError::NotFinite("L7"));
 }

@@ -35,11 +35,7 @@ impl ThreeLever {
         let height = l.l2 - l.l1 * ck - l.l5 * sk;
         let w = cosine_equation(l.l3, l.l4, height)
             .map(|solutions| nearest_to_level(solutions.map(|x| x + k)))
-            .ok_or(ThreeLeverError::OutOfReach {
-                contact: "capstan",
-                lever: "k",
-                at: k,
-            })?;
+            .ok_or(ThreeLeverError::OutOfReach { contact: "capstan", lever: "k", at: k })?;
         let [_, s1] = self.capstan_seen_from_key(k, w);
 
         // The knuckle's contact lies at height -L7 over the whippen: with x = h - w,
@@ -48,11 +44,7 @@ impl ThreeLever {
         let height = -l.l7 - l.l6 * sw - l.l10 * cw;
         let h = cosine_equation(-l.l9, l.l8, height)
             .map(|solutions| nearest_to_level(solutions.map(|x| x + w)))
-            .ok_or(ThreeLeverError::OutOfReach {
-                contact: "knuckle",
-                lever: "k",
-                at: k,
-            })?;
+            .ok_or(ThreeLeverError::OutOfReach { contact: "knuckle", lever: "k", at: k })?;
         let [x, _] = rotate(-w, self.knuckle_from_whippen_pivot(h));
         Ok(Exact { w, h, s1, s2: -x })
     }
@@ -61,13 +53,11 @@ impl ThreeLever {
     pub(crate) fn whippen_under(&self, h: f64) -> Result<f64, ThreeLeverError> {
         // The knuckle's contact, seen from B, has height -L7 in the whippen's frame.
         let [x, y] = self.knuckle_from_whippen_pivot(h);
-        cosine_equation(y, -x, -self.lengths.l7)
-            .map(nearest_to_level)
-            .ok_or(ThreeLeverError::OutOfReach {
-                contact: "knuckle",
-                lever: "h",
-                at: h,
-            })
+        cosine_equation(y, -x, -self.lengths.l7).map(nearest_to_level).ok_or(ThreeLeverError::OutOfReach {
+            contact: "knuckle",
+            lever: "h",
+            at: h,
+        })
     }
 
     /// The heel's contact in the key's frame: (L2, S1) if the pose is a true one.
@@ -98,12 +88,7 @@ mod tests {
             assert_eq!(stroke.poses.len(), 201);
             for pose in &stroke.poses {
                 let exact = levers.exact(pose.k).unwrap();
-                let errors = [
-                    pose.w - exact.w,
-                    pose.h - exact.h,
-                    pose.s1 - exact.s1,
-                    pose.s2 - exact.s2,
-                ];
+                let errors = [pose.w - exact.w, pose.h - exact.h, pose.s1 - exact.s1, pose.s2 - exact.s2];
                 assert!(errors.iter().all(|e| e.abs() < 1e-13), "{errors:?}");
             }
         }

@@ -41,11 +41,7 @@ impl ThreeLever {
     ///
     /// # Errors
     /// If the levers do not reach each other, before the moves or after.
-    pub fn moved(
-        &self,
-        moves: &[Move],
-        regulation: Regulation,
-    ) -> Result<ThreeLever, ThreeLeverError> {
+    pub fn moved(&self, moves: &[Move], regulation: Regulation) -> Result<ThreeLever, ThreeLeverError> {
         self.check()?;
         let mut moved = *self;
         for &part in moves {

@@ -128,30 +128,16 @@ impl LeverTrain {
     pub fn stroke(&self, from: f64, to: f64, steps: usize) -> Stroke {
         let mut poses = Vec::with_capacity(steps + 1);
         let stop = self.stroke_into(from, to, steps, &mut poses);
-        Stroke {
-            rest: self.rest(),
-            poses,
-            stop,
-        }
+        Stroke { rest: self.rest(), poses, stop }
     }
 
     /// As [`LeverTrain::stroke`], into a vector that is emptied first and whose
     /// memory is used again.
-    pub fn stroke_into(
-        &self,
-        from: f64,
-        to: f64,
-        steps: usize,
-        poses: &mut Vec<StrokePose>,
-    ) -> Option<StrokeStop> {
+    pub fn stroke_into(&self, from: f64, to: f64, steps: usize, poses: &mut Vec<StrokePose>) -> Option<StrokeStop> {
         poses.clear();
         let mut walk = self.start();
         for i in 0..=steps {
-            let part = if steps == 0 {
-                0.0
-            } else {
-                i as f64 / steps as f64
-            };
+            let part = if steps == 0 { 0.0 } else { i as f64 / steps as f64 };
             let key = from + part * (to - from);
             if let Err(stop) = walk.advance(&[self.key_angle(key)]) {
                 let key = self.key_travel(walk.pose());
@@ -174,13 +160,7 @@ impl LeverTrain {
         let height = self.levers.head_height(rest) + rise;
         let h = cosine_equation(above, along, height)
             .map(|solutions| solutions.map(|h| rest + wrap(h - rest)))
-            .map(|[a, b]| {
-                if (a - rest).abs() <= (b - rest).abs() {
-                    a
-                } else {
-                    b
-                }
-            })
+            .map(|[a, b]| if (a - rest).abs() <= (b - rest).abs() { a } else { b })
             .ok_or(ThreeLeverError::NoSuchRise(rise))?;
         let driven = self.levers.assemble_driven(Drive::Hammer)?;
         let mut walk = driven.start();
@@ -201,11 +181,7 @@ impl LeverTrain {
     }
 
     fn read(&self, walk: &mut Walk<'_>) -> StrokePose {
-        let NewtonReport {
-            iterations,
-            residual,
-            ..
-        } = walk.report();
+        let NewtonReport { iterations, residual, .. } = walk.report();
         let at = self.places;
         let rates = walk.rates(&[1.0]);
         let (whippen_ratio, hammer_ratio) = (rates[at.w.0], rates[at.h.0]);

@@ -16,11 +16,7 @@ pub struct Built {
 pub fn four_bar(bar: FourBar) -> Built {
     let mut m = Linkage::new();
     let (bodies, _) = add_four_bar(&mut m, bar);
-    Built {
-        linkage: m,
-        bodies,
-        slide: None,
-    }
+    Built { linkage: m, bodies, slide: None }
 }
 
 /// Adds a four-bar on the ground's origin; returns crank, coupler, rocker and the
@@ -49,11 +45,7 @@ pub fn slider_crank(crank_rod: SliderCrank) -> Built {
     let mut m = Linkage::new();
     let r = m.length("r", crank_rod.r);
     let l = m.length("l", crank_rod.l);
-    let e = if crank_rod.e == 0.0 {
-        Length::Zero
-    } else {
-        m.length("e", crank_rod.e)
-    };
+    let e = if crank_rod.e == 0.0 { Length::Zero } else { m.length("e", crank_rod.e) };
     let crank = m.body("crank", "t");
     let rod = m.body("rod", "p");
     let block = m.slider("block");
@@ -63,18 +55,8 @@ pub fn slider_crank(crank_rod: SliderCrank) -> Built {
     m.revolute("main", m.origin(m.ground()), m.origin(crank));
     m.revolute("big end", tip, m.origin(rod));
     m.revolute("small end", end, m.origin(block));
-    let slide = m.prismatic(
-        "cylinder",
-        "x",
-        line,
-        linkage::Direction::X,
-        m.origin(block),
-    );
-    Built {
-        linkage: m,
-        bodies: vec![crank, rod],
-        slide: Some(slide),
-    }
+    let slide = m.prismatic("cylinder", "x", line, linkage::Direction::X, m.origin(block));
+    Built { linkage: m, bodies: vec![crank, rod], slide: Some(slide) }
 }
 
 /// The absolute difference of two angles up to whole turns.

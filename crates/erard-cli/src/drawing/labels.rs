@@ -1,0 +1,220 @@
+//! Names of parts around the picture, with leader lines to what they name.
+
+use super::outline::MM;
+use super::pose::{Placement, carrier};
+use crate::svg::{escape, number};
+use erard::instrument::{Part, Vec2};
+use std::fmt::Write;
+
+/// Height of a label's letters, mm of the picture.
+const SIZE: f64 = 6.4;
+/// Width of an average letter against its height.
+const LETTER: f64 = 0.6;
+/// Room between neighbouring labels, mm.
+const GAP: f64 = 5.0;
+/// Distance between the two rows on either side, mm.
+const ROW: f64 = 10.0;
+
+/// A label before and after it found its place; picture millimetres, y down.
+#[derive(Debug, Clone, PartialEq)]
+struct Label {
+    text: String,
+    anchor: Vec2,
+    /// Edge of the picture on the label's side.
+    edge: f64,
+    x: f64,
+    row: usize,
+}
+
+impl Label {
+    fn width(&self) -> f64 {
+        self.text.chars().count() as f64 * SIZE * LETTER
+    }
+
+    /// How far from the edge lies what it names.
+    fn depth(&self) -> f64 {
+        (self.anchor[1] - self.edge).abs()
+    }
+}
+
+/// Room that the labels need above and below the picture, mm.
+pub(crate) const MARGIN: f64 = 2.0 * ROW + 6.0;
+
+/// The labels as SVG around a picture that spans `[left, top, right, bottom]` in picture millimetres.
+///
+/// Only main parts are named: a name with a comma (`whippen, post felt`) is a detail, and of several parts of one
+/// name the first is labelled.
+pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> String {
+    let [left, top, right, bottom] = bounds;
+    let mut found: Vec<Label> = Vec::new();
+    for part in parts {
+        if part.name.contains(',') || part.name.is_empty() || found.iter().any(|label| label.text == part.name) {
+            continue;
+        }
+        let Some(inside) = a_point_inside(&part.outline_m) else {
+            continue;
+        };
+        let world = carrier(placed, part.body).to_world(inside);
+        let anchor = [world[0] * MM, -world[1] * MM];
+        found.push(Label { text: part.name.clone(), anchor, edge: 0.0, x: anchor[0], row: 0 });
+    }
+    let mut heights: Vec<f64> = found.iter().map(|label| label.anchor[1]).collect();
+    heights.sort_by(f64::total_cmp);
+    let middle = heights.get(heights.len() / 2).copied().unwrap_or(0.0);
+    let (mut above, mut below): (Vec<Label>, Vec<Label>) =
+        found.into_iter().partition(|label| label.anchor[1] < middle);
+    let mut out = String::from("<g class=\"labels\">");
+    for (side, edge, outward) in [(&mut above, top, -1.0), (&mut below, bottom, 1.0)] {
+        for label in side.iter_mut() {
+            label.edge = edge;
+        }
+        spread(side, left, right);
+        for label in side.iter() {
+            let y = edge + outward * (5.0 + ROW * label.row as f64);
+            let [ax, ay] = label.anchor;
+            let _ = write!(
+                out,
+                "<path class=\"leader\" d=\"M{} {}L{} {}\"/><circle class=\"leader-end\" cx=\"{}\" cy=\"{}\" r=\"0.9\"/>\
+                 <text class=\"label\" x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"middle\">{}</text>",
+                number(label.x),
+                number(y - outward * 1.0),
+                number(ax),
+                number(ay),
+                number(ax),
+                number(ay),
+                number(label.x),
+                number(if outward < 0.0 { y - 1.0 } else { y + SIZE * 0.8 }),
+                number(SIZE),
+                escape(&label.text)
+            );
+        }
+    }
+    out.push_str("</g>");
+    out
+}
+
+/// Puts the labels of one side into two staggered rows, in the order of what they name, pushed apart as little as
+/// needed and kept within the picture. Row 0 is the one next to the picture: a leader from row 1 has to pass beside the
+/// names in it.
+fn spread(side: &mut [Label], left: f64, right: f64) {
+    side.sort_by(|a, b| a.anchor[0].total_cmp(&b.anchor[0]));
+    // Two leaders that cross are untangled by swapping their places, then everything is pushed apart again.
+    for _ in 0..side.len().max(1) {
+        for (index, label) in side.iter_mut().enumerate() {
+            label.row = index % 2;
+            label.x = label.anchor[0];
+        }
+        push_apart(side, left, right);
+        let Some(index) = (1..side.len()).find(|index| cross(&side[index - 1], &side[*index])) else {
+            break;
+        };
+        side.swap(index - 1, index);
+    }
+}
+
+/// Relaxation: neighbours that are too close move apart by halves. A few hundred rounds settle some twenty labels.
+fn push_apart(side: &mut [Label], left: f64, right: f64) {
+    for _ in 0..600 {
+        for index in 1..side.len() {
+            let near = if side[index].row == 0 { index } else { index - 1 };
+            separate(side, index - 1, index, 0.5 * side[near].width() + 2.0);
+            if index > 1 {
+                let room = 0.5 * (side[index - 2].width() + side[index].width()) + GAP;
+                separate(side, index - 2, index, room);
+            }
+        }
+        for label in side.iter_mut() {
+            let half = 0.5 * label.width();
+            label.x = label.x.min(right - half).max(left + half);
+        }
+    }
+}
+
+fn separate(side: &mut [Label], before: usize, after: usize, room: f64) {
+    let lack = room - (side[after].x - side[before].x);
+    if lack > 0.0 {
+        side[before].x -= 0.5 * lack;
+        side[after].x += 0.5 * lack;
+    }
+}
+
+/// Whether two leaders, drawn from their labels' places on one line to their anchors, cross.
+fn cross(a: &Label, b: &Label) -> bool {
+    // from the labels (depth 0) to the shallower of the two anchors
+    let depth = a.depth().min(b.depth());
+    let at = |label: &Label| {
+        let share = depth / label.depth().max(1e-9);
+        label.x + share * (label.anchor[0] - label.x)
+    };
+    (a.x - b.x) * (at(a) - at(b)) < 0.0
+}
+
+/// The centroid of an outline, or, where that lies outside (an L, a sickle), the middle of a chord through it.
+fn a_point_inside(outline: &[Vec2]) -> Option<Vec2> {
+    if outline.len() < 3 || outline.iter().flatten().any(|c| !c.is_finite()) {
+        return None;
+    }
+    let mut doubled_area = 0.0;
+    let mut moment = [0.0; 2];
+    for (index, a) in outline.iter().enumerate() {
+        let b = outline[(index + 1) % outline.len()];
+        let cross = a[0] * b[1] - b[0] * a[1];
+        doubled_area += cross;
+        moment[0] += (a[0] + b[0]) * cross;
+        moment[1] += (a[1] + b[1]) * cross;
+    }
+    if doubled_area == 0.0 {
+        return Some(outline[0]);
+    }
+    let centroid = [moment[0] / (3.0 * doubled_area), moment[1] / (3.0 * doubled_area)];
+    let mut crossings: Vec<f64> = outline
+        .iter()
+        .enumerate()
+        .filter_map(|(index, a)| {
+            let b = outline[(index + 1) % outline.len()];
+            ((a[1] > centroid[1]) != (b[1] > centroid[1]))
+                .then(|| a[0] + (centroid[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+        })
+        .collect();
+    crossings.sort_by(f64::total_cmp);
+    let chords = crossings.chunks_exact(2);
+    let inside = chords.clone().any(|chord| chord[0] <= centroid[0] && centroid[0] <= chord[1]);
+    if inside {
+        return Some(centroid);
+    }
+    chords
+        .max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+        .map(|chord| [0.5 * (chord[0] + chord[1]), centroid[1]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_of_a_row_do_not_overlap() {
+        let mut side: Vec<Label> = (0..9)
+            .map(|i| Label {
+                text: format!("a rather long name {i}"),
+                anchor: [f64::from(i), 0.0],
+                edge: -50.0,
+                x: f64::from(i),
+                row: 0,
+            })
+            .collect();
+        spread(&mut side, -300.0, 300.0);
+        for row in 0..2 {
+            let members: Vec<&Label> = side.iter().filter(|label| label.row == row).collect();
+            for pair in members.windows(2) {
+                assert!(pair[1].x - pair[0].x > pair[0].width(), "{pair:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_leader_ends_inside_an_l() {
+        let l = [[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [1.0, 1.0], [1.0, 10.0], [0.0, 10.0]];
+        let [x, y] = a_point_inside(&l).unwrap();
+        assert!((0.0..=1.0).contains(&x) || (0.0..=1.0).contains(&y), "{x} {y}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Many curves that start and stop, each in a lane of its own over a common logarithmic axis.
+
+use super::axes::{line, short, thinned};
+use super::{Area, Panel, Window};
+use crate::svg::{escape, number};
+use std::fmt::Write;
+
+/// Empty strip at the top of a lane, px, so that neighbours do not touch.
+const HEADROOM: f64 = 4.0;
+
+/// The lanes of one window.
+pub(super) fn lanes(
+    out: &mut String,
+    panel: &Panel,
+    window: &Window,
+    area: Area,
+    (floor, ceiling): (f64, f64),
+    numbers: bool,
+    clip: &str,
+) {
+    let count = panel.curves.len().max(1) as f64;
+    let tall = area.height / count;
+    let share = |value: f64| ((value / floor).log10() / (ceiling / floor).log10()).clamp(0.0, 1.0);
+    // every other decade is enough in a lane this low: the even or the odd ones, whichever are more
+    let marks = decades(floor, ceiling);
+    let is_even = |decade: f64| (decade.log10().round() as i64).rem_euclid(2) == 0;
+    let evens = marks.iter().filter(|decade| is_even(**decade)).count();
+    let is_numbered = |decade: f64| is_even(decade) == (2 * evens >= marks.len());
+    for (index, curve) in panel.curves.iter().enumerate() {
+        let base = area.top + tall * (index as f64 + 1.0);
+        let y_of = |value: f64| {
+            if value > floor { base - share(value) * (tall - HEADROOM) } else { base }
+        };
+        for &decade in &marks {
+            let y = y_of(decade);
+            line(out, "grid", [area.left, y], [area.right(), y]);
+            if numbers && is_numbered(decade) {
+                let _ = write!(
+                    out,
+                    "<text class=\"soft\" x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"8.5\">{decade}</text>",
+                    number(area.left - 5.0),
+                    number(y + 3.0),
+                );
+            }
+        }
+        let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
+        for run in thinned(curve, window, area) {
+            let (Some(first), Some(last)) = (run.first(), run.last()) else {
+                continue;
+            };
+            let _ = write!(
+                out,
+                "<path fill=\"{colour}\" fill-opacity=\".3\" stroke=\"{colour}\" stroke-width=\"1\" \
+                 stroke-linejoin=\"round\" d=\"M{} {}",
+                short(first.0),
+                short(base),
+                colour = curve.colour,
+            );
+            // Points at the floor in the middle of a rest say nothing; leaving them out keeps files small.
+            let mut resting = false;
+            for (at, (x, value)) in run.iter().enumerate() {
+                let rests = *value <= floor;
+                let stays = run.get(at + 1).is_some_and(|next| next.1 <= floor);
+                if !(rests && resting && stays) {
+                    let _ = write!(out, "L{} {}", short(*x), short(y_of(*value)));
+                }
+                resting = rests;
+            }
+            let _ = write!(out, "L{} {}Z\"/>", short(last.0), short(base));
+        }
+        out.push_str("</g>");
+        line(out, "tick", [area.left, base], [area.right(), base]);
+    }
+}
+
+/// The lanes' names and their peaks, beside the last window.
+pub(super) fn names(out: &mut String, panel: &Panel, left: f64, top: f64) {
+    let tall = panel.height_px / panel.curves.len().max(1) as f64;
+    for (index, curve) in panel.curves.iter().enumerate() {
+        let y = top + tall * (index as f64 + 0.5);
+        let peak = curve.y.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
+        let _ = write!(
+            out,
+            "<rect x=\"{}\" y=\"{}\" width=\"5\" height=\"{}\" fill=\"{}\"/>\
+             <text class=\"ink\" x=\"{x}\" y=\"{}\" font-size=\"11\">{}</text>\
+             <text class=\"soft\" x=\"{x}\" y=\"{}\" font-size=\"9.5\">peak {}</text>",
+            number(left - 4.0),
+            number(y - 0.5 * tall + HEADROOM),
+            number(tall - HEADROOM),
+            curve.colour,
+            number(y + 0.5),
+            escape(&curve.label),
+            number(y + 12.0),
+            crate::drawing::force_label(peak),
+            x = number(left + 8.0),
+        );
+    }
+}
+
+/// Powers of ten strictly between the ends.
+fn decades(floor: f64, ceiling: f64) -> Vec<f64> {
+    let first = (floor.log10() + 1e-9).floor() as i32 + 1;
+    (first..).map(|power| 10f64.powi(power)).take_while(|decade| *decade < ceiling * (1.0 - 1e-9)).take(20).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decades_lie_between_the_ends() {
+        assert_eq!(decades(0.01, 100.0), vec![0.1, 1.0, 10.0]);
+        assert_eq!(decades(0.02, 500.0).len(), 4);
+    }
+}

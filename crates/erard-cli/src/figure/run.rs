@@ -1,0 +1,167 @@
+//! The figure of one run: force, key, hammer, angles and contact forces over time.
+
+use super::ticks::range;
+use super::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg};
+use erard::run::{Events, Run};
+use std::borrow::Cow;
+
+/// Contact forces below this are drawn as nothing, N: a fiftieth of what a key weighs.
+const FORCE_FLOOR: f64 = 0.01;
+
+/// The run's figure as an SVG document.
+pub fn run_svg(run: &Run) -> String {
+    figure_svg(&run_figure(run))
+}
+
+/// The run's figure: the whole run and, where the blow takes only a small part of it, the blow beside it.
+pub fn run_figure(run: &Run) -> Figure<'_> {
+    let mut panels = vec![
+        panel(run, ("force", "N"), 110.0, [("finger on key", Cow::Borrowed(&run.force_n[..]))]),
+        panel(run, ("key", "mm"), 110.0, [("key front, down", scaled(&run.key_m, 1e3))]),
+    ];
+    if !run.hammer_head_m.is_empty() {
+        let head = scaled(&run.hammer_head_m, 1e3);
+        panels.push(panel(run, ("hammer", "mm"), 130.0, [("strike point, up", head)]));
+    }
+    let angles = angles(run);
+    if !angles.is_empty() {
+        panels.push(panel(run, ("turned", "°"), 130.0, angles));
+    }
+    if let Some(forces) = contact_forces(run) {
+        panels.push(forces);
+    }
+    let speed = run.events.hammer_speed_m_s.filter(|speed| speed.is_finite());
+    Figure {
+        title: run.instrument.clone(),
+        subtitle: speed.map_or(String::new(), |speed| format!("hammer at the string: {speed:.2} m/s")),
+        width_px: 1180.0,
+        x_label: "time (ms)".into(),
+        x_unit: 1e3,
+        windows: windows(run),
+        panels,
+        markers: instants(&run.events)
+            .into_iter()
+            .map(|(name, x)| Marker { x, label: format!("{name} {:.1}", x * 1e3) })
+            .collect(),
+    }
+}
+
+/// Everything worth a mark: the events of the first blow, and every further blow on the string.
+pub fn instants(happened: &Events) -> Vec<(String, f64)> {
+    let first = events(happened).into_iter().map(|(name, instant)| (name.to_owned(), instant));
+    let more = happened.strikes.iter().enumerate().skip(1).filter(|(_, strike)| strike.time_s.is_finite());
+    first.chain(more.map(|(index, strike)| (format!("blow {}", index + 1), strike.time_s))).collect()
+}
+
+/// The events of the first blow that happened, by the names that all figures and the page use.
+pub fn events(events: &Events) -> Vec<(&'static str, f64)> {
+    [
+        ("key start", events.key_start_s),
+        ("toe contact", events.toe_contact_s),
+        ("let-off", events.let_off_s),
+        ("hammer contact", events.hammer_contact_s),
+        ("key bottom", events.key_bottom_s),
+        ("check", events.check_s),
+    ]
+    .into_iter()
+    .filter_map(|(name, instant)| Some((name, instant.filter(|x| x.is_finite())?)))
+    .collect()
+}
+
+/// The whole run and, where it takes only a small part of it, the first blow.
+pub fn windows(run: &Run) -> Vec<Window> {
+    let end = run.time_s.last().copied().filter(|t| *t > 0.0 && t.is_finite()).unwrap_or(1.0);
+    let begin = run.time_s.first().copied().filter(|t| *t < end).unwrap_or(0.0);
+    let whole = Window { from: begin, to: end, weight: 1.0, heading: String::new(), names_markers: true };
+    let instants = events(&run.events);
+    let first = instants.iter().map(|(_, x)| *x).fold(f64::INFINITY, f64::min);
+    let last = instants.iter().map(|(_, x)| *x).fold(f64::NEG_INFINITY, f64::max);
+    let margin = (0.35 * (last - first)).max(5e-3);
+    let blow = (begin.max(first - 0.4 * margin), end.min(last + margin));
+    if instants.len() < 2 || blow.1 - blow.0 > 0.5 * (end - begin) {
+        return vec![whole];
+    }
+    vec![
+        Window { heading: "the whole run".into(), names_markers: false, ..whole },
+        Window { from: blow.0, to: blow.1, weight: 1.6, heading: "the blow".into(), names_markers: true },
+    ]
+}
+
+/// Angles against the start, of the bodies that the other panels do not show: neither the first (the key) nor the
+/// hammer. Without roles in a [`Run`], the bodies are told by name; a mechanism without these names shows them all.
+fn angles(run: &Run) -> Vec<(&str, Cow<'_, [f64]>)> {
+    run.bodies
+        .iter()
+        .filter(|body| !["key", "hammer"].contains(&body.name.as_str()))
+        .map(|body| {
+            let start = body.angle_rad.first().copied().unwrap_or(0.0);
+            let turned = body.angle_rad.iter().map(|angle| (angle - start).to_degrees());
+            (body.name.as_str(), Cow::Owned(turned.collect()))
+        })
+        .collect()
+}
+
+fn contact_forces(run: &Run) -> Option<Panel<'_>> {
+    // A zone that never touched has nothing to show, but its empty lane says so: all are kept.
+    let peak = run
+        .zones
+        .iter()
+        .flat_map(|zone| zone.normal_n.iter().copied())
+        .filter(|force| force.is_finite())
+        .fold(1.0, f64::max);
+    let curves: Vec<Curve> = run
+        .zones
+        .iter()
+        .enumerate()
+        .map(|(index, zone)| Curve {
+            label: zone.label.clone(),
+            x: &run.time_s,
+            y: Cow::Borrowed(&zone.normal_n),
+            colour: PALETTE[index % PALETTE.len()],
+            dash: Dash::Solid,
+        })
+        .collect();
+    (!curves.is_empty()).then(|| Panel {
+        quantity: "contact forces".into(),
+        unit: "N",
+        height_px: 34.0 * curves.len() as f64,
+        layout: Layout::Lanes { floor: FORCE_FLOOR, ceiling: 1.5 * peak.max(10.0) },
+        y_range: None,
+        curves,
+    })
+}
+
+fn panel<'a>(
+    run: &'a Run,
+    (quantity, unit): (&str, &'static str),
+    height_px: f64,
+    curves: impl IntoIterator<Item = (&'a str, Cow<'a, [f64]>)>,
+) -> Panel<'a> {
+    let curves: Vec<(&str, Cow<[f64]>)> = curves.into_iter().collect();
+    // all of these quantities start from nothing, and a curve is misread on an axis without its zero
+    let values = curves.iter().flat_map(|(_, y)| y.iter().copied());
+    let y_range = Some(range(values.chain([0.0])));
+    let dashes = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dotted];
+    Panel {
+        quantity: quantity.into(),
+        unit,
+        height_px,
+        layout: Layout::Together,
+        y_range,
+        curves: curves
+            .into_iter()
+            .enumerate()
+            .map(|(index, (label, y))| Curve {
+                label: label.into(),
+                x: &run.time_s,
+                y,
+                colour: PALETTE[index % PALETTE.len()],
+                dash: dashes[index % dashes.len()],
+            })
+            .collect(),
+    }
+}
+
+fn scaled(values: &[f64], factor: f64) -> Cow<'_, [f64]> {
+    Cow::Owned(values.iter().map(|value| value * factor).collect())
+}

@@ -1,0 +1,186 @@
+// Time: slider, playing, stepping, events, keys.
+let now = begin, playing = false, drawnAt = 0;
+
+const show = () => {
+  if (!frames) return;
+  const where = between(now);
+  pose(where);
+  push(where);
+  readOut(where);
+  drawCursor(now);
+  $("time").value = now;
+  $("time").setAttribute("aria-valuetext", milliseconds(now));
+  $("clock").textContent = milliseconds(now);
+};
+const go = (t) => {
+  now = Math.min(Math.max(t, begin), end);
+  show();
+};
+
+const speeds = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+for (const slower of speeds) $("speed").add(new Option(slower === 1 ? "1 (real time)" : `1/${slower}`, 1 / slower));
+$("speed").value = 1 / 50;
+
+const tick = (at) => {
+  if (!playing) return;
+  // a page in the background wakes up late: never jump by more than a tenth of a second
+  const passed = Math.min((at - drawnAt) / 1e3, 0.1) * +$("speed").value;
+  drawnAt = at;
+  // what is looped, and where playing ends, is the time shown in the curves
+  const inside = now >= shownTime[0] && now <= shownTime[1];
+  const [from, to] = inside ? [Math.max(shownTime[0], begin), Math.min(shownTime[1], end)] : [begin, end];
+  let next = now + passed;
+  if (next > to) {
+    if ($("loop").checked) next = from;
+    else {
+      next = to;
+      play(false);
+    }
+  }
+  go(next);
+  requestAnimationFrame(tick);
+};
+const play = (on) => {
+  if (on === playing) return;
+  playing = on;
+  $("play").textContent = on ? "Pause" : "Play";
+  $("play").setAttribute("aria-label", on ? "Pause" : "Play");
+  if (!on) return;
+  if (now >= Math.min(shownTime[1], end) - 1e-9) now = Math.max(shownTime[0], begin);
+  drawnAt = performance.now();
+  requestAnimationFrame(tick);
+};
+const step = (count) => {
+  play(false);
+  const i = frameAt(now + 1e-9);
+  go(time[Math.min(Math.max(i + count, 0), frames - 1)] ?? begin);
+};
+const nextEvent = (direction) => {
+  const times = data.events.map(([, t]) => t).sort((a, b) => a - b);
+  const found = direction > 0 ? times.find((t) => t > now + 1e-6) : times.findLast((t) => t < now - 1e-6);
+  if (found !== undefined) {
+    play(false);
+    go(found);
+  }
+};
+
+const slider = $("time");
+slider.min = begin;
+slider.max = end;
+slider.addEventListener("input", () => {
+  play(false);
+  go(+slider.value);
+});
+$("play").addEventListener("click", () => play(!playing));
+$("back").addEventListener("click", () => step(-1));
+$("on").addEventListener("click", () => step(1));
+$("first").addEventListener("click", () => go(begin));
+$("arrows").addEventListener("change", show);
+const visit = (t) => {
+  play(false);
+  go(t);
+};
+// The first blow's events as buttons; of the blows after it a few as well, many as a list.
+const isBlow = ([name]) => name.startsWith("blow ");
+const blows = data.events.filter(isBlow);
+const listed = blows.length > 6;
+for (const [name, t] of data.events.filter((event) => !(listed && isBlow(event)))) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = name;
+  button.title = milliseconds(t);
+  button.addEventListener("click", () => visit(t));
+  $("events").append(button);
+}
+if (listed) {
+  const list = document.createElement("select");
+  list.setAttribute("aria-label", "Go to a later blow");
+  list.add(new Option("later blows", ""));
+  for (const [name, t] of blows) list.add(new Option(`${name}: ${milliseconds(t)}`, t));
+  list.addEventListener("change", () => list.value !== "" && visit(+list.value));
+  $("events").append(list);
+}
+
+// Which stretch of time the curves show.
+const showTime = (from, to) => {
+  const least = 20e-6, all = end - begin;
+  const span = Math.min(Math.max(to - from, least), all);
+  const start = Math.min(Math.max(from, begin), end - span);
+  shownTime = [start, start + span];
+  for (const button of $("windows").children) {
+    const [a, b] = button.window;
+    button.setAttribute("aria-pressed", Math.abs(a - shownTime[0]) + Math.abs(b - shownTime[1]) < 1e-6);
+  }
+  drawCurves();
+  drawCursor(now);
+};
+const names = data.windows.length > 1 ? ["whole run", "the blow"] : ["whole run"];
+data.windows.forEach((window, index) => {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = names[index];
+  button.window = window;
+  button.addEventListener("click", () => showTime(...window));
+  $("windows").append(button);
+});
+const seek = (event) => {
+  play(false);
+  go(tOf(event.clientX - cursor.getBoundingClientRect().left));
+};
+cursor.addEventListener("pointerdown", (event) => {
+  cursor.setPointerCapture(event.pointerId);
+  seek(event);
+  cursor.addEventListener("pointermove", seek);
+  const stop = () => cursor.removeEventListener("pointermove", seek);
+  cursor.addEventListener("pointerup", stop, { once: true });
+  cursor.addEventListener("pointercancel", stop, { once: true });
+});
+cursor.addEventListener("wheel", (event) => {
+  event.preventDefault();
+  const t = tOf(event.clientX - cursor.getBoundingClientRect().left);
+  const factor = Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015));
+  showTime(t + (shownTime[0] - t) * factor, t + (shownTime[1] - t) * factor);
+}, { passive: false });
+cursor.addEventListener("dblclick", () => showTime(begin, end));
+
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches("select")) return;
+  const many = event.shiftKey ? 10 : 1;
+  const keys = {
+    ArrowLeft: () => step(-many),
+    ArrowRight: () => step(many),
+    Home: () => go(begin),
+    End: () => go(end),
+    "[": () => nextEvent(-1),
+    "]": () => nextEvent(1),
+    "+": () => zoomMiddle(0.8),
+    "-": () => zoomMiddle(1.25),
+    0: wholeView,
+    9: closeUp,
+  };
+  // a focused button or box takes the space bar itself
+  if (!event.target.matches("button, input[type=checkbox]")) keys[" "] = () => play(!playing);
+  const act = keys[event.key];
+  if (!act) return;
+  event.preventDefault();
+  act();
+});
+
+// #t=0.123 opens the page at that time (s); view=whole with the whole action; shown=from,to at that stretch of the curves.
+const hash = new URLSearchParams(location.hash.slice(1));
+const redraw = () => {
+  arrange();
+  measure();
+  showTime(...shownTime);
+  show();
+};
+addEventListener("resize", redraw);
+dark.addEventListener("change", redraw);
+redraw();
+if (hash.get("view") === "whole" || data.views.close === null) wholeView();
+else closeUp();
+const asked = (hash.get("shown") ?? "").split(",").map(Number);
+if (asked.length === 2 && asked[1] > asked[0]) showTime(...asked);
+go(hash.has("t") ? +hash.get("t") || 0 : begin);
+$("what").textContent = `A simulated run of ${milliseconds(end - begin)}, ${frames} frames${
+  frames < data.rows ? ` of ${data.rows} rows` : ""}.`;

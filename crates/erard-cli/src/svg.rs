@@ -1,0 +1,67 @@
+//! The few things every SVG (and the page) needs: escaping and short numbers.
+
+use std::fmt::Write;
+
+/// Text made safe for XML and HTML, in element content and in quoted attributes alike.
+///
+/// Names come from files that anybody can write. Control characters that XML 1.0 forbids would make the whole
+/// document unreadable, so they become U+FFFD.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\t' | '\n' | '\r' => out.push(' '),
+            c if c.is_control() || c == '\u{fffe}' || c == '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A number with at most three decimals and no trailing zeros: short files, and the same bytes every time.
+///
+/// A coordinate that is not finite is written as 0, because `NaN` anywhere makes a browser drop the whole path.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "0".to_owned();
+    }
+    let mut text = String::new();
+    let _ = write!(text, "{value:.3}");
+    if text.contains('.') {
+        let kept = text.trim_end_matches('0').trim_end_matches('.').len();
+        text.truncate(kept);
+    }
+    if text == "-0" {
+        text.remove(0);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_break_out_of_the_document() {
+        assert_eq!(
+            escape("</script><b a=\"x\" c='y'>&"),
+            "&lt;/script&gt;&lt;b a=&quot;x&quot; c=&#39;y&#39;&gt;&amp;"
+        );
+        assert_eq!(escape("a\u{0}b\u{1b}c\nd"), "a\u{fffd}b\u{fffd}c d");
+    }
+
+    #[test]
+    fn numbers_are_short_and_finite() {
+        assert_eq!(number(1.0), "1");
+        assert_eq!(number(-0.00001), "0");
+        assert_eq!(number(-12.34567), "-12.346");
+        assert_eq!(number(1200.0), "1200");
+        assert_eq!(number(f64::NAN), "0");
+        assert_eq!(number(f64::INFINITY), "0");
+    }
+}
