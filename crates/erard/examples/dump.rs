@@ -5,7 +5,7 @@ fn main() {
     let g = Instrument::builtin("concert-grand").unwrap();
     let a: Vec<f64> = std::env::args().skip(1).map(|x| x.parse().unwrap()).collect();
     let force = |t: f64| if t < a[1] { a[0] } else { 0.0 };
-    let setup = Setup { settings: Settings::new(50e-6), duration_s: a[2], record_every: Some(4) };
+    let setup = Setup { settings: Settings::new(50e-6), start_s: 0.0, duration_s: a[2], record_every: Some(4) };
     let r = simulate(&g, &Drive::Force(&force), &setup, &mut |_| true).unwrap();
     print!("t,F,key,head");
     for b in &r.bodies {

@@ -6,7 +6,7 @@ fn main() {
     let dt = a.first().copied().unwrap_or(50e-6);
     for f in [0.8, 2.0, 5.0, 8.0, 20.0, 35.0] {
         let force = |_t: f64| f;
-        let setup = Setup { settings: Settings::new(dt), duration_s: 0.5, record_every: None };
+        let setup = Setup { settings: Settings::new(dt), start_s: 0.0, duration_s: 0.5, record_every: None };
         let r = simulate(&g, &Drive::Force(&force), &setup, &mut |_| true).unwrap();
         let e = &r.events;
         let ms = |x: Option<f64>| x.map_or(f64::NAN, |x| x * 1e3);

@@ -8,6 +8,9 @@ use crate::run::{Events, Strike};
 /// and a hundredth of its dip.
 pub const KEY_START_M: f64 = 1e-4;
 
+/// The head's speed is looked at within this distance of the string, m: many times what it travels in a step.
+const NEAR_M: f64 = 0.05;
+
 /// Watches a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
 #[derive(Debug)]
 pub struct Watch {
@@ -27,7 +30,7 @@ struct Sample {
     key_m: f64,
     hammer_m: f64,
     string: f64,
-    string_rate: f64,
+    head_speed: f64,
     key_bottom: f64,
     toe: f64,
     knuckle: f64,
@@ -57,10 +60,10 @@ impl Watch {
             key_m,
             hammer_m,
             string,
-            string_rate: if string > f64::NEG_INFINITY {
-                roles.string.map_or(0.0, |z| mechanism.gap_rate(z))
-            } else {
-                0.0
+            head_speed: match roles.hammer {
+                // Only ever used where the string is near.
+                Some(hammer) if string > -NEAR_M => mechanism.point_speed(hammer, roles.hammer_head_m),
+                _ => 0.0,
             },
             key_bottom: gap(roles.key_bottom),
             toe: gap(roles.let_off),
@@ -95,7 +98,7 @@ impl Watch {
 
         if let Some(time_s) = rising(before.string, now.string) {
             let share = (time_s - before.time_s) / (now.time_s - before.time_s);
-            let speed_m_s = before.string_rate + share * (now.string_rate - before.string_rate);
+            let speed_m_s = before.head_speed + share * (now.head_speed - before.head_speed);
             if events.hammer_contact_s.is_none() {
                 events.hammer_contact_s = Some(time_s);
                 events.hammer_speed_m_s = Some(speed_m_s);

@@ -38,8 +38,8 @@ pub trait Mechanism: Send {
     fn site_position(&self) -> f64;
     /// Compression of a zone now, m.
     fn gap(&self, zone: usize) -> f64;
-    /// dg/dt of a zone now, m/s.
-    fn gap_rate(&self, zone: usize) -> f64;
+    /// Speed of a point of a body now, m/s.
+    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64;
     /// A point of a body in the world now, m.
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
     /// dg/dt per unit angular velocity of every body, m.
@@ -54,7 +54,7 @@ pub trait Mechanism: Send {
     fn ledger(&mut self) -> Ledger;
 }
 
-struct Sized<const B: usize, const Z: usize, const N: usize> {
+struct Engine<const B: usize, const Z: usize, const N: usize> {
     model: Model<f64, B, Z>,
     settings: Settings<f64>,
     state: State<f64, B, Z>,
@@ -65,18 +65,18 @@ struct Sized<const B: usize, const Z: usize, const N: usize> {
     bodies: usize,
 }
 
-impl<const B: usize, const Z: usize, const N: usize> Sized<B, Z, N> {
+impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     fn boxed(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
         let model: Model<f64, B, Z> = assembly::assemble(instrument)?;
         let state = State::at_rest(assembly::drawn_angles(instrument));
         let ledger = Ledger::open(&model, &state);
         let pose = Pose::of(&model, &state.angle);
         let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
-        Ok(Box::new(Sized::<B, Z, N> { model, settings, state, before, scratch, pose, ledger, bodies }))
+        Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, pose, ledger, bodies }))
     }
 }
 
-impl<const B: usize, const Z: usize, const N: usize> Mechanism for Sized<B, Z, N> {
+impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
     fn step(&mut self, input: &Input<f64>) -> StepReport {
         self.before.clone_from(&self.state);
         let report = step(&self.model, &self.settings, input, &mut self.state, &mut self.scratch);
@@ -139,8 +139,12 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Sized<B, Z, N
         self.pose.gap(&self.model, zone)
     }
 
-    fn gap_rate(&self, zone: usize) -> f64 {
-        self.pose.gap_row(&self.model, zone).iter().zip(&self.state.velocity).map(|(g, v)| g * v).sum()
+    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64 {
+        let along = |n| {
+            let row = self.pose.velocity_row(&self.model, body, point, n);
+            row.iter().zip(&self.state.velocity).map(|(r, v)| r * v).sum::<f64>()
+        };
+        along([1.0, 0.0]).hypot(along([0.0, 1.0]))
     }
 
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
@@ -182,8 +186,8 @@ pub fn mechanism(instrument: &Instrument, settings: Settings<f64>) -> Result<Box
     // One law more for a rigid drive.
     let laws = if settings.friction == FrictionLaw::SetValued { pivots + sliding + 1 } else { 1 };
     match (bodies, zones, laws) {
-        (..=1, ..=4, ..=6) => Sized::<1, 4, 6>::boxed(instrument, settings),
-        (..=6, ..=14, ..=10) => Sized::<6, 14, 10>::boxed(instrument, settings),
-        _ => Sized::<12, 32, 45>::boxed(instrument, settings),
+        (..=1, ..=4, ..=6) => Engine::<1, 4, 6>::boxed(instrument, settings),
+        (..=6, ..=14, ..=10) => Engine::<6, 14, 10>::boxed(instrument, settings),
+        _ => Engine::<12, 32, 45>::boxed(instrument, settings),
     }
 }

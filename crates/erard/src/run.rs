@@ -95,7 +95,7 @@ impl Events {
 pub struct Strike {
     /// The strike point meets the string, s.
     pub time_s: f64,
-    /// Its speed into the string, m/s.
+    /// Speed of the strike point, m/s.
     pub speed_m_s: f64,
 }
 

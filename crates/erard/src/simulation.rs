@@ -39,6 +39,8 @@ pub enum Drive<'a> {
 pub struct Setup {
     /// The engine's settings.
     pub settings: Settings<f64>,
+    /// The instant at which the run starts, on the stroke's own clock, s.
+    pub start_s: f64,
     /// Simulated time, s.
     pub duration_s: f64,
     /// Keep a row every so many steps; `None`: every step, or so many that [`MOST_ROWS`] are not exceeded.
@@ -67,6 +69,12 @@ pub enum SimulationError {
         found: f64,
         /// s.
         longest: f64,
+    },
+    /// The start is no sane instant.
+    #[error("the stroke starts at {found} s; expected a number below 1e9 s")]
+    Start {
+        /// s.
+        found: f64,
     },
     /// A number overflowed.
     #[error(
@@ -99,6 +107,9 @@ impl Setup {
         if !(0.5..=1.0).contains(&theta) {
             return Err(SimulationError::Theta { found: theta });
         }
+        if !(self.start_s.abs() <= 1e9) {
+            return Err(SimulationError::Start { found: self.start_s });
+        }
         let longest = step * (1u64 << 40) as f64;
         if !(self.duration_s > 0.0 && self.duration_s <= longest) {
             return Err(SimulationError::Duration { found: self.duration_s, longest });
@@ -128,7 +139,7 @@ pub fn simulate(
     equilibrium::settle(m.as_mut(), &Input::Free)?;
     let rest = Rest { site_m: m.site_position(), head_m: head_height(instrument, m.as_ref()) };
     if let Drive::Motion(position) | Drive::Rigid(position) = drive {
-        let at = position(0.0)[0];
+        let at = position(setup.start_s)[0];
         if at > 0.0 {
             equilibrium::settle(m.as_mut(), &Input::Motion { position: rest.site_m + at, velocity: 0.0 })?;
         }
@@ -157,13 +168,13 @@ pub fn simulate(
             recorder.row(time_s, key_m, hammer_m, m);
         }
     };
-    observe(0.0, true, m.as_ref());
+    observe(setup.start_s, true, m.as_ref());
     let start = Instant::now();
     for n in 0..steps {
         if n % 8192 == 0 && !progress(n as f64 / steps as f64) {
             return Err(SimulationError::Interrupted);
         }
-        let t0 = n as f64 * h;
+        let t0 = setup.start_s + n as f64 * h;
         let input = rest.input(drive, t0, h, theta, m.as_ref());
         let report = m.step(&input);
         match report.outcome {
@@ -174,7 +185,7 @@ pub fn simulate(
         work.newton_iterations += u64::from(report.newton);
         work.solver_iterations += u64::from(report.solver);
         peak_force_n = peak_force_n.max(m.drive_force());
-        observe((n + 1) as f64 * h, (n + 1) % every == 0 || n + 1 == steps, m.as_ref());
+        observe(setup.start_s + (n + 1) as f64 * h, (n + 1) % every == 0 || n + 1 == steps, m.as_ref());
     }
     work.real_time_factor = steps as f64 * h / start.elapsed().as_secs_f64().max(1e-9);
     progress(1.0);

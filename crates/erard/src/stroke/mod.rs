@@ -3,12 +3,14 @@
 //! Time in seconds, force in newtons, position of the driver's end of the finger in metres; force and position are
 //! positive downward (pushing), position is counted from where the stroke begins.
 
+mod builtin;
 mod csv_file;
 mod error;
 mod force;
 mod position;
 mod rows;
 
+pub use builtin::{NUANCES, Touch};
 pub use csv_file::{MAX_FORCE_N, MAX_POSITION_M, MAX_ROWS};
 pub use error::StrokeError;
 pub use force::ForceSeries;

@@ -1,0 +1,61 @@
+//! The strokes that come with the program: five nuances, pressed and struck.
+//!
+//! The files are written by `cargo run --release -p erard --example strokes`, which also holds their formulas.
+
+use super::Series;
+
+/// Nuances, softest first.
+pub const NUANCES: [&str; 5] = ["pp", "p", "mf", "f", "ff"];
+
+/// How the finger meets the key.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Touch {
+    /// The finger rests on the key and presses it.
+    Pressed,
+    /// The finger falls onto the key.
+    Struck,
+}
+
+macro_rules! stroke {
+    ($nuance:literal, $touch:literal) => {
+        include_str!(concat!("../../../../strokes/", $nuance, "-", $touch, ".csv"))
+    };
+}
+
+impl Series {
+    /// A built-in stroke; `None` if there is no such nuance.
+    pub fn builtin(nuance: &str, touch: Touch) -> Option<Self> {
+        let text = match (nuance, touch) {
+            ("pp", Touch::Pressed) => stroke!("pp", "pressed"),
+            ("p", Touch::Pressed) => stroke!("p", "pressed"),
+            ("mf", Touch::Pressed) => stroke!("mf", "pressed"),
+            ("f", Touch::Pressed) => stroke!("f", "pressed"),
+            ("ff", Touch::Pressed) => stroke!("ff", "pressed"),
+            ("pp", Touch::Struck) => stroke!("pp", "struck"),
+            ("p", Touch::Struck) => stroke!("p", "struck"),
+            ("mf", Touch::Struck) => stroke!("mf", "struck"),
+            ("f", Touch::Struck) => stroke!("f", "struck"),
+            ("ff", Touch::Struck) => stroke!("ff", "struck"),
+            _ => return None,
+        };
+        // A test reads them all.
+        Series::parse(text, nuance).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All ten are there, with force and position.
+    #[test]
+    fn all_are_readable() {
+        for nuance in NUANCES {
+            for touch in [Touch::Pressed, Touch::Struck] {
+                let stroke = Series::builtin(nuance, touch).expect(nuance);
+                assert!(stroke.force.is_some() && stroke.position.is_some(), "{nuance} {touch:?}");
+            }
+        }
+        assert!(Series::builtin("mp", Touch::Pressed).is_none());
+    }
+}
