@@ -11,3 +11,4 @@ pub mod one_dof;
 mod recorder;
 pub mod run;
 pub mod simulation;
+pub mod stroke;

@@ -155,7 +155,6 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) parent: [usize; B],
     pub(crate) pivot: [Vector<T>; B],
     pub(crate) dry: [T; B],
-    pub(crate) has_dry: [bool; B],
     pub(crate) viscous: [T; B],
     /// Spring torque at relative angle 0, and stiffness.
     pub(crate) spring_torque: [T; B],
@@ -166,6 +165,9 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) moment: [Vector<T>; B],
     pub(crate) zones: [Zone<T>; Z],
     pub(crate) zone_count: usize,
+    /// The zones with Coulomb friction.
+    pub(crate) sliding_zones: [usize; Z],
+    pub(crate) sliding_count: usize,
     pub(crate) site: Option<Site<T>>,
     /// Gravity, pointing toward -y.
     pub(crate) gravity: T,
@@ -229,7 +231,6 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             parent: [GROUND; B],
             pivot: [o; B],
             dry: [T::ZERO; B],
-            has_dry: [false; B],
             viscous: [T::ZERO; B],
             spring_torque: [T::ZERO; B],
             spring_stiffness: [T::ZERO; B],
@@ -237,6 +238,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             moment: [o; B],
             zones: [vacant(); Z],
             zone_count: zones.len(),
+            sliding_zones: [0; Z],
+            sliding_count: 0,
             site,
             gravity,
         };
@@ -254,7 +257,6 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             model.parent[i] = body.parent;
             model.pivot[i] = body.pivot;
             model.dry[i] = body.dry;
-            model.has_dry[i] = body.dry > T::ZERO;
             model.viscous[i] = body.viscous;
             model.inertia[i] = body.inertia;
             model.moment[i] = scale(body.center_of_mass, body.mass);
@@ -288,6 +290,10 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
+            if zone.friction.is_some() {
+                model.sliding_zones[model.sliding_count] = i;
+                model.sliding_count += 1;
+            }
         }
         if let Some(s) = &site {
             if s.body >= bodies.len() {

@@ -1,7 +1,7 @@
 //! Where a mechanism is now, what drives it in a step, and the step's working memory.
 
 use crate::contact::Contact;
-use crate::osnsp::OneStepProblem;
+use crate::osnsp::{Impulses, System};
 use crate::pose::Pose;
 use crate::vector::dot;
 use crate::{Model, Real, Scalar};
@@ -70,9 +70,8 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub(crate) has_slip_row: [bool; Z],
     pub(crate) mass: [[T; B]; B],
     pub(crate) site_row: [T; B],
-    pub(crate) problem: OneStepProblem<T, N>,
-    pub(crate) columns: [[T; B]; N],
-    pub(crate) impulse: [T; N],
+    pub(crate) system: System<T, B, N>,
+    pub(crate) impulses: Impulses<T, B, N>,
     /// Forces of the set-valued laws, kept from iteration to iteration.
     pub(crate) pivot_friction: [T; B],
     pub(crate) tangential: [T; Z],
@@ -94,9 +93,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             has_slip_row: [false; Z],
             mass: [[z; B]; B],
             site_row: [z; B],
-            problem: OneStepProblem::new(),
-            columns: [[z; B]; N],
-            impulse: [z; N],
+            system: System::new(),
+            impulses: Impulses::new(),
             pivot_friction: [z; B],
             tangential: [z; Z],
             rigid_force: z,

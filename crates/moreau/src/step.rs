@@ -1,7 +1,7 @@
 //! The inner step: one Moreau-Jean theta step. The equations stand in this crate's README, "The step".
 
 use crate::contact::Contact;
-use crate::linear;
+use crate::linear::product;
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
@@ -33,18 +33,17 @@ pub struct StepReport {
 /// Beyond this many Newton iterations the corrections are halved: a cycle between two sides of a felt's onset is then cut.
 const DAMPED_AFTER: u32 = 8;
 
-/// A row of the one-step problem.
+/// What a sliding law of the one-step problem stands for.
 #[derive(Debug, Clone, Copy)]
 enum Law {
-    Pivot(usize),
-    Sliding(usize),
+    Zone(usize),
     Rigid,
 }
 
 /// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
 ///
-/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least the
-/// number of pivots with dry friction plus the number of zones with Coulomb friction plus one; further laws are left out.
+/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least `B` plus the
+/// number of zones with Coulomb friction plus one; further laws are left out.
 pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
@@ -66,25 +65,20 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         let (q_theta, v_theta) = theta_point(&q0, &v0, &v, h, theta);
         scratch.velocity = v_theta;
         scratch.pose.place(model, &q_theta);
+        scratch.pose.move_pivots(model, &v_theta);
         if iteration == 0 {
             // The first iterate is v = v0, so this is the predicted pose q_* at which M and D are taken.
             mass_matrix(model, scratch);
             site_row(model, scratch);
         }
-        evaluate_contacts(model, settings, &v_theta, scratch);
-        let (mut a, residual) = linearise(model, settings, input, &v, &v0, &q_theta, scratch);
-        let inverse_d = linear::factor(&mut a);
-        let inverse = linear::inverse(&a, &inverse_d);
-        let mut next = linear::times(&inverse, &residual);
-        for i in 0..B {
-            next[i] += v[i];
-        }
-        one_step_problem(model, settings, input, &v, &next, &inverse, scratch, &mut laws);
+        evaluate_contacts(model, settings, &v_theta, iteration > 0, scratch);
+        let (a, residual) = linearise(model, settings, input, &v, &v0, &q_theta, scratch);
+        one_step_problem(model, settings, input, &v, a, residual, scratch, &mut laws);
         let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
-        let solved = settings.solver.solve(&scratch.problem, &mut scratch.impulse, tolerance, limit);
+        let (relative, solved) = settings.solver.solve(&scratch.system, &mut scratch.impulses, tolerance, limit);
         report.solver += solved.iterations;
-        add_impulses(scratch, &mut next);
-        keep_impulses(h, scratch, &laws);
+        let next = absolute(model, &relative);
+        keep_forces(h, scratch, &laws);
 
         let mut correction = T::ZERO;
         let mut finite = true;
@@ -108,7 +102,6 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         }
     }
 
-    hold_sticking_pivots(model, scratch, &laws, &mut v);
     if !finish(model, input, &q0, &v0, &v, h, theta, state, scratch) {
         report.outcome = Outcome::NonFinite;
     }
@@ -167,11 +160,16 @@ fn evaluate_contacts<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     v_theta: &[T; B],
+    again: bool,
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let Scratch { pose, contacts, slip_row, has_slip_row, .. } = scratch;
     for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
         let contact: &mut Contact<T, B> = &mut contacts[z];
+        // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
+        if again && contact.out_of_reach {
+            continue;
+        }
         contact.evaluate(model, zone, pose, v_theta, settings.step, settings.theta);
         if contact.active && zone.friction.is_some() && !has_slip_row[z] {
             slip_row[z] = contact.slip_row(model, zone, pose);
@@ -273,15 +271,6 @@ fn add_term<T: Real, const B: usize>(a: &mut [[T; B]; B], force: &mut [T; B], ro
     }
 }
 
-#[inline(always)]
-fn product<T: Real, const B: usize>(row: &[T; B], v: &[T; B]) -> T {
-    let mut sum = T::ZERO;
-    for i in 0..B {
-        sum += row[i] * v[i];
-    }
-    sum
-}
-
 /// The driver's force at the site: given, or from its spring and damper, which only push.
 #[inline(always)]
 fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
@@ -311,7 +300,7 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     add_term(a, force, &scratch.site_row, tangent, f);
 }
 
-/// Collects the laws in force: u = D^T v, W = D^T A^-1 D, their bounds, and a warm start.
+/// The linearised step in relative velocities, with the laws in force and a warm start.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
@@ -319,144 +308,120 @@ fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
     input: &Input<T>,
     v: &[T; B],
-    v_free: &[T; B],
-    inverse: &[[T; B]; B],
+    a: [[T; B]; B],
+    residual: [T; B],
     scratch: &mut Scratch<T, B, Z, N>,
     laws: &mut [Law; N],
 ) {
     let h = settings.step;
-    let Scratch {
-        problem,
-        columns,
-        impulse,
-        contacts,
-        slip_row,
-        site_row,
-        pivot_friction,
-        tangential,
-        rigid_force,
-        ..
-    } = &mut *scratch;
-    let mut n = 0;
-    if settings.friction == FrictionLaw::SetValued {
-        for i in 0..B {
-            if model.has_dry[i] && n < N {
-                laws[n] = Law::Pivot(i);
-                let parent = model.parent[i];
-                columns[n] = inverse[i];
-                problem.free[n] = v_free[i];
-                if parent < B {
-                    for k in 0..B {
-                        columns[n][k] -= inverse[parent][k];
-                    }
-                    problem.free[n] -= v_free[parent];
-                }
-                problem.bound[n] = h * model.dry[i];
-                problem.sloped[n] = false;
-                impulse[n] = h * pivot_friction[i];
-                n += 1;
+    let Scratch { system, impulses, contacts, slip_row, site_row, pivot_friction, tangential, rigid_force, .. } =
+        &mut *scratch;
+    let mut b = residual;
+    for i in 0..B {
+        b[i] += product(&a[i], v);
+    }
+    system.a = a;
+    system.b = row_in_joints(model, &b);
+    for i in (0..B).rev() {
+        let parent = model.parent[i];
+        if parent < B {
+            for j in 0..B {
+                let t = system.a[i][j];
+                system.a[parent][j] += t;
+            }
+            for j in 0..B {
+                let t = system.a[j][i];
+                system.a[j][parent] += t;
             }
         }
-        for z in 0..model.zone_count {
-            let Some(mu) = model.zones[z].friction else { continue };
+    }
+    let set_valued = settings.friction == FrictionLaw::SetValued;
+    for i in 0..B {
+        system.pivot_bound[i] = if set_valued { h * model.dry[i] } else { T::ZERO };
+        impulses.pivot[i] = h * pivot_friction[i];
+    }
+    let mut n = 0;
+    if set_valued {
+        for &z in &model.sliding_zones[..model.sliding_count] {
             let contact = &contacts[z];
+            let Some(mu) = model.zones[z].friction else { continue };
             if !contact.active || contact.force <= T::ZERO || n >= N {
                 continue;
             }
-            laws[n] = Law::Sliding(z);
-            columns[n] = linear::times(inverse, &slip_row[z]);
-            problem.free[n] = product(&slip_row[z], v_free);
-            let mut ahead = T::ZERO;
-            for i in 0..B {
-                ahead += contact.row[i] * (v_free[i] - v[i]);
+            laws[n] = Law::Zone(z);
+            let law = &mut system.sliding[n];
+            law.row = row_in_joints(model, &slip_row[z]);
+            law.slope = row_in_joints(model, &contact.row);
+            for s in &mut law.slope {
+                *s = *s * (mu * contact.tangent);
             }
-            problem.bound[n] = mu * (h * contact.force + contact.tangent * ahead);
-            problem.sloped[n] = true;
-            impulse[n] = h * tangential[z];
+            law.bound = mu * (h * contact.force - contact.tangent * product(&contact.row, v));
+            law.target = T::ZERO;
+            law.rigid = false;
+            impulses.sliding[n] = h * tangential[z];
             n += 1;
         }
     }
     if let (Input::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
         laws[n] = Law::Rigid;
-        columns[n] = linear::times(inverse, site_row);
-        problem.free[n] = product(site_row, v_free) - *velocity;
-        problem.bound[n] = T::ONE / T::ZERO;
-        problem.sloped[n] = false;
-        impulse[n] = h * *rigid_force;
+        let law = &mut system.sliding[n];
+        law.row = row_in_joints(model, site_row);
+        law.target = *velocity;
+        law.rigid = true;
+        impulses.sliding[n] = h * *rigid_force;
         n += 1;
     }
-    problem.count = n;
-    for i in 0..n {
-        for j in 0..n {
-            problem.delassus[i][j] = match laws[i] {
-                Law::Pivot(b) => {
-                    let parent = model.parent[b];
-                    if parent < B { columns[j][b] - columns[j][parent] } else { columns[j][b] }
-                }
-                Law::Sliding(z) => product(&slip_row[z], &columns[j]),
-                Law::Rigid => product(site_row, &columns[j]),
-            };
-        }
-        if let Law::Sliding(z) = laws[i] {
-            let contact = &contacts[z];
-            let factor = model.zones[z].friction.unwrap_or(T::ZERO) * contact.tangent;
-            for j in 0..n {
-                problem.slope[i][j] = factor * product(&contact.row, &columns[j]);
-            }
-        }
-    }
+    system.count = n;
 }
 
-/// v1 = v_free + A^-1 D p.
+/// A row (or an impulse) in absolute velocities, taken to relative ones: a joint carries everything beyond it.
 #[inline(always)]
-fn add_impulses<T: Real, const B: usize, const Z: usize, const N: usize>(
-    scratch: &Scratch<T, B, Z, N>,
-    next: &mut [T; B],
-) {
-    for k in 0..scratch.problem.count {
-        for i in 0..B {
-            next[i] += scratch.columns[k][i] * scratch.impulse[k];
+fn row_in_joints<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, row: &[T; B]) -> [T; B] {
+    let mut out = *row;
+    for i in (0..B).rev() {
+        let parent = model.parent[i];
+        if parent < B {
+            let t = out[i];
+            out[parent] += t;
         }
     }
+    out
+}
+
+/// Absolute velocities from relative ones.
+#[inline(always)]
+fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, relative: &[T; B]) -> [T; B] {
+    let mut v = *relative;
+    for i in 0..B {
+        let parent = model.parent[i];
+        if parent < B {
+            let t = v[parent];
+            v[i] += t;
+        }
+    }
+    v
 }
 
 /// Stores the laws' forces p/h: the next warm start, and what the run reports.
 #[inline(always)]
-fn keep_impulses<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+fn keep_forces<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     h: T,
     scratch: &mut Scratch<T, B, Z, N>,
     laws: &[Law; N],
 ) {
     let inverse_h = T::ONE / h;
+    for i in 0..B {
+        scratch.pivot_friction[i] = scratch.impulses.pivot[i] * inverse_h;
+    }
     scratch.tangential = [T::ZERO; Z];
-    for k in 0..scratch.problem.count {
-        let f = scratch.impulse[k] * inverse_h;
+    for k in 0..scratch.system.count {
+        let f = scratch.impulses.sliding[k] * inverse_h;
         match laws[k] {
-            Law::Pivot(i) => scratch.pivot_friction[i] = f,
-            Law::Sliding(z) => scratch.tangential[z] = f,
+            Law::Zone(z) => scratch.tangential[z] = f,
             Law::Rigid => {
                 scratch.rigid_force = f;
                 scratch.drive_force = f;
             }
-        }
-    }
-}
-
-/// A pivot whose friction is strictly inside its bound sticks: its relative velocity is zero, not zero plus rounding. This is
-/// what keeps a held note from drifting by a bit per step.
-#[inline(always)]
-fn hold_sticking_pivots<T: Scalar, const B: usize, const Z: usize, const N: usize>(
-    model: &Model<T, B, Z>,
-    scratch: &Scratch<T, B, Z, N>,
-    laws: &[Law; N],
-    v: &mut [T; B],
-) {
-    for k in 0..scratch.problem.count {
-        if let Law::Pivot(i) = laws[k]
-            && scratch.impulse[k].abs() < scratch.problem.bound[k]
-        {
-            let parent = model.parent[i];
-            v[i] = if parent < B { v[parent] } else { T::ZERO };
         }
     }
 }

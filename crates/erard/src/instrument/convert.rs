@@ -12,12 +12,10 @@ use super::reader::{
     G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name,
 };
 use super::{
-    Body, Curve, Felt, Finger, Instrument, MAX_BODIES, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Part, Roles,
-    Screw, ScrewAction, Spring, Vec2, Zone,
+    Body, Curve, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
+    Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 
-/// Most corners of one outline.
-const MAX_CORNERS: usize = 4096;
 /// How much smaller than a point mass's an inertia may be before it is called impossible: rounding of decimals only.
 const PARALLEL_AXIS_TOLERANCE: f64 = 1e-9;
 

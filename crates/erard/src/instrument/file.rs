@@ -1,6 +1,5 @@
 //! Reading instrument files: from text, from disk, or built in.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -11,6 +10,7 @@ use super::error::{Fault, FileError};
 use super::format::InstrumentToml;
 use super::locate::{KeyMap, dress, line_column};
 use super::provenance::{CitedNumber, Provenance};
+use super::serde_fault::serde_fault;
 
 /// Largest instrument file that is read, bytes: a grand with all its outlines needs a fiftieth of it.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
@@ -148,90 +148,4 @@ fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<Fil
         span: 0..0,
         text: Arc::from(""),
     })
-}
-
-/// A fault from what serde and the TOML parser say; they know kinds of mistakes by their wording only.
-fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
-    let span = error.span().unwrap_or(0..0);
-    let message = error.message();
-    let quoted = |start: &str| {
-        let rest = message.strip_prefix(start)?.strip_prefix('`')?;
-        rest.split_once('`')
-    };
-    if let Some((key, rest)) = quoted("unknown field ") {
-        let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
-        let expected = match nearest(key, &known) {
-            Some(near) => format!("`{near}`"),
-            None => rest.trim_start_matches(", ").trim_start_matches("expected ").to_owned(),
-        };
-        let mut fault = Fault::at(span, "unknown key", expected).found(format!("`{key}`"));
-        fault.child_key = Some(key.to_owned());
-        return fault;
-    }
-    if let Some((key, _)) = quoted("missing field ") {
-        return Fault::missing(span, key, format!("`{key} = ...`"));
-    }
-    if let Some((word, rest)) = quoted("unknown variant ") {
-        let expected = rest.trim_start_matches(", ").trim_start_matches("expected ").to_owned();
-        return Fault::at(span, "unknown word", expected).found(format!("`{word}`"));
-    }
-    for start in ["invalid type: ", "invalid value: ", "invalid length "] {
-        if let Some((found, expected)) = message.strip_prefix(start).and_then(|rest| rest.split_once(", expected ")) {
-            let what = match start {
-                "invalid length " => format!("{found} of them"),
-                _ => found.to_owned(),
-            };
-            return Fault::at(span, "wrong kind of value", expected).found(what);
-        }
-    }
-    // Everything else is the TOML grammar: quote the parser.
-    let found =
-        if text.get(span.clone()).is_none_or(|under| under.trim().is_empty()) { Some(String::new()) } else { None };
-    let mut fault = Fault::at(span, message.replace('\n', "; "), "");
-    fault.found = found;
-    fault
-}
-
-/// The known key that `key` most likely stands for: the one that adds a unit to it, or one within two slips.
-fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
-    let lower = key.to_lowercase();
-    let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
-    known
-        .iter()
-        .copied()
-        .filter_map(|candidate| {
-            let name = candidate.to_lowercase();
-            let slips = edit_distance(&lower, &name);
-            let unit_missing = name.strip_prefix(&lower).is_some_and(|rest| rest.starts_with('_'));
-            let same_stem = stem(&lower) == stem(&name);
-            (unit_missing || same_stem || slips <= 2).then_some((!unit_missing, slips, candidate))
-        })
-        .min()
-        .map(|(_, _, candidate)| candidate)
-}
-
-/// Levenshtein distance. Both words are short: keys longer than any known one are cut.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(row[j + 1] + 1);
-        }
-    }
-    row[b.len()]
-}
-
-/// The JSON Schema of instrument files, pretty-printed, with a final newline: what `instruments/instrument.schema.json`
-/// holds. Generated from the structs that read the file.
-pub fn json_schema() -> String {
-    let schema =
-        schemars::generate::SchemaSettings::draft07().into_generator().into_root_schema_for::<InstrumentToml>();
-    let sorted: BTreeMap<String, serde_json::Value> =
-        schema.as_object().map(|object| object.clone().into_iter().collect()).unwrap_or_default();
-    serde_json::to_string_pretty(&sorted).unwrap_or_default() + "\n"
 }

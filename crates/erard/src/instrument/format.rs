@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::Material;
 use super::provenance::{Certainty, Source};
 use super::quantity::{At, Exponent, NonNegative, Num, Pair, Positive, Real};
+use super::{MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Material};
 
 /// What the key `format` must say.
 pub(crate) const FORMAT: &str = "erard-instrument/1";
@@ -38,15 +38,15 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,
     /// The bodies; at most 12.
-    #[schemars(length(min = 1, max = 12))]
+    #[schemars(length(min = 1, max = MAX_BODIES))]
     pub body: Vec<At<BodyToml>>,
     /// Torsion springs at pivots; at most 24.
     #[serde(default)]
-    #[schemars(length(max = 24))]
+    #[schemars(length(max = MAX_SPRINGS))]
     pub spring: Vec<At<SpringToml>>,
     /// Contact zones: felts, cloths and leathers; at most 32.
     #[serde(default)]
-    #[schemars(length(max = 32))]
+    #[schemars(length(max = MAX_ZONES))]
     pub zone: Vec<At<ZoneToml>>,
     /// Who is who in the mechanism. A role that is absent is not there.
     pub roles: Option<At<RolesToml>>,
@@ -56,19 +56,21 @@ pub(crate) struct InstrumentToml {
     pub one_dof: Option<At<OneDofToml>>,
     /// Regulating screws.
     #[serde(default)]
-    #[schemars(length(max = 64))]
+    #[schemars(length(max = MAX_SCREWS))]
     pub screw: Vec<At<ScrewToml>>,
     /// Outlines for drawings; they take no part in the mechanics.
     #[serde(default)]
-    #[schemars(length(max = 512))]
+    #[schemars(length(max = MAX_PARTS))]
     pub part: Vec<At<PartToml>>,
 }
 
 /// A rigid body on a hinge. Its own frame has its origin at the pivot and is turned by `angle_deg`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Body")]
 pub(crate) struct BodyToml {
     /// Identifier: lower-case letters, digits and underscores; the stem of the run's columns. Not `ground`.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// The body that carries the hinge; `ground` when absent.
     pub hinged_on: Option<At<String>>,
@@ -94,8 +96,10 @@ pub(crate) struct BodyToml {
 /// A torsion spring at the pivot of a body.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Spring")]
 pub(crate) struct SpringToml {
     /// Identifier: lower-case letters, digits and underscores.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// The body that it turns; the opposite torque acts on what that body is hinged on.
     pub body: At<String>,
@@ -111,8 +115,10 @@ pub(crate) struct SpringToml {
 /// Exactly one of `line`, `segment` and `other_disc` is given.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Zone", extend("oneOf" = [{ "required": ["line"] }, { "required": ["segment"] }, { "required": ["other_disc"] }]))]
 pub(crate) struct ZoneToml {
     /// Identifier: lower-case letters, digits and underscores; the stem of the run's columns.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// A line for people, e.g. `jack toe - let-off button`; the name when absent.
     pub label: Option<String>,
@@ -133,6 +139,7 @@ pub(crate) struct ZoneToml {
 /// A disc; a point when its radius is absent or 0.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Disc")]
 pub(crate) struct DiscToml {
     /// The body that carries it, or `ground`.
     pub body: At<String>,
@@ -145,6 +152,7 @@ pub(crate) struct DiscToml {
 /// A straight edge of wood without ends.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Line")]
 pub(crate) struct LineToml {
     /// The body that carries it, or `ground`.
     pub body: At<String>,
@@ -157,6 +165,7 @@ pub(crate) struct LineToml {
 /// A straight edge that ends, with round corners: all points within `rounding_mm` of the core segment.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Segment")]
 pub(crate) struct SegmentToml {
     /// The body that carries it, or `ground`.
     pub body: At<String>,
@@ -171,6 +180,7 @@ pub(crate) struct SegmentToml {
 /// Felt law F = k g^r + b g^2 dg/dt for the compression g in metres; it never pulls.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Felt")]
 pub(crate) struct FeltToml {
     /// k, N/m^r.
     #[serde(rename = "stiffness_N_per_m_r")]
@@ -185,6 +195,7 @@ pub(crate) struct FeltToml {
 /// Who is who: names of bodies and zones.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Roles")]
 pub(crate) struct RolesToml {
     /// The body that the finger presses.
     pub key: Option<At<String>>,
@@ -210,6 +221,7 @@ pub(crate) struct RolesToml {
 /// The fingertip between the player and the key: a spring and a damper in parallel that can only push.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Finger")]
 pub(crate) struct FingerToml {
     /// Stiffness, N/m.
     #[serde(rename = "stiffness_N_per_m")]
@@ -222,6 +234,7 @@ pub(crate) struct FingerToml {
 /// What the one-degree-of-freedom model is made of.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "OneDof")]
 pub(crate) struct OneDofToml {
     /// Zones that tie the other bodies to the key at rest.
     pub transmits: Vec<At<String>>,
@@ -233,8 +246,10 @@ pub(crate) struct OneDofToml {
 /// (`spring`, `setting_N_m`).
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Screw")]
 pub(crate) struct ScrewToml {
     /// Identifier: lower-case letters, digits and underscores.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// What a positive setting does, for people.
     pub label: Option<String>,
@@ -266,6 +281,7 @@ pub(crate) enum ScrewSide {
 /// A piece of wood, felt, leather or metal in drawings.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Part")]
 pub(crate) struct PartToml {
     /// What it is, e.g. `hammer head`.
     pub name: At<String>,
@@ -274,7 +290,7 @@ pub(crate) struct PartToml {
     /// What it is made of.
     pub material: Material,
     /// Closed polygon in that body's own frame (the world's for the ground), mm; three corners or more.
-    #[schemars(length(min = 3, max = 4096))]
+    #[schemars(length(min = 3, max = MAX_CORNERS))]
     pub outline_mm: At<Vec<Pair>>,
     /// Whether its corners are rounded off into a smooth curve; no when absent.
     #[serde(default)]

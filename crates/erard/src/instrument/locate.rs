@@ -104,11 +104,15 @@ pub(crate) fn dress(file: &str, text: &str, fault: Fault) -> Box<FileError> {
     })
 }
 
-/// The key of a line that is no TOML: what stands left of its `=`.
+/// The key of a line that is no TOML: what stands left of its `=`, or in the brackets of a table.
 fn left_of_equals(text: &str, byte: usize) -> String {
     let start = text[..byte].rfind('\n').map_or(0, |newline| newline + 1);
     let line = text[start..].lines().next().unwrap_or_default();
-    let name = line.split_once('=').map_or("", |(name, _)| name.trim());
+    let name = match line.split_once('=') {
+        Some((name, _)) => name.trim(),
+        None if line.starts_with('[') => line.trim().trim_matches(['[', ']']),
+        None => "",
+    };
     if name.starts_with('#') || name.chars().count() > LONGEST_EXCERPT { String::new() } else { name.to_owned() }
 }
 

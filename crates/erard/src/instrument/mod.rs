@@ -4,8 +4,8 @@
 //! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is given
 //! in that frame, all geometry on the ground in the world frame.
 //!
-//! [`format`] is the file as written, [`file`] reads it, [`convert`] checks it and turns it into the types below,
-//! [`provenance`] keeps where every number comes from, and [`regulation`] turns the screws.
+//! `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
+//! `provenance` keeps where every number comes from, and `regulation` turns the screws.
 
 mod convert;
 mod error;
@@ -16,10 +16,13 @@ mod provenance;
 mod quantity;
 mod reader;
 mod regulation;
+mod schema;
+mod serde_fault;
 
 pub use error::FileError;
-pub use file::{InstrumentFile, MAX_FILE_BYTES, json_schema};
+pub use file::{InstrumentFile, MAX_FILE_BYTES};
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
+pub use schema::json_schema;
 
 /// Most bodies of an instrument: the engine's capacity.
 pub const MAX_BODIES: usize = 12;
@@ -31,6 +34,8 @@ pub const MAX_SPRINGS: usize = 24;
 pub const MAX_SCREWS: usize = 64;
 /// Most drawn parts of an instrument.
 pub const MAX_PARTS: usize = 512;
+/// Most corners of one outline.
+pub const MAX_CORNERS: usize = 4096;
 
 /// A point or direction in a plane, `[x, y]`, metres (or dimensionless for directions).
 pub type Vec2 = [f64; 2];

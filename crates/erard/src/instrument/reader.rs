@@ -142,10 +142,10 @@ impl<'a> Reader<'a> {
             return Err(Fault::at(span, "must not be zero", expected));
         }
         if value < least {
-            return Err(Fault::at(span, "too small", format!("at least {least:e}{unit}")));
+            return Err(Fault::at(span, "too small", format!("at least {}{unit}", round(least))));
         }
         if value > most {
-            return Err(Fault::at(span, "too large", format!("at most {most:e}{unit}")));
+            return Err(Fault::at(span, "too large", format!("at most {}{unit}", round(most))));
         }
         Ok(())
     }
@@ -225,6 +225,11 @@ pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Resu
 
 /// What the world is called in a file.
 pub(crate) const GROUND: &str = "ground";
+
+/// A limit as a person writes it.
+fn round(limit: f64) -> String {
+    if (1e-3..1e6).contains(&limit.abs()) { format!("{limit}") } else { format!("{limit:e}") }
+}
 
 /// `one of `a`, `b``, or `otherwise` when there is none.
 fn one_of<'n>(names: impl Iterator<Item = &'n str>, otherwise: &str) -> String {

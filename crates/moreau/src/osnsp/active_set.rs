@@ -1,337 +1,206 @@
-//! Semismooth Newton on the active set: guess which laws stick, solve the linear system that the guess leaves, correct the
-//! guess, until it is right. The warm start is right in most steps, and then one small system is all.
+//! Active set on the velocities: guess which laws stick, take the velocities that stick out of the system, solve it, correct
+//! the guess, until it is right. The warm start is right in most steps, and then one factorisation is all; the Delassus
+//! matrix is never formed.
 //!
-//! Where the guesses cycle (badly conditioned or rank-deficient problems), a primal active-set method for the convex
-//! quadratic programme min 1/2 p.W p + u_free.p over the box takes over: it goes downhill at every step and ends
-//! (Nocedal & Wright, Numerical Optimization, section 16.5).
+//! A sticking pivot's row and column are replaced by the identity's, so that its velocity is exactly zero (a held note does
+//! not drift by rounding) and the loops keep their fixed size. Sliding contacts are few: they are condensed onto a system of
+//! their own. Where guesses cycle, the exact dense solver takes over.
 
-use super::{OneStepProblem, SolveReport};
+use super::delassus::Dense;
+use super::relay::{eliminate, solve_dense};
+use super::{Impulses, SolveReport, System};
 use crate::Scalar;
+use crate::linear::{factor, product, solve as solve_factored};
 
-/// Guesses before the fallback; usual problems need one or two, and what cycles does so from the start.
-const GUESSES: u32 = 12;
-/// Passes of the fallback, each with the bounds frozen at the last impulses.
-const BOUND_PASSES: u32 = 40;
-/// Pivots below this part of their diagonal mean a law that the other sticking laws already hold.
-const DEPENDENT: f64 = 1e-11;
+/// Guesses before the exact dense solver takes over; usual problems need one or two, and what cycles does so from the start.
+const GUESSES: u32 = 8;
 
-/// Which end of its interval a law is at.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
-    /// p = -bound, u >= 0.
-    Lower,
-    /// Strictly inside, u = 0.
-    Stick,
-    /// p = +bound, u <= 0.
-    Upper,
+/// Where a law stands: 0 sticks, +1 and -1 slide with p = +bound and -bound.
+struct Guess<T, const B: usize, const N: usize> {
+    pivot: [T; B],
+    sliding: [T; N],
 }
 
-/// Solves to `tolerance` on the laws' velocities; `limit` bounds the fallback's steps per pass.
-#[inline]
-pub fn solve<T: Scalar, const N: usize>(
-    problem: &OneStepProblem<T, N>,
-    p: &mut [T; N],
+/// Solves to `tolerance` on the laws' velocities; `limit` bounds the fallback.
+#[inline(always)]
+pub fn solve<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
     tolerance: T,
     limit: u32,
-) -> SolveReport {
-    let n = problem.count;
-    let mut side = [Side::Stick; N];
-    for i in 0..n {
-        let b = problem.bound_at(i, p);
-        side[i] = if b.finite() && p[i] >= b {
-            Side::Upper
-        } else if b.finite() && p[i] <= -b {
-            Side::Lower
-        } else {
-            Side::Stick
-        };
-    }
-    for guess in 1..=GUESSES {
-        let dependent = impulses_of_guess(problem, &side, p);
-        if !correct_guess(problem, p, &mut side, &dependent, tolerance) {
-            return SolveReport { converged: true, iterations: guess };
+) -> ([T; B], SolveReport) {
+    let mut guess = first_guess(system, impulses);
+    for iterations in 1..=GUESSES {
+        let (w, changed) = try_guess(system, &mut guess, impulses, tolerance);
+        if !changed {
+            return (w, SolveReport { converged: true, iterations });
         }
     }
-    fallback(problem, p, tolerance, limit)
+    fall_back(system, impulses, tolerance, limit)
 }
 
-/// The impulses that make every sticking law's velocity zero and put every sliding law on its bound. Returns the sticking laws
-/// that the others hold already.
-#[inline(always)]
-fn impulses_of_guess<T: Scalar, const N: usize>(
-    problem: &OneStepProblem<T, N>,
-    side: &[Side; N],
-    p: &mut [T; N],
-) -> [bool; N] {
-    let mut dependent = [false; N];
-    let n = problem.count;
-    // Laws with a constant bound that slide are known; the others go into a small linear system.
-    let mut unknown = [0usize; N];
-    let mut m = 0;
-    for i in 0..n {
-        match side[i] {
-            Side::Upper if !problem.sloped[i] => p[i] = problem.bound[i].max(T::ZERO),
-            Side::Lower if !problem.sloped[i] => p[i] = -problem.bound[i].max(T::ZERO),
-            _ => {
-                unknown[m] = i;
-                m += 1;
-            }
-        }
-    }
-    if m == 0 {
-        return dependent;
-    }
-    let mut is_unknown = [false; N];
-    for &i in &unknown[..m] {
-        is_unknown[i] = true;
-    }
-    let mut a = [[T::ZERO; N]; N];
-    let mut rhs = [T::ZERO; N];
-    for (row, &i) in unknown[..m].iter().enumerate() {
-        // Sticking: (W p)_i = -u_free_i. Sliding with a slope: p_i - s (slope p)_i = s bound_i.
-        let (coefficients, sign, constant) = match side[i] {
-            Side::Stick => (&problem.delassus[i], T::ONE, -problem.free[i]),
-            Side::Upper => (&problem.slope[i], -T::ONE, problem.bound[i]),
-            Side::Lower => (&problem.slope[i], T::ONE, -problem.bound[i]),
-        };
-        let mut known = T::ZERO;
-        for j in 0..n {
-            if !is_unknown[j] {
-                known += sign * coefficients[j] * p[j];
-            }
-        }
-        for (column, &j) in unknown[..m].iter().enumerate() {
-            a[row][column] = sign * coefficients[j];
-        }
-        if side[i] != Side::Stick {
-            a[row][row] += T::ONE;
-        }
-        rhs[row] = constant - known;
-    }
-    let mut x = [T::ZERO; N];
-    for (row, &i) in unknown[..m].iter().enumerate() {
-        let b = problem.bound_at(i, p);
-        x[row] = p[i].max(-b).min(b);
-    }
-    let held = eliminate(&mut a, &mut rhs, &mut x, m);
-    for (row, &i) in unknown[..m].iter().enumerate() {
-        p[i] = x[row];
-        dependent[i] = held[row];
-    }
-    dependent
-}
-
-/// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not determined,
-/// and keeps the value that `x` came with. Returns which rows those are.
-#[inline(always)]
-fn eliminate<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) -> [bool; N] {
-    let mut dependent = [false; N];
-    let mut inverse = [T::ZERO; N];
-    let mut diagonal = [T::ZERO; N];
-    for k in 0..m {
-        diagonal[k] = a[k][k].abs();
-    }
-    for k in 0..m {
-        if a[k][k].abs() <= diagonal[k] * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON) {
-            dependent[k] = true;
-            continue;
-        }
-        inverse[k] = T::ONE / a[k][k];
-        for i in k + 1..m {
-            let factor = a[i][k] * inverse[k];
-            for j in k + 1..m {
-                let t = a[k][j];
-                a[i][j] -= factor * t;
-            }
-            let t = rhs[k];
-            rhs[i] -= factor * t;
-        }
-    }
-    for k in (0..m).rev() {
-        if !dependent[k] {
-            let mut s = rhs[k];
-            for j in k + 1..m {
-                s -= a[k][j] * x[j];
-            }
-            x[k] = s * inverse[k];
-        }
-    }
-    dependent
-}
-
-/// Moves every law whose guess is refuted; says whether there was one.
-#[inline(always)]
-fn correct_guess<T: Scalar, const N: usize>(
-    problem: &OneStepProblem<T, N>,
-    p: &mut [T; N],
-    side: &mut [Side; N],
-    dependent: &[bool; N],
+#[cold]
+#[inline(never)]
+fn fall_back<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
     tolerance: T,
-) -> bool {
+    limit: u32,
+) -> ([T; B], SolveReport) {
+    let mut dense = Dense::new(system, impulses);
+    let mut report = solve_dense(&dense.problem, &mut dense.impulse, tolerance, limit);
+    report.iterations += GUESSES;
+    (dense.finish(impulses), report)
+}
+
+/// What the warm start's impulses say: a law at its bound slides.
+#[inline(always)]
+fn first_guess<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    impulses: &Impulses<T, B, N>,
+) -> Guess<T, B, N> {
+    let side = |p: T, bound: T| {
+        if p >= bound {
+            T::ONE
+        } else if p <= -bound {
+            -T::ONE
+        } else {
+            T::ZERO
+        }
+    };
+    let mut guess = Guess { pivot: [T::ZERO; B], sliding: [T::ZERO; N] };
+    for i in 0..B {
+        guess.pivot[i] = side(impulses.pivot[i], system.pivot_bound[i]);
+    }
+    for k in 0..system.count {
+        let law = &system.sliding[k];
+        guess.sliding[k] = if law.rigid { T::ZERO } else { side(impulses.sliding[k], law.bound) };
+    }
+    guess
+}
+
+/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it.
+#[inline(always)]
+fn try_guess<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    guess: &mut Guess<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
+    tolerance: T,
+) -> ([T; B], bool) {
+    let mut a = system.a;
+    let mut w = system.b;
+    for i in 0..B {
+        impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
+        w[i] += impulses.pivot[i];
+        if guess.pivot[i] == T::ZERO {
+            w[i] = T::ZERO;
+            for j in 0..B {
+                a[i][j] = T::ZERO;
+                a[j][i] = T::ZERO;
+            }
+            a[i][i] = T::ONE;
+        }
+    }
+    let inverse_d = factor(&mut a);
+    w = solve_factored(&a, &inverse_d, &w);
     let mut changed = false;
-    for i in 0..problem.count {
-        match side[i] {
-            Side::Stick if dependent[i] && problem.velocity_at(i, p).abs() > tolerance => {
-                // The others do not hold it after all: it slides, against its velocity.
-                side[i] = if problem.velocity_at(i, p) > T::ZERO { Side::Lower } else { Side::Upper };
+    if system.count > 0 {
+        changed = slide(system, guess, impulses, &a, &inverse_d, &mut w, tolerance);
+    }
+    for i in 0..B {
+        if guess.pivot[i] == T::ZERO {
+            let mut p = product(&system.a[i], &w) - system.b[i];
+            for k in 0..system.count {
+                p -= system.sliding[k].row[i] * impulses.sliding[k];
+            }
+            impulses.pivot[i] = p;
+            // Rounding in the bound must not turn a pivot that holds at its limit back and forth.
+            let bound = system.pivot_bound[i] * (T::ONE + T::from_f64(8.0) * T::EPSILON);
+            if bound < p.abs() {
+                guess.pivot[i] = if T::ZERO < p { T::ONE } else { -T::ONE };
                 changed = true;
             }
-            Side::Stick => {
-                let b = problem.bound_at(i, p);
-                // Rounding in the bound must not turn a law that holds at its limit back and forth.
-                let slack = b * (T::from_f64(8.0) * T::EPSILON);
-                if p[i] > b + slack {
-                    side[i] = Side::Upper;
-                    changed = true;
-                } else if p[i] < -b - slack {
-                    side[i] = Side::Lower;
-                    changed = true;
-                }
-            }
-            Side::Upper => {
-                if problem.velocity_at(i, p) > tolerance || p[i] < T::ZERO {
-                    side[i] = Side::Stick;
-                    changed = true;
-                }
-            }
-            Side::Lower => {
-                if problem.velocity_at(i, p) < -tolerance || p[i] > T::ZERO {
-                    side[i] = Side::Stick;
-                    changed = true;
-                }
+        } else if tolerance < guess.pivot[i] * w[i] && T::ZERO < system.pivot_bound[i] {
+            guess.pivot[i] = T::ZERO;
+            changed = true;
+        }
+    }
+    (w, changed)
+}
+
+/// Sliding laws, condensed: adds their share to the velocities `w`, and corrects their guesses.
+#[inline(always)]
+fn slide<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    guess: &mut Guess<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
+    factors: &[[T; B]; B],
+    inverse_d: &[T; B],
+    w: &mut [T; B],
+    tolerance: T,
+) -> bool {
+    let n = system.count;
+    let mut columns = [[T::ZERO; B]; N];
+    let mut matrix = [[T::ZERO; N]; N];
+    let (mut rhs, mut p, mut diagonal) = ([T::ZERO; N], [T::ZERO; N], [T::ZERO; N]);
+    for k in 0..n {
+        let mut row = system.sliding[k].row;
+        for i in 0..B {
+            // What the row would see without sticking pivots: the scale that tells a held law from a free one.
+            diagonal[k] += row[i] * row[i] / system.a[i][i];
+            if guess.pivot[i] == T::ZERO {
+                row[i] = T::ZERO;
             }
         }
+        columns[k] = solve_factored(factors, inverse_d, &row);
+    }
+    for k in 0..n {
+        let law = &system.sliding[k];
+        let s = guess.sliding[k];
+        if s == T::ZERO {
+            // Sticking: row . (w + sum columns p) = target.
+            rhs[k] = law.target - product(&law.row, w);
+            for j in 0..n {
+                matrix[k][j] = product(&law.row, &columns[j]);
+            }
+            p[k] = impulses.sliding[k];
+        } else {
+            // Sliding: p = s (bound + slope . (w + sum columns p)).
+            rhs[k] = s * (law.bound + product(&law.slope, w));
+            for j in 0..n {
+                matrix[k][j] = -s * product(&law.slope, &columns[j]);
+            }
+            matrix[k][k] += T::ONE;
+            diagonal[k] = T::ONE;
+        }
+    }
+    let dependent = eliminate(&mut matrix, &mut rhs, &mut p, &diagonal, n);
+    for k in 0..n {
+        for i in 0..B {
+            w[i] += columns[k][i] * p[k];
+        }
+    }
+    let mut changed = false;
+    for k in 0..n {
+        let law = &system.sliding[k];
+        let mut side = guess.sliding[k];
+        if !law.rigid {
+            let bound = (law.bound + product(&law.slope, w)).max(T::ZERO);
+            let u = product(&law.row, w) - law.target;
+            if side == T::ZERO {
+                if bound * (T::ONE + T::from_f64(8.0) * T::EPSILON) < p[k].abs() {
+                    side = if T::ZERO < p[k] { T::ONE } else { -T::ONE };
+                    p[k] = side * bound;
+                } else if dependent[k] && tolerance < u.abs() {
+                    side = if T::ZERO < u { -T::ONE } else { T::ONE };
+                }
+            } else if tolerance < side * u || side * p[k] < T::ZERO {
+                side = T::ZERO;
+            }
+        }
+        changed |= side != guess.sliding[k];
+        guess.sliding[k] = side;
+        impulses.sliding[k] = p[k];
     }
     changed
-}
-
-/// The primal active-set method, repeated until the bounds that follow the impulses stand still.
-#[cold]
-fn fallback<T: Scalar, const N: usize>(
-    problem: &OneStepProblem<T, N>,
-    p: &mut [T; N],
-    tolerance: T,
-    limit: u32,
-) -> SolveReport {
-    let n = problem.count;
-    let mut iterations = GUESSES;
-    let any_slope = problem.sloped[..n].iter().any(|&s| s);
-    let passes = if any_slope { BOUND_PASSES } else { 2 };
-    for _ in 0..passes {
-        let mut bound = [T::ZERO; N];
-        for (i, b) in bound.iter_mut().enumerate().take(n) {
-            *b = problem.bound_at(i, p);
-        }
-        iterations += downhill(problem, &bound, p, tolerance, limit);
-        if problem.error(p) <= tolerance {
-            return SolveReport { converged: true, iterations };
-        }
-    }
-    SolveReport { converged: false, iterations }
-}
-
-/// Minimises 1/2 p.W p + u_free.p over |p_i| <= bound_i; returns the number of steps taken.
-fn downhill<T: Scalar, const N: usize>(
-    problem: &OneStepProblem<T, N>,
-    bound: &[T; N],
-    p: &mut [T; N],
-    tolerance: T,
-    limit: u32,
-) -> u32 {
-    let n = problem.count;
-    let mut largest = T::ZERO;
-    for i in 0..n {
-        p[i] = p[i].max(-bound[i]).min(bound[i]);
-        largest = largest.max(problem.delassus[i][i]);
-    }
-    // A proximal term far below the smallest useful eigenvalue gives null directions a finite, downhill step.
-    let proximal = largest * T::from_f64(1e-13).max(T::from_f64(4.0) * T::EPSILON);
-    let mut free = [false; N];
-    for i in 0..n {
-        free[i] = p[i].abs() < bound[i];
-    }
-    for step in 1..=limit {
-        let mut index = [0usize; N];
-        let mut m = 0;
-        for i in 0..n {
-            if free[i] {
-                index[m] = i;
-                m += 1;
-            }
-        }
-        let mut a = [[T::ZERO; N]; N];
-        let mut rhs = [T::ZERO; N];
-        for (row, &i) in index[..m].iter().enumerate() {
-            for (column, &j) in index[..m].iter().enumerate() {
-                a[row][column] = problem.delassus[i][j];
-            }
-            a[row][row] += proximal;
-            rhs[row] = -problem.velocity_at(i, p);
-        }
-        let mut d = [T::ZERO; N];
-        eliminate_definite(&mut a, &mut rhs, &mut d, m);
-        let mut length = T::ONE;
-        let mut blocking = None;
-        for (row, &i) in index[..m].iter().enumerate() {
-            let end = if d[row] > T::ZERO { bound[i] } else { -bound[i] };
-            if d[row] != T::ZERO && (p[i] + d[row]).abs() > bound[i] {
-                let reach = ((end - p[i]) / d[row]).max(T::ZERO);
-                if reach < length {
-                    length = reach;
-                    blocking = Some((i, end));
-                }
-            }
-        }
-        for (row, &i) in index[..m].iter().enumerate() {
-            p[i] = (p[i] + length * d[row]).max(-bound[i]).min(bound[i]);
-        }
-        if let Some((i, end)) = blocking {
-            p[i] = end;
-            free[i] = false;
-            continue;
-        }
-        let mut worst = tolerance * T::from_f64(0.5);
-        let mut release = None;
-        let mut at_rest = true;
-        for i in 0..n {
-            let u = problem.velocity_at(i, p);
-            if free[i] {
-                at_rest &= u.abs() <= tolerance;
-            } else {
-                let pull = if p[i] > T::ZERO { u } else { -u };
-                if bound[i] > T::ZERO && pull > worst {
-                    worst = pull;
-                    release = Some(i);
-                }
-            }
-        }
-        match release {
-            Some(i) => free[i] = true,
-            None if at_rest => return step,
-            None => {}
-        }
-    }
-    limit
-}
-
-/// Solves a positive definite system by elimination.
-fn eliminate_definite<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) {
-    for k in 0..m {
-        for i in k + 1..m {
-            let factor = a[i][k] / a[k][k];
-            for j in k + 1..m {
-                let t = a[k][j];
-                a[i][j] -= factor * t;
-            }
-            let t = rhs[k];
-            rhs[i] -= factor * t;
-        }
-    }
-    for k in (0..m).rev() {
-        let mut s = rhs[k];
-        for j in k + 1..m {
-            s -= a[k][j] * x[j];
-        }
-        x[k] = s / a[k][k];
-    }
 }

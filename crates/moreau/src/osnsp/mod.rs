@@ -1,95 +1,75 @@
-//! The one-step non-smooth problem (OSNSP): the impulses of all set-valued laws of one linearised step.
+//! The one-step non-smooth problem (OSNSP): velocities and impulses of one linearised step.
 //!
-//! Find p with u = u_free + W p and, for every law i, |p_i| <= bound_i, p_i = -bound_i sign(u_i) where u_i is not zero
-//! (MODEL: p = proj_[-bound, bound](p - rho u) for any rho > 0). The bound of a sliding contact follows the felt's force,
-//! so it is affine in p: bound_i(p) = max(0, bound_i + sum_j slope_ij p_j). An infinite bound is an equality, u_i = 0.
+//! In relative (joint) velocities w the linearised step reads A w = b + p + sum_k row_k p_k, with one dry pivot per joint,
+//! |p_i| <= bound_i, and sliding laws u_k = row_k . w, |p_k| <= bound_k + slope_k . w (the bound follows the felt's force),
+//! every impulse opposing its own velocity: p = proj_[-bound, bound](p - rho u) for any rho > 0 [T12 eqs 2-4].
 //!
-//! Rival solvers are sibling files with one signature.
+//! Rival solvers are sibling files with one signature; `delassus.rs` is the dense form u = u_free + W p that some of them use.
 
 pub mod active_set;
+pub mod delassus;
 pub mod projected_gauss_seidel;
+pub mod relay;
 
 use crate::{Real, Scalar};
 
-/// One linearised step, `count` laws in use.
+/// One linearised step, in relative velocities.
 #[derive(Debug, Clone)]
-pub struct OneStepProblem<T, const N: usize> {
-    /// Number of laws in use.
+pub struct System<T, const B: usize, const N: usize> {
+    /// A, symmetric positive definite.
+    pub a: [[T; B]; B],
+    /// b: the impulse that would bring about the step without set-valued laws, plus A w for the iterate w.
+    pub b: [T; B],
+    /// h c_d of every pivot; 0 is no friction.
+    pub pivot_bound: [T; B],
+    /// Sliding contacts and a rigid drive.
+    pub sliding: [SlidingLaw<T, B>; N],
+    /// How many of them are in use.
     pub count: usize,
-    /// Delassus matrix W = D^T A^-1 D, symmetric positive semidefinite.
-    pub delassus: [[T; N]; N],
-    /// u_free, the laws' velocities without impulses.
-    pub free: [T; N],
-    /// Constant part of the bounds, impulse units.
-    pub bound: [T; N],
-    /// Dependence of the bounds on the impulses.
-    pub slope: [[T; N]; N],
-    /// Whether a row of `slope` is in use; the others are not read.
-    pub sloped: [bool; N],
 }
 
-impl<T: Real, const N: usize> OneStepProblem<T, N> {
-    /// An empty problem.
-    pub fn new() -> Self {
+/// A sliding contact, or a velocity that is imposed.
+#[derive(Debug, Clone, Copy)]
+pub struct SlidingLaw<T, const B: usize> {
+    /// u = row . w - target.
+    pub row: [T; B],
+    /// The velocity to be reached; zero for friction.
+    pub target: T,
+    /// Bound of the impulse at w = 0.
+    pub bound: T,
+    /// Its gradient in w.
+    pub slope: [T; B],
+    /// No bound at all: u = 0.
+    pub rigid: bool,
+}
+
+/// The impulses of a system: a warm start before, the solution after.
+#[derive(Debug, Clone, Copy)]
+pub struct Impulses<T, const B: usize, const N: usize> {
+    /// Of every pivot.
+    pub pivot: [T; B],
+    /// Of every sliding law.
+    pub sliding: [T; N],
+}
+
+impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
+    pub(crate) fn new() -> Self {
         let z = T::ZERO;
-        OneStepProblem {
-            count: 0,
-            delassus: [[z; N]; N],
-            free: [z; N],
-            bound: [z; N],
-            slope: [[z; N]; N],
-            sloped: [false; N],
-        }
-    }
-
-    /// The bound of law i at impulses p.
-    #[inline(always)]
-    pub fn bound_at(&self, i: usize, p: &[T; N]) -> T {
-        let mut b = self.bound[i];
-        if self.sloped[i] {
-            for j in 0..self.count {
-                b += self.slope[i][j] * p[j];
-            }
-        }
-        b.max(T::ZERO)
-    }
-
-    /// The velocity of law i at impulses p.
-    #[inline(always)]
-    pub fn velocity_at(&self, i: usize, p: &[T; N]) -> T {
-        let mut u = self.free[i];
-        for j in 0..self.count {
-            u += self.delassus[i][j] * p[j];
-        }
-        u
+        let law = SlidingLaw { row: [z; B], target: z, bound: z, slope: [z; B], rigid: false };
+        System { a: [[z; B]; B], b: [z; B], pivot_bound: [z; B], sliding: [law; N], count: 0 }
     }
 }
 
-impl<T: Scalar, const N: usize> OneStepProblem<T, N> {
-    /// The solver-independent error measure: the largest |p - proj(p - u / W_ii)| W_ii over the laws, a velocity.
-    pub fn error(&self, p: &[T; N]) -> T {
-        let mut worst = T::ZERO;
-        for i in 0..self.count {
-            let (b, w) = (self.bound_at(i, p), self.delassus[i][i]);
-            if T::ZERO < w {
-                let projected = (p[i] - self.velocity_at(i, p) / w).max(-b).min(b);
-                worst = worst.max((p[i] - projected).abs() * w);
-            }
-        }
-        worst
-    }
-}
-
-impl<T: Real, const N: usize> Default for OneStepProblem<T, N> {
-    fn default() -> Self {
-        Self::new()
+impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
+    pub(crate) fn new() -> Self {
+        Impulses { pivot: [T::ZERO; B], sliding: [T::ZERO; N] }
     }
 }
 
 /// Which solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// Semismooth Newton on the active set, with an exact fallback: the default.
+    /// Active set on the velocities, with an exact fallback: the default.
     #[default]
     ActiveSet,
     /// The papers' projected Gauss-Seidel on the augmented Lagrangian: the reference.
@@ -106,18 +86,18 @@ pub struct SolveReport {
 }
 
 impl Solver {
-    /// Solves the problem from a warm start `p`, which it overwrites.
+    /// Solves a system from a warm start, which it overwrites; returns the relative velocities.
     #[inline(always)]
-    pub fn solve<T: Scalar, const N: usize>(
+    pub fn solve<T: Scalar, const B: usize, const N: usize>(
         self,
-        problem: &OneStepProblem<T, N>,
-        p: &mut [T; N],
+        system: &System<T, B, N>,
+        impulses: &mut Impulses<T, B, N>,
         tolerance: T,
         limit: u32,
-    ) -> SolveReport {
+    ) -> ([T; B], SolveReport) {
         match self {
-            Solver::ActiveSet => active_set::solve(problem, p, tolerance, limit),
-            Solver::ProjectedGaussSeidel => projected_gauss_seidel::solve(problem, p, tolerance, limit),
+            Solver::ActiveSet => active_set::solve(system, impulses, tolerance, limit),
+            Solver::ProjectedGaussSeidel => projected_gauss_seidel::solve(system, impulses, tolerance, limit),
         }
     }
 }

@@ -2,11 +2,24 @@
 //!
 //! With rho_i = 1/W_ii each update solves its own law exactly, given the others.
 
-use super::{OneStepProblem, SolveReport};
-use crate::{Mask, Real};
+use super::delassus::{Dense, OneStepProblem};
+use super::{Impulses, SolveReport, System};
+use crate::{Mask, Real, Scalar};
+
+/// Solves a system by way of its Delassus matrix.
+pub fn solve<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
+    tolerance: T,
+    limit: u32,
+) -> ([T; B], SolveReport) {
+    let mut dense = Dense::new(system, impulses);
+    let report = solve_dense(&dense.problem, &mut dense.impulse, tolerance, limit);
+    (dense.finish(impulses), report)
+}
 
 /// Sweeps until no law's velocity changes by more than `tolerance`, at most `limit` times.
-pub fn solve<T: Real, const N: usize>(
+pub fn solve_dense<T: Real, const N: usize>(
     problem: &OneStepProblem<T, N>,
     p: &mut [T; N],
     tolerance: T,

@@ -1,0 +1,101 @@
+//! Mistakes that serde and the TOML parser notice, in the words of an instrument file.
+
+use super::error::Fault;
+
+/// A fault from what serde and the TOML parser say. They tell mistakes apart by their wording only, so this reads their
+/// wording; what it does not recognise it quotes.
+pub(crate) fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
+    let span = error.span().unwrap_or(0..0);
+    let message = error.message();
+    let quoted = |start: &str| message.strip_prefix(start)?.strip_prefix('`')?.split_once('`');
+    let wrong_kind =
+        |expected: &str| Fault::at(span.clone(), "wrong kind of value", expected.replace("f64", "a number"));
+
+    // The parser hands dates over as a table with one odd key.
+    if message.contains("$__toml_private") {
+        return wrong_kind("a number");
+    }
+    if let Some((key, rest)) = quoted("unknown field ") {
+        let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+        let expected = match nearest(key, &known) {
+            Some(near) => format!("`{near}`"),
+            None => after_expected(rest),
+        };
+        let mut fault = Fault::at(span, "unknown key", expected).found(format!("`{key}`"));
+        fault.child_key = Some(key.to_owned());
+        return fault;
+    }
+    if let Some((key, _)) = quoted("missing field ") {
+        let expected = match key {
+            "body" if span.start == 0 => "at least one table [[body]]".to_owned(),
+            "disc" | "felt" => format!("a table [zone.{key}]"),
+            _ => format!("`{key} = ...`"),
+        };
+        return Fault::missing(span, key, expected);
+    }
+    if let Some((word, rest)) = quoted("unknown variant ") {
+        return Fault::at(span, "unknown word", after_expected(rest)).found(format!("`{word}`"));
+    }
+    if let Some((length, expected)) =
+        message.strip_prefix("invalid length ").and_then(|rest| rest.split_once(", expected "))
+    {
+        return wrong_kind(expected).found(format!("{length} of them"));
+    }
+    for start in ["invalid type: ", "invalid value: "] {
+        if let Some((_, expected)) = message.strip_prefix(start).and_then(|rest| rest.split_once(", expected ")) {
+            return wrong_kind(expected);
+        }
+    }
+    if let Some(line) = text.get(span.start..).and_then(|rest| rest.lines().next())
+        && text[..span.start].trim_end_matches([' ', '\t']).ends_with('=')
+        && (line.trim().is_empty() || line.trim_start().starts_with('#'))
+    {
+        return Fault::at(span, "this key has no value", "a value after `=`");
+    }
+    Fault::at(span, message.replace('\n', "; "), "")
+}
+
+/// What follows `, expected ` in serde's list of what it knows.
+fn after_expected(rest: &str) -> String {
+    rest.trim_start_matches(", ").trim_start_matches("expected ").to_owned()
+}
+
+/// The known key that `key` most likely stands for: the one that adds a unit to it, one that shares its
+/// beginning, or one within two slips.
+fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
+    let lower = key.to_lowercase();
+    let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
+    known
+        .iter()
+        .copied()
+        .filter_map(|candidate| {
+            let name = candidate.to_lowercase();
+            let slips = edit_distance(&lower, &name);
+            let unit_missing = name.strip_prefix(&lower).is_some_and(|rest| rest.starts_with('_'));
+            let same_stem = stem(&lower) == stem(&name);
+            let beginning = lower.bytes().zip(name.bytes()).take_while(|(a, b)| a == b).count();
+            (unit_missing || same_stem || slips <= 2 || (slips <= 3 && beginning >= 3)).then_some((
+                !unit_missing,
+                slips,
+                candidate,
+            ))
+        })
+        .min()
+        .map(|(_, _, candidate)| candidate)
+}
+
+/// Levenshtein distance. Both words are short: keys longer than any known one are cut.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(row[j + 1] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,38 @@
+//! What is wrong with a stroke file, and where.
+
+/// The one thing that is wrong with a stroke file: where it stands, what was found, what was expected.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct StrokeError {
+    /// The file's name as the caller gave it.
+    pub file: String,
+    /// Line, counted from 1; 0 when the file as a whole is meant.
+    pub line: u64,
+    /// Name of the column, e.g. `force_N`; empty when the fault belongs to no column.
+    pub column: String,
+    /// What is wrong, in a few words.
+    pub message: String,
+    /// What stands in the file; empty when nothing does.
+    pub found: String,
+    /// What should stand there; empty when `message` says all there is to say.
+    pub expected: String,
+}
+
+impl std::fmt::Display for StrokeError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
+        }
+        write!(f, ": ")?;
+        if !self.column.is_empty() {
+            write!(f, "column `{}`: ", self.column)?;
+        }
+        write!(f, "{}", self.message)?;
+        match (self.found.is_empty(), self.expected.is_empty()) {
+            (false, false) => write!(f, " (found {}, expected {})", self.found, self.expected),
+            (false, true) => write!(f, " (found {})", self.found),
+            (true, false) => write!(f, " (expected {})", self.expected),
+            (true, true) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Strokes: what the player does over time.
+//!
+//! Time in seconds, force in newtons, position of the driver's end of the finger in metres; force and position are
+//! positive downward (pushing), position is counted from where the stroke begins.
+
+mod csv_file;
+mod error;
+mod force;
+mod position;
+mod rows;
+
+pub use csv_file::{MAX_FORCE_N, MAX_POSITION_M, MAX_ROWS};
+pub use error::StrokeError;
+pub use force::ForceSeries;
+pub use position::PositionSeries;
+pub use rows::MAX_BYTES;
+
+/// A stroke as sampled: a force, a position, or both, over the same instants.
+///
+/// Read one with [`Series::load`] or [`Series::parse`], or build the interpolants from samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Interpolated force, when the series has one.
+    pub force: Option<ForceSeries>,
+    /// Interpolated position, when the series has one.
+    pub position: Option<PositionSeries>,
+}
+
+impl Series {
+    /// The stroke's first instant, s.
+    pub fn start_s(&self) -> f64 {
+        self.times_s().first().copied().unwrap_or(0.0)
+    }
+
+    /// The stroke's last instant, s.
+    pub fn end_s(&self) -> f64 {
+        self.times_s().last().copied().unwrap_or(0.0)
+    }
+
+    /// The sampled instants, s, increasing.
+    pub fn times_s(&self) -> &[f64] {
+        match (&self.force, &self.position) {
+            (Some(force), _) => force.times_s(),
+            (None, Some(position)) => position.times_s(),
+            (None, None) => &[],
+        }
+    }
+}
+
+/// Where the last evaluation of a series was: evaluating at times that move on (or back) little by little then costs no
+/// search. One cursor per evaluating run; any cursor gives the same values, only not as fast.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Cursor(usize);
+
+impl Cursor {
+    /// The interval `[times[i], times[i + 1]]` that contains `t`, which lies within the series; `times` has two entries
+    /// or more.
+    fn seek(&mut self, times: &[f64], t: f64) -> usize {
+        let last = times.len() - 2;
+        let mut i = self.0.min(last);
+        // A few neighbours first, as a run goes; then by bisection, as a jump does.
+        for _ in 0..4 {
+            if i < last && t >= times[i + 1] {
+                i += 1;
+            } else if i > 0 && t < times[i] {
+                i -= 1;
+            } else {
+                break;
+            }
+        }
+        let inside = (i == 0 || times[i] <= t) && (i == last || t < times[i + 1]);
+        if !inside {
+            i = times.partition_point(|&time| time <= t).saturating_sub(1).min(last);
+        }
+        self.0 = i;
+        i
+    }
+}
+
+/// Why samples cannot be interpolated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SampleError {
+    /// One sample says nothing about motion.
+    #[error("a series needs two samples or more")]
+    TooFew,
+    /// Times and values do not pair up.
+    #[error("as many values as times are needed")]
+    UnequalLengths,
+    /// A time or value is not finite, or so large that interpolating it overflows; the index of the sample.
+    #[error("sample {0} is not a finite number of sane size")]
+    NotFinite(usize),
+    /// Time does not increase; the index of the later sample.
+    #[error("time does not increase at sample {0}")]
+    NotIncreasing(usize),
+}
+
+/// Checks what both interpolants need.
+fn check_samples(times_s: &[f64], values: &[f64]) -> Result<(), SampleError> {
+    if times_s.len() != values.len() {
+        return Err(SampleError::UnequalLengths);
+    }
+    if times_s.len() < 2 {
+        return Err(SampleError::TooFew);
+    }
+    // Far above any stroke; squares and quotients of these still fit.
+    let sane = |x: f64| x.abs() <= 1e9;
+    for (i, (&t, &value)) in times_s.iter().zip(values).enumerate() {
+        if !sane(t) || !sane(value) {
+            return Err(SampleError::NotFinite(i));
+        }
+        // Closer than a picosecond, slopes lose their meaning.
+        if i > 0 && t - times_s[i - 1] < SHORTEST_STEP_S {
+            return Err(SampleError::NotIncreasing(i));
+        }
+    }
+    Ok(())
+}
+
+/// Shortest time between two samples, s.
+pub(crate) const SHORTEST_STEP_S: f64 = 1e-12;

@@ -1,0 +1,264 @@
+//! The piano's three levers (key, whippen with jack, hammer) as one linkage.
+//!
+//! After the kinematic model of a piano action of Hirschkorn, Birkett and McPhee:
+//! two contacts, capstan and knuckle, each a prismatic and a revolute joint in
+//! series. With A, B and C the pivots of key, whippen and hammer, x away from the
+//! player, y up and angles counter-clockwise:
+//!
+//! - `B - A = (L1, L5)` and `B - C = (L6, -L10)`;
+//! - the capstan's contact is the point `(L3, -L4)` of the whippen; it slides on the
+//!   line of the key at height `L2` along the surface normal, at distance `S1` along it;
+//! - the knuckle's contact is the point `(L8, -L9)` of the hammer; it slides on the
+//!   line of the whippen at height `-L7`, at distance `S2` in front of B.
+//!
+//! So `A + R(k)(L2, S1) = B + R(w)(L3, -L4)` and
+//! `R(h)(L8, -L9) + R(w)(S2, L7) = (L6, -L10)`. Here `k` is the direction of the key
+//! surface's *normal* (inclination plus 90 degrees), `w` and `h` are the angles of
+//! whippen and shank. Lengths are signed; all are metres and radians.
+
+mod exact;
+mod moves;
+mod stroke;
+
+pub use moves::{Move, Regulation};
+pub use stroke::{LeverArms, Stroke, StrokePose, StrokeStop};
+
+use crate::direction::Direction;
+use crate::linkage::{Length, Linkage};
+use crate::mechanism::{AssembleError, CoordinateId, Mechanism, Pose};
+use crate::walk::{StartError, Stop};
+
+/// The lengths L1 to L10 (metres, signed), as in the module's figure in words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lengths {
+    /// x from the key's pivot A to the whippen's pivot B.
+    pub l1: f64,
+    /// Height of the capstan's contact line along the key surface's normal.
+    pub l2: f64,
+    /// x of the heel's contact in the whippen's frame (negative: in front of B).
+    pub l3: f64,
+    /// Depth of the heel's contact below B in the whippen's frame.
+    pub l4: f64,
+    /// y from A to B.
+    pub l5: f64,
+    /// x from the hammer's pivot C to B.
+    pub l6: f64,
+    /// Minus the height of the jack's top above B in the whippen's frame.
+    pub l7: f64,
+    /// Knuckle contact along the shank from C.
+    pub l8: f64,
+    /// Knuckle contact below the shank's axis.
+    pub l9: f64,
+    /// y from B to C.
+    pub l10: f64,
+}
+
+impl Lengths {
+    /// L1 to L10 in order.
+    #[must_use]
+    pub fn to_array(self) -> [f64; 10] {
+        [self.l1, self.l2, self.l3, self.l4, self.l5, self.l6, self.l7, self.l8, self.l9, self.l10]
+    }
+}
+
+impl From<[f64; 10]> for Lengths {
+    fn from([l1, l2, l3, l4, l5, l6, l7, l8, l9, l10]: [f64; 10]) -> Self {
+        Lengths { l1, l2, l3, l4, l5, l6, l7, l8, l9, l10 }
+    }
+}
+
+/// Three levers of one note: what the kinematics needs to know of an instrument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreeLever {
+    /// L1 to L10 (m).
+    pub lengths: Lengths,
+    /// Radius from the key's pivot to where the finger presses (m, positive).
+    pub key_front: f64,
+    /// `k` at rest (rad): direction of the key surface's normal, π/2 for a level key.
+    pub key_rest: f64,
+    /// Strike point of the hammer head: along the shank from C, and above it (m).
+    pub head: [f64; 2],
+}
+
+/// Which lever's angle is prescribed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drive {
+    /// The key, as a finger does.
+    #[default]
+    Key,
+    /// The hammer: which key position belongs to a hammer position?
+    Hammer,
+}
+
+/// Why three levers cannot be put together.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ThreeLeverError {
+    /// A dimension is infinite or not a number.
+    #[error("{0} is not a finite number")]
+    NotFinite(&'static str),
+    /// The key has no front.
+    #[error("the key's front arm must be positive, not {0} m")]
+    NoKeyFront(f64),
+    /// At the given position a contact cannot be made.
+    #[error("the {contact} contact cannot be made at {lever} = {at:.6} rad: the levers do not reach")]
+    OutOfReach {
+        /// `capstan` or `knuckle`.
+        contact: &'static str,
+        /// Symbol of the angle that was given.
+        lever: &'static str,
+        /// Its value (rad).
+        at: f64,
+    },
+    /// The hammer head cannot rise so far on its arc.
+    #[error("the hammer head cannot rise by {0} m: its arc ends below")]
+    NoSuchRise(f64),
+    /// The linkage could not be built.
+    #[error(transparent)]
+    Assemble(#[from] AssembleError),
+    /// No rest pose.
+    #[error(transparent)]
+    Start(#[from] StartError),
+    /// The hammer could not be moved as far as asked.
+    #[error(transparent)]
+    Stop(#[from] Stop),
+}
+
+impl ThreeLever {
+    /// Lever arms of a Yamaha C7F with stack heights of a Steinway: a mixed
+    /// instrument whose lengths were estimated from published arms and
+    /// regulation (spread 112.5 mm, blow 46 mm). Not the action paper's table.
+    #[must_use]
+    pub fn c7f_like() -> Self {
+        Self::estimated([205.23, 28.32, -63.00, 16.18, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60], 265.0)
+    }
+
+    /// Lever arms of a Steinway O of 1906, otherwise as [`ThreeLever::c7f_like`].
+    #[must_use]
+    pub fn steinway_o_like() -> Self {
+        Self::estimated([186.77, 26.62, -64.62, 17.88, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60], 233.0)
+    }
+
+    fn estimated(lengths_mm: [f64; 10], front_mm: f64) -> Self {
+        ThreeLever {
+            lengths: Lengths::from(lengths_mm.map(|l| l * 1e-3)),
+            key_front: front_mm * 1e-3,
+            key_rest: std::f64::consts::FRAC_PI_2,
+            head: [0.130, 0.048],
+        }
+    }
+
+    /// The levers as a linkage, in the papers' symbols: bodies `k`, `w`, `h`,
+    /// slidings `S1`, `S2`, lengths `L1` to `L10`. The equations are not stated
+    /// here; they follow from the graph.
+    #[must_use]
+    pub fn linkage(&self, drive: Drive) -> Linkage {
+        let mut m = Linkage::new();
+        let mut number = 0;
+        let [l1, l2, l3, l4, l5, l6, l7, l8, l9, l10] = self.lengths.to_array().map(|metres| {
+            number += 1;
+            m.length(&format!("L{number}"), metres)
+        });
+        let key = m.body("key", "k");
+        let whippen = m.body("whippen", "w");
+        let hammer = m.body("hammer", "h");
+
+        let a = m.origin(m.ground());
+        let b = m.point_from(a, "B", l1, l5);
+        let c = m.point_from(b, "C", -l6, l10);
+        m.revolute("key pivot", a, m.origin(key));
+        m.revolute("whippen pivot", b, m.origin(whippen));
+        m.revolute("hammer pivot", c, m.origin(hammer));
+
+        let key_line = m.point(key, "capstan line", l2, Length::Zero);
+        let heel = m.point(whippen, "heel contact", l3, -l4);
+        m.contact("capstan", "S1", key_line, Direction::Y, heel);
+
+        let jack_top = m.point(whippen, "jack top", Length::Zero, -l7);
+        let knuckle = m.point(hammer, "knuckle contact", l8, -l9);
+        m.contact("knuckle", "S2", jack_top, Direction::MINUS_X, knuckle);
+
+        m.prescribe_angle(match drive {
+            Drive::Key => key,
+            Drive::Hammer => hammer,
+        });
+        m
+    }
+
+    /// Puts the levers together at rest (`k = key_rest`).
+    ///
+    /// # Errors
+    /// A dimension that is no number, or levers that do not reach each other.
+    pub fn assemble(&self) -> Result<LeverTrain, ThreeLeverError> {
+        self.assemble_driven(Drive::Key)
+    }
+
+    pub(crate) fn assemble_driven(&self, drive: Drive) -> Result<LeverTrain, ThreeLeverError> {
+        self.check()?;
+        let mechanism = self.linkage(drive).assemble()?;
+        let find = |symbol| mechanism.coordinate(symbol).expect("named in `linkage`");
+        let places = Places { k: find("k"), w: find("w"), h: find("h"), s1: find("S1"), s2: find("S2") };
+        let exact = self.exact(self.key_rest)?;
+        let mut guess = mechanism.zero_pose();
+        guess.set(places.k, self.key_rest);
+        guess.set(places.w, exact.w);
+        guess.set(places.h, exact.h);
+        guess.set(places.s1, exact.s1);
+        guess.set(places.s2, exact.s2);
+        let rest = mechanism.walk(guess)?.pose().clone();
+        Ok(LeverTrain { levers: *self, mechanism, places, rest_height: self.head_height(rest.value(places.h)), rest })
+    }
+
+    fn check(&self) -> Result<(), ThreeLeverError> {
+        const NAMES: [&str; 10] = ["L1", "L2", "L3", "L4", "L5", "L6", "L7", "L8", "L9", "L10"];
+        let named = NAMES.into_iter().zip(self.lengths.to_array()).chain([
+            ("the key's front arm", self.key_front),
+            ("the key's rest angle", self.key_rest),
+            ("the hammer head's position along the shank", self.head[0]),
+            ("the hammer head's height above the shank", self.head[1]),
+        ]);
+        for (name, value) in named {
+            if !value.is_finite() {
+                return Err(ThreeLeverError::NotFinite(name));
+            }
+        }
+        if self.key_front <= 0.0 {
+            return Err(ThreeLeverError::NoKeyFront(self.key_front));
+        }
+        Ok(())
+    }
+}
+
+/// Where the five symbols sit in a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Places {
+    k: CoordinateId,
+    w: CoordinateId,
+    h: CoordinateId,
+    s1: CoordinateId,
+    s2: CoordinateId,
+}
+
+/// Three levers put together: the mechanism and its rest pose.
+#[derive(Clone, Debug)]
+pub struct LeverTrain {
+    levers: ThreeLever,
+    mechanism: Mechanism,
+    places: Places,
+    rest: Pose,
+    /// Height of the strike point over C at rest.
+    rest_height: f64,
+}
+
+impl LeverTrain {
+    /// The levers as given.
+    #[must_use]
+    pub fn levers(&self) -> &ThreeLever {
+        &self.levers
+    }
+
+    /// The mechanism: graph, equations, coordinates.
+    #[must_use]
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+}

@@ -1,0 +1,344 @@
+//! The exact solver of the dense problem: guess which laws stick, solve the linear system that the guess leaves, correct the
+//! guess, until it is right.
+//!
+//! Where the guesses cycle (badly conditioned or rank-deficient problems), a primal active-set method for the convex
+//! quadratic programme min 1/2 p.W p + u_free.p over the box takes over: it goes downhill at every step and ends
+//! (Nocedal & Wright, Numerical Optimization, section 16.5).
+
+use super::SolveReport;
+use super::delassus::OneStepProblem;
+use crate::Scalar;
+
+/// Guesses before the fallback; usual problems need one or two, and what cycles does so from the start.
+const GUESSES: u32 = 12;
+/// Passes of the fallback, each with the bounds frozen at the last impulses.
+const BOUND_PASSES: u32 = 40;
+/// Pivots below this part of their diagonal mean a law that the other sticking laws already hold.
+const DEPENDENT: f64 = 1e-11;
+
+/// Which end of its interval a law is at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// p = -bound, u >= 0.
+    Lower,
+    /// Strictly inside, u = 0.
+    Stick,
+    /// p = +bound, u <= 0.
+    Upper,
+}
+
+/// Solves to `tolerance` on the laws' velocities; `limit` bounds the fallback's steps per pass.
+#[inline]
+pub fn solve_dense<T: Scalar, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    p: &mut [T; N],
+    tolerance: T,
+    limit: u32,
+) -> SolveReport {
+    let n = problem.count;
+    let mut side = [Side::Stick; N];
+    for i in 0..n {
+        let b = problem.bound_at(i, p);
+        side[i] = if b.finite() && p[i] >= b {
+            Side::Upper
+        } else if b.finite() && p[i] <= -b {
+            Side::Lower
+        } else {
+            Side::Stick
+        };
+    }
+    for guess in 1..=GUESSES {
+        let dependent = impulses_of_guess(problem, &side, p);
+        if !correct_guess(problem, p, &mut side, &dependent, tolerance) {
+            return SolveReport { converged: true, iterations: guess };
+        }
+    }
+    fallback(problem, p, tolerance, limit)
+}
+
+/// The impulses that make every sticking law's velocity zero and put every sliding law on its bound. Returns the sticking laws
+/// that the others hold already.
+#[inline(always)]
+fn impulses_of_guess<T: Scalar, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    side: &[Side; N],
+    p: &mut [T; N],
+) -> [bool; N] {
+    let mut dependent = [false; N];
+    let n = problem.count;
+    // Laws with a constant bound that slide are known; the others go into a small linear system.
+    let mut unknown = [0usize; N];
+    let mut m = 0;
+    for i in 0..n {
+        match side[i] {
+            Side::Upper if !problem.sloped[i] => p[i] = problem.bound[i].max(T::ZERO),
+            Side::Lower if !problem.sloped[i] => p[i] = -problem.bound[i].max(T::ZERO),
+            _ => {
+                unknown[m] = i;
+                m += 1;
+            }
+        }
+    }
+    if m == 0 {
+        return dependent;
+    }
+    let mut is_unknown = [false; N];
+    for &i in &unknown[..m] {
+        is_unknown[i] = true;
+    }
+    let mut a = [[T::ZERO; N]; N];
+    let mut rhs = [T::ZERO; N];
+    for (row, &i) in unknown[..m].iter().enumerate() {
+        // Sticking: (W p)_i = -u_free_i. Sliding with a slope: p_i - s (slope p)_i = s bound_i.
+        let (coefficients, sign, constant) = match side[i] {
+            Side::Stick => (&problem.delassus[i], T::ONE, -problem.free[i]),
+            Side::Upper => (&problem.slope[i], -T::ONE, problem.bound[i]),
+            Side::Lower => (&problem.slope[i], T::ONE, -problem.bound[i]),
+        };
+        let mut known = T::ZERO;
+        for j in 0..n {
+            if !is_unknown[j] {
+                known += sign * coefficients[j] * p[j];
+            }
+        }
+        for (column, &j) in unknown[..m].iter().enumerate() {
+            a[row][column] = sign * coefficients[j];
+        }
+        if side[i] != Side::Stick {
+            a[row][row] += T::ONE;
+        }
+        rhs[row] = constant - known;
+    }
+    let mut x = [T::ZERO; N];
+    for (row, &i) in unknown[..m].iter().enumerate() {
+        let b = problem.bound_at(i, p);
+        x[row] = p[i].max(-b).min(b);
+    }
+    let mut diagonal = [T::ZERO; N];
+    for k in 0..m {
+        diagonal[k] = a[k][k].abs();
+    }
+    let held = eliminate(&mut a, &mut rhs, &mut x, &diagonal, m);
+    for (row, &i) in unknown[..m].iter().enumerate() {
+        p[i] = x[row];
+        dependent[i] = held[row];
+    }
+    dependent
+}
+
+/// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not determined,
+/// and keeps the value that `x` came with. Returns which rows those are. `diagonal` is what pivots are compared with.
+#[inline(always)]
+pub(super) fn eliminate<T: Scalar, const N: usize>(
+    a: &mut [[T; N]; N],
+    rhs: &mut [T; N],
+    x: &mut [T; N],
+    diagonal: &[T; N],
+    m: usize,
+) -> [bool; N] {
+    let mut dependent = [false; N];
+    let mut inverse = [T::ZERO; N];
+    for k in 0..m {
+        if a[k][k].abs() <= diagonal[k] * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON) {
+            dependent[k] = true;
+            continue;
+        }
+        inverse[k] = T::ONE / a[k][k];
+        for i in k + 1..m {
+            let factor = a[i][k] * inverse[k];
+            for j in k + 1..m {
+                let t = a[k][j];
+                a[i][j] -= factor * t;
+            }
+            let t = rhs[k];
+            rhs[i] -= factor * t;
+        }
+    }
+    for k in (0..m).rev() {
+        if !dependent[k] {
+            let mut s = rhs[k];
+            for j in k + 1..m {
+                s -= a[k][j] * x[j];
+            }
+            x[k] = s * inverse[k];
+        }
+    }
+    dependent
+}
+
+/// Moves every law whose guess is refuted; says whether there was one.
+#[inline(always)]
+fn correct_guess<T: Scalar, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    p: &mut [T; N],
+    side: &mut [Side; N],
+    dependent: &[bool; N],
+    tolerance: T,
+) -> bool {
+    let mut changed = false;
+    for i in 0..problem.count {
+        match side[i] {
+            Side::Stick if dependent[i] && problem.velocity_at(i, p).abs() > tolerance => {
+                // The others do not hold it after all: it slides, against its velocity.
+                side[i] = if problem.velocity_at(i, p) > T::ZERO { Side::Lower } else { Side::Upper };
+                changed = true;
+            }
+            Side::Stick => {
+                let b = problem.bound_at(i, p);
+                // Rounding in the bound must not turn a law that holds at its limit back and forth.
+                let slack = b * (T::from_f64(8.0) * T::EPSILON);
+                if p[i] > b + slack {
+                    side[i] = Side::Upper;
+                    changed = true;
+                } else if p[i] < -b - slack {
+                    side[i] = Side::Lower;
+                    changed = true;
+                }
+            }
+            Side::Upper => {
+                if problem.velocity_at(i, p) > tolerance || p[i] < T::ZERO {
+                    side[i] = Side::Stick;
+                    changed = true;
+                }
+            }
+            Side::Lower => {
+                if problem.velocity_at(i, p) < -tolerance || p[i] > T::ZERO {
+                    side[i] = Side::Stick;
+                    changed = true;
+                }
+            }
+        }
+    }
+    changed
+}
+
+/// The primal active-set method, repeated until the bounds that follow the impulses stand still.
+#[cold]
+fn fallback<T: Scalar, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    p: &mut [T; N],
+    tolerance: T,
+    limit: u32,
+) -> SolveReport {
+    let n = problem.count;
+    let mut iterations = GUESSES;
+    let any_slope = problem.sloped[..n].iter().any(|&s| s);
+    let passes = if any_slope { BOUND_PASSES } else { 2 };
+    for _ in 0..passes {
+        let mut bound = [T::ZERO; N];
+        for (i, b) in bound.iter_mut().enumerate().take(n) {
+            *b = problem.bound_at(i, p);
+        }
+        iterations += downhill(problem, &bound, p, tolerance, limit);
+        if problem.error(p) <= tolerance {
+            return SolveReport { converged: true, iterations };
+        }
+    }
+    SolveReport { converged: false, iterations }
+}
+
+/// Minimises 1/2 p.W p + u_free.p over |p_i| <= bound_i; returns the number of steps taken.
+fn downhill<T: Scalar, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    bound: &[T; N],
+    p: &mut [T; N],
+    tolerance: T,
+    limit: u32,
+) -> u32 {
+    let n = problem.count;
+    let mut largest = T::ZERO;
+    for i in 0..n {
+        p[i] = p[i].max(-bound[i]).min(bound[i]);
+        largest = largest.max(problem.delassus[i][i]);
+    }
+    // A proximal term far below the smallest useful eigenvalue gives null directions a finite, downhill step.
+    let proximal = largest * T::from_f64(1e-13).max(T::from_f64(4.0) * T::EPSILON);
+    let mut free = [false; N];
+    for i in 0..n {
+        free[i] = p[i].abs() < bound[i];
+    }
+    for step in 1..=limit {
+        let mut index = [0usize; N];
+        let mut m = 0;
+        for i in 0..n {
+            if free[i] {
+                index[m] = i;
+                m += 1;
+            }
+        }
+        let mut a = [[T::ZERO; N]; N];
+        let mut rhs = [T::ZERO; N];
+        for (row, &i) in index[..m].iter().enumerate() {
+            for (column, &j) in index[..m].iter().enumerate() {
+                a[row][column] = problem.delassus[i][j];
+            }
+            a[row][row] += proximal;
+            rhs[row] = -problem.velocity_at(i, p);
+        }
+        let mut d = [T::ZERO; N];
+        eliminate_definite(&mut a, &mut rhs, &mut d, m);
+        let mut length = T::ONE;
+        let mut blocking = None;
+        for (row, &i) in index[..m].iter().enumerate() {
+            let end = if d[row] > T::ZERO { bound[i] } else { -bound[i] };
+            if d[row] != T::ZERO && (p[i] + d[row]).abs() > bound[i] {
+                let reach = ((end - p[i]) / d[row]).max(T::ZERO);
+                if reach < length {
+                    length = reach;
+                    blocking = Some((i, end));
+                }
+            }
+        }
+        for (row, &i) in index[..m].iter().enumerate() {
+            p[i] = (p[i] + length * d[row]).max(-bound[i]).min(bound[i]);
+        }
+        if let Some((i, end)) = blocking {
+            p[i] = end;
+            free[i] = false;
+            continue;
+        }
+        let mut worst = tolerance * T::from_f64(0.5);
+        let mut release = None;
+        let mut at_rest = true;
+        for i in 0..n {
+            let u = problem.velocity_at(i, p);
+            if free[i] {
+                at_rest &= u.abs() <= tolerance;
+            } else {
+                let pull = if p[i] > T::ZERO { u } else { -u };
+                if bound[i] > T::ZERO && pull > worst {
+                    worst = pull;
+                    release = Some(i);
+                }
+            }
+        }
+        match release {
+            Some(i) => free[i] = true,
+            None if at_rest => return step,
+            None => {}
+        }
+    }
+    limit
+}
+
+/// Solves a positive definite system by elimination.
+fn eliminate_definite<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) {
+    for k in 0..m {
+        for i in k + 1..m {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..m {
+                let t = a[k][j];
+                a[i][j] -= factor * t;
+            }
+            let t = rhs[k];
+            rhs[i] -= factor * t;
+        }
+    }
+    for k in (0..m).rev() {
+        let mut s = rhs[k];
+        for j in k + 1..m {
+            s -= a[k][j] * x[j];
+        }
+        x[k] = s / a[k][k];
+    }
+}
