@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod agreement;
+mod anchor;
 mod fallback;
 #[cfg(test)]
 pub(crate) mod fixture;
