@@ -1,5 +1,6 @@
 //! Names of parts around the picture, with leader lines to what they name.
 
+use super::anchor::visible_point;
 use super::outline::MM;
 use super::pose::{Placement, carrier};
 use crate::svg::{escape, number};
@@ -46,15 +47,18 @@ pub(crate) const MARGIN: f64 = 2.0 * ROW + 6.0;
 /// name the first is labelled.
 pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> String {
     let [left, top, right, bottom] = bounds;
+    let outlines: Vec<Vec<Vec2>> = parts
+        .iter()
+        .map(|part| part.outline_m.iter().map(|point| carrier(placed, part.body).to_world(*point)).collect())
+        .collect();
     let mut found: Vec<Label> = Vec::new();
-    for part in parts {
+    for (index, part) in parts.iter().enumerate() {
         if part.name.contains(',') || part.name.is_empty() || found.iter().any(|label| label.text == part.name) {
             continue;
         }
-        let Some(inside) = a_point_inside(&part.outline_m) else {
+        let Some(world) = visible_point(&outlines, index) else {
             continue;
         };
-        let world = carrier(placed, part.body).to_world(inside);
         let anchor = [world[0] * MM, -world[1] * MM];
         found.push(Label { text: part.name.clone(), anchor, edge: 0.0, x: anchor[0], row: 0 });
     }
@@ -74,10 +78,11 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
             let [ax, ay] = label.anchor;
             let _ = write!(
                 out,
-                "<path class=\"leader\" d=\"M{} {}L{} {}\"/><circle class=\"leader-end\" cx=\"{}\" cy=\"{}\" r=\"0.9\"/>\
+                "<path class=\"leader\" d=\"M{} {}V{}L{} {}\"/><circle class=\"leader-end\" cx=\"{}\" cy=\"{}\" r=\"0.9\"/>\
                  <text class=\"label\" x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"middle\">{}</text>",
                 number(label.x),
                 number(y - outward * 1.0),
+                number(edge + outward * 4.0),
                 number(ax),
                 number(ay),
                 number(ax),
@@ -117,7 +122,7 @@ fn push_apart(side: &mut [Label], left: f64, right: f64) {
     for _ in 0..600 {
         for index in 1..side.len() {
             let near = if side[index].row == 0 { index } else { index - 1 };
-            separate(side, index - 1, index, 0.5 * side[near].width() + 2.0);
+            separate(side, index - 1, index, 0.5 * side[near].width() + 3.5);
             if index > 1 {
                 let room = 0.5 * (side[index - 2].width() + side[index].width()) + GAP;
                 separate(side, index - 2, index, room);
@@ -149,44 +154,6 @@ fn cross(a: &Label, b: &Label) -> bool {
     (a.x - b.x) * (at(a) - at(b)) < 0.0
 }
 
-/// The centroid of an outline, or, where that lies outside (an L, a sickle), the middle of a chord through it.
-fn a_point_inside(outline: &[Vec2]) -> Option<Vec2> {
-    if outline.len() < 3 || outline.iter().flatten().any(|c| !c.is_finite()) {
-        return None;
-    }
-    let mut doubled_area = 0.0;
-    let mut moment = [0.0; 2];
-    for (index, a) in outline.iter().enumerate() {
-        let b = outline[(index + 1) % outline.len()];
-        let cross = a[0] * b[1] - b[0] * a[1];
-        doubled_area += cross;
-        moment[0] += (a[0] + b[0]) * cross;
-        moment[1] += (a[1] + b[1]) * cross;
-    }
-    if doubled_area == 0.0 {
-        return Some(outline[0]);
-    }
-    let centroid = [moment[0] / (3.0 * doubled_area), moment[1] / (3.0 * doubled_area)];
-    let mut crossings: Vec<f64> = outline
-        .iter()
-        .enumerate()
-        .filter_map(|(index, a)| {
-            let b = outline[(index + 1) % outline.len()];
-            ((a[1] > centroid[1]) != (b[1] > centroid[1]))
-                .then(|| a[0] + (centroid[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
-        })
-        .collect();
-    crossings.sort_by(f64::total_cmp);
-    let chords = crossings.chunks_exact(2);
-    let inside = chords.clone().any(|chord| chord[0] <= centroid[0] && centroid[0] <= chord[1]);
-    if inside {
-        return Some(centroid);
-    }
-    chords
-        .max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
-        .map(|chord| [0.5 * (chord[0] + chord[1]), centroid[1]])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,12 +176,5 @@ mod tests {
                 assert!(pair[1].x - pair[0].x > pair[0].width(), "{pair:?}");
             }
         }
-    }
-
-    #[test]
-    fn a_leader_ends_inside_an_l() {
-        let l = [[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [1.0, 1.0], [1.0, 10.0], [0.0, 10.0]];
-        let [x, y] = a_point_inside(&l).unwrap();
-        assert!((0.0..=1.0).contains(&x) || (0.0..=1.0).contains(&y), "{x} {y}");
     }
 }

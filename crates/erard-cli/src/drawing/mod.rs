@@ -1,5 +1,8 @@
 //! The action as a picture: the instrument's parts, each carried by its body, in one pose.
 
+#[cfg(test)]
+mod agreement;
+mod anchor;
 mod fallback;
 #[cfg(test)]
 pub(crate) mod fixture;
