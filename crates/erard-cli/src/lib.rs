@@ -1,8 +1,15 @@
-//! What the command `erard` shows: pictures of the action, figures of a run, and the page that plays it.
+//! The command `erard`: arguments, progress, diagnostics, figures, files.
 //!
-//! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only draw them.
+//! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
+//! write them down.
 
+pub mod command;
 pub mod drawing;
+pub mod failure;
 pub mod figure;
+pub mod output;
 pub mod page;
+pub mod progress;
+pub mod summary;
 pub mod svg;
+pub mod table;

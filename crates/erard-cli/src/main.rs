@@ -1,2 +1,7 @@
 //! The command `erard`.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    erard_cli::command::run()
+}

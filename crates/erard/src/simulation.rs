@@ -99,7 +99,11 @@ pub enum SimulationError {
 }
 
 impl Setup {
-    fn check(&self) -> Result<u64, SimulationError> {
+    /// Checks the numbers, and says how many steps they make.
+    ///
+    /// # Errors
+    /// See [`SimulationError`].
+    pub fn check(&self) -> Result<u64, SimulationError> {
         let Settings { step, theta, .. } = self.settings;
         if !(SMALLEST_STEP_S..=LARGEST_STEP_S).contains(&step) {
             return Err(SimulationError::Step { found: step });

@@ -6,9 +6,7 @@ use erard::instrument::{Curve, Instrument, Part, Vec2};
 
 /// The grand with the outlines that are shipped for it.
 fn grand() -> Instrument {
-    let text = Instrument::builtin_text("concert-grand").unwrap();
-    let outlines = include_str!("../../../../instruments/concert-grand.parts.toml");
-    Instrument::parse(&format!("{text}\n{outlines}"), "concert-grand").unwrap()
+    Instrument::builtin("concert-grand").unwrap()
 }
 
 /// Points along the drawn path of a part, in its body's frame, m; a tenth of a millimetre apart or closer.

@@ -1,0 +1,109 @@
+//! `erard check`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use erard::instrument::{Instrument, InstrumentFile};
+use erard::stroke::Series;
+
+use crate::failure::Failure;
+
+/// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// The file: an instrument ends in `.toml`, a stroke in `.csv`
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+impl Check {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match extension.as_str() {
+            "toml" => self.instrument(),
+            "csv" => self.stroke(),
+            _ => Err(Failure::Usage(format!(
+                "{}: cannot tell what this is from its name: an instrument ends in .toml, a stroke in .csv",
+                self.file.display()
+            ))),
+        }
+    }
+
+    fn instrument(&self) -> Result<(), Failure> {
+        let file = InstrumentFile::load(&self.file)?;
+        let i: &Instrument = &file.instrument;
+        println!("{}: an instrument, \"{}\"", self.file.display(), i.name);
+        println!();
+        for body in &i.bodies {
+            let on = body.parent.map_or("the ground", |p| &i.bodies[p].name);
+            println!(
+                "  body    {:<18} on {:<10} {:>7.1} g  {:>10.3e} kg m2  friction {:>8.2e} N m",
+                body.name,
+                on,
+                body.mass_kg * 1e3,
+                body.inertia_kg_m2,
+                body.friction_torque_n_m
+            );
+        }
+        for spring in &i.springs {
+            println!("  spring  {:<18} {:>9.4} N m on {}", spring.name, spring.torque_n_m, i.bodies[spring.body].name);
+        }
+        for zone in &i.zones {
+            let name = |b: Option<usize>| b.map_or("ground", |b| &i.bodies[b].name);
+            let friction = if zone.friction_coefficient > 0.0 {
+                format!(", friction {}", zone.friction_coefficient)
+            } else {
+                String::new()
+            };
+            println!(
+                "  zone    {:<18} {} - {}, k {:.1e}, r {}, b {:.1e}{friction}",
+                zone.name,
+                name(zone.disc_body),
+                name(zone.curve_body),
+                zone.felt.stiffness,
+                zone.felt.exponent,
+                zone.felt.damping
+            );
+        }
+        println!();
+        println!(
+            "  {} bodies, {} springs, {} zones, {} screws, {} drawn parts; {} numbers, {} of them without a source",
+            i.bodies.len(),
+            i.springs.len(),
+            i.zones.len(),
+            i.screws.len(),
+            i.parts.len(),
+            file.provenance.numbers.len(),
+            file.provenance.bare().count()
+        );
+        Ok(())
+    }
+
+    fn stroke(&self) -> Result<(), Failure> {
+        let series = Series::load(&self.file)?;
+        let times = series.times_s();
+        println!(
+            "{}: a stroke of {} rows, {} to {} s",
+            self.file.display(),
+            times.len(),
+            series.start_s(),
+            series.end_s()
+        );
+        println!();
+        let steps = times.windows(2).map(|t| t[1] - t[0]);
+        let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+        println!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
+        let range =
+            |values: &[f64]| values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        if let Some(force) = &series.force {
+            let (low, high) = range(force.forces_n());
+            println!("  force     {low:.4} to {high:.4} N");
+        }
+        if let Some(position) = &series.position {
+            let (low, high) = range(position.positions_m());
+            println!("  position  {:.4} to {:.4} mm", low * 1e3, high * 1e3);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! The subcommands.
+
+mod check;
+mod draw;
+mod options;
+mod press;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
+#[derive(Debug, Parser)]
+#[command(name = "erard", version, about, max_term_width = 100)]
+pub struct Command {
+    #[command(subcommand)]
+    subcommand: Sub,
+}
+
+#[derive(Debug, Subcommand)]
+enum Sub {
+    /// Simulates one key press and shows what happened.
+    Press(Box<press::Press>),
+    /// Draws the action in one pose, as SVG and PNG.
+    Draw(Box<draw::Draw>),
+    /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
+    Check(check::Check),
+}
+
+/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 1 anything else.
+pub fn run() -> ExitCode {
+    let command = Command::parse();
+    let result = match command.subcommand {
+        Sub::Press(press) => press.run(),
+        Sub::Draw(draw) => draw.run(),
+        Sub::Check(check) => check.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,272 @@
+//! Options that several commands share.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use erard::instrument::Instrument;
+use erard::one_dof;
+use erard::stroke::{Cursor, Series, Touch};
+use moreau::{FrictionLaw, Settings, Solver};
+
+use crate::failure::Failure;
+
+/// Which instrument.
+#[derive(Debug, Args)]
+pub struct InstrumentOption {
+    /// Instrument: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
+    instrument: String,
+    /// Which model of it
+    #[arg(long, value_enum, default_value_t = Model::Action)]
+    pub model: Model,
+}
+
+/// Which model of an instrument.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    /// All bodies and zones of the file
+    Action,
+    /// One degree of freedom: the whole action as inertia and constant moment on the key
+    OneDof,
+}
+
+impl Model {
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Action => "action",
+            Model::OneDof => "one-dof",
+        }
+    }
+}
+
+impl InstrumentOption {
+    /// Loads the instrument, reduced to the model that was asked for.
+    pub fn load(&self) -> Result<Instrument, Failure> {
+        let full = load_instrument(&self.instrument)?;
+        Ok(match self.model {
+            Model::Action => full,
+            Model::OneDof => one_dof::reduce(&full)?.instrument,
+        })
+    }
+}
+
+/// An instrument by file or by name.
+pub fn load_instrument(file_or_name: &str) -> Result<Instrument, Failure> {
+    let path = Path::new(file_or_name);
+    if path.exists() || path.extension().is_some() || path.components().count() > 1 {
+        return Ok(Instrument::load(path)?);
+    }
+    Instrument::builtin(file_or_name).ok_or_else(|| {
+        let names: Vec<&str> = Instrument::builtin_names().collect();
+        Failure::Usage(format!(
+            "there is no file and no built-in instrument `{file_or_name}` (built in: {})",
+            names.join(", ")
+        ))
+    })
+}
+
+/// What the player does.
+#[derive(Debug, Args)]
+pub struct StrokeOptions {
+    /// Stroke file: CSV with a header, column `time_s` and `force_N` and/or `position_m` (down is positive)
+    #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
+    file: Option<PathBuf>,
+    /// Built-in stroke
+    #[arg(long, value_name = "pp|p|mf|f|ff", value_parser = ["pp", "p", "mf", "f", "ff"], conflicts_with = "force_step")]
+    stroke: Option<String>,
+    /// How the finger meets the key in a built-in stroke
+    #[arg(long, value_enum, default_value_t = TouchName::Pressed)]
+    touch: TouchName,
+    /// A constant force from the start on, N
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    force_step: Option<f64>,
+    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force where
+    /// the stroke has one, else motion
+    #[arg(long, value_enum)]
+    drive: Option<DriveName>,
+}
+
+/// How the finger meets the key.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TouchName {
+    /// The finger rests on the key and presses
+    Pressed,
+    /// The finger falls onto the key
+    Struck,
+}
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DriveName {
+    /// The force on the key
+    Force,
+    /// The motion of a soft finger that can only push
+    Motion,
+    /// The motion of the key itself
+    Rigid,
+}
+
+impl DriveName {
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            DriveName::Force => "force",
+            DriveName::Motion => "motion",
+            DriveName::Rigid => "rigid",
+        }
+    }
+}
+
+/// Duration of a run under a constant force, s.
+const FORCE_STEP_DURATION_S: f64 = 0.6;
+/// How long a run goes on after the end of a stroke file, s: the key comes home and the hammer falls to rest.
+const AFTERWARDS_S: f64 = 0.3;
+
+/// A stroke, ready to drive.
+#[derive(Debug)]
+pub struct Stroke {
+    /// What it is called in titles.
+    pub title: String,
+    /// What it prescribes.
+    pub drive: DriveName,
+    /// First instant, s.
+    pub start_s: f64,
+    /// Duration to run unless told otherwise, s.
+    pub duration_s: f64,
+    series: Option<Series>,
+    force_n: f64,
+}
+
+impl StrokeOptions {
+    /// Reads the stroke.
+    pub fn load(&self) -> Result<Stroke, Failure> {
+        if let Some(force_n) = self.force_step {
+            if !(force_n.is_finite() && force_n.abs() <= erard::stroke::MAX_FORCE_N) {
+                return Err(Failure::Usage(format!(
+                    "--force-step {force_n}: expected a number of at most {} N",
+                    erard::stroke::MAX_FORCE_N
+                )));
+            }
+            if self.drive.is_some_and(|d| d != DriveName::Force) {
+                return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
+            }
+            return Ok(Stroke {
+                title: format!("{force_n} N"),
+                drive: DriveName::Force,
+                start_s: 0.0,
+                duration_s: FORCE_STEP_DURATION_S,
+                series: None,
+                force_n,
+            });
+        }
+        let (series, title, after) = match &self.file {
+            Some(path) => (Series::load(path)?, path.display().to_string(), AFTERWARDS_S),
+            None => {
+                let nuance = self.stroke.as_deref().unwrap_or("mf");
+                let touch = match self.touch {
+                    TouchName::Pressed => Touch::Pressed,
+                    TouchName::Struck => Touch::Struck,
+                };
+                let name = if touch == Touch::Struck { "struck" } else { "pressed" };
+                let series = Series::builtin(nuance, touch)
+                    .ok_or_else(|| Failure::Internal(format!("the built-in stroke {nuance} {name} cannot be read")))?;
+                (series, format!("{nuance}, {name}"), 0.2)
+            }
+        };
+        let drive = self.drive.unwrap_or(if series.force.is_some() { DriveName::Force } else { DriveName::Motion });
+        let (missing, column) = match drive {
+            DriveName::Force => (series.force.is_none(), "force_N"),
+            DriveName::Motion | DriveName::Rigid => (series.position.is_none(), "position_m"),
+        };
+        if missing {
+            return Err(Failure::Usage(format!(
+                "{title}: --drive {} needs a column `{column}`, and the file has none",
+                drive.name()
+            )));
+        }
+        let duration_s = series.end_s() - series.start_s() + after;
+        Ok(Stroke { title, drive, start_s: series.start_s(), duration_s, series: Some(series), force_n: 0.0 })
+    }
+}
+
+impl Stroke {
+    /// Force at an instant, N.
+    pub fn force(&self, t: f64, cursor: &mut Cursor) -> f64 {
+        self.series.as_ref().and_then(|s| s.force.as_ref()).map_or(self.force_n, |f| f.at(t, cursor))
+    }
+
+    /// Position and velocity at an instant, m and m/s.
+    pub fn position(&self, t: f64, cursor: &mut Cursor) -> [f64; 2] {
+        self.series.as_ref().and_then(|s| s.position.as_ref()).map_or([0.0; 2], |p| {
+            let (y, velocity, _) = p.at(t, cursor);
+            [y, velocity]
+        })
+    }
+}
+
+/// How to step.
+#[derive(Debug, Args)]
+pub struct StepOptions {
+    /// Step, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 50e-6, allow_negative_numbers = true)]
+    dt: f64,
+    /// Theta of the time-stepping scheme, 0.5 (second order) to 1 (damped)
+    #[arg(long, value_name = "T", default_value_t = 0.5, allow_negative_numbers = true)]
+    theta: f64,
+    /// Solver of the one-step problem
+    #[arg(long, value_enum, default_value_t = SolverName::ActiveSet)]
+    solver: SolverName,
+    /// Friction law: the true one, or the regularised one that is kept for comparison
+    #[arg(long, value_enum, default_value_t = FrictionName::SetValued)]
+    friction: FrictionName,
+    /// Width of the regularised law at the pivots, rad/s (at sliding contacts a tenth of it, m/s)
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.1)]
+    friction_width: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SolverName {
+    /// Active set on the velocities
+    ActiveSet,
+    /// The papers' projected Gauss-Seidel
+    ProjectedGaussSeidel,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FrictionName {
+    /// Set-valued: holds at rest
+    SetValued,
+    /// Regularised by tanh: creeps
+    Tanh,
+}
+
+impl StepOptions {
+    /// The engine's settings.
+    pub fn settings(&self) -> Result<Settings<f64>, Failure> {
+        let width = self.friction_width;
+        if !(width.is_finite() && width > 0.0) {
+            return Err(Failure::Usage(format!("--friction-width {width}: expected a positive number of rad/s")));
+        }
+        Ok(Settings {
+            theta: self.theta,
+            solver: match self.solver {
+                SolverName::ActiveSet => Solver::ActiveSet,
+                SolverName::ProjectedGaussSeidel => Solver::ProjectedGaussSeidel,
+            },
+            friction: match self.friction {
+                FrictionName::SetValued => FrictionLaw::SetValued,
+                FrictionName::Tanh => FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width },
+            },
+            ..Settings::new(self.dt)
+        })
+    }
+
+    /// The solver's name in files and on the command line.
+    pub fn solver_name(&self) -> &'static str {
+        match self.solver {
+            SolverName::ActiveSet => "active-set",
+            SolverName::ProjectedGaussSeidel => "projected-gauss-seidel",
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! `erard press`.
+
+use std::cell::Cell;
+use std::path::PathBuf;
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard::run::Run;
+use erard::simulation::{Drive, Setup, simulate};
+use erard::stroke::Cursor;
+
+use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions};
+use crate::failure::Failure;
+use crate::figure::{png_from_svg, run_svg};
+use crate::output::Output;
+use crate::page::page_html;
+use crate::progress::Progress;
+use crate::summary::Summary;
+use crate::table;
+
+/// Simulates one key press and shows what happened.
+#[derive(Debug, Args)]
+pub struct Press {
+    #[command(flatten)]
+    stroke: StrokeOptions,
+    #[command(flatten)]
+    instrument: InstrumentOption,
+    #[command(flatten)]
+    step: StepOptions,
+    /// Simulated time, s [default: the stroke's, and a little more]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Keep a row every so many steps [default: every step, in long runs fewer]
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
+    record_every: Option<u64>,
+    /// Output folder
+    #[arg(long, value_name = "DIR", default_value = "erard-out")]
+    out: PathBuf,
+}
+
+impl Press {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let settings = self.step.settings()?;
+        let stroke = self.stroke.load()?;
+        let instrument = self.instrument.load()?;
+        let setup = Setup {
+            settings,
+            start_s: stroke.start_s,
+            duration_s: self.duration.unwrap_or(stroke.duration_s),
+            record_every: self.record_every,
+        };
+        setup.check()?;
+        let mut output = Output::prepare(&self.out)?;
+        let run = play(&instrument, &stroke, &setup)?;
+        let summary =
+            Summary::new(&run, &setup, self.instrument.model.name(), stroke.drive.name(), self.step.solver_name());
+
+        let svg = run_svg(&run);
+        let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
+        let page = page_html(&instrument, &run, &summary.lines());
+        output.stage("run.csv", |w| table::write_csv(&run, w))?;
+        output.stage("run.parquet", |w| table::write_parquet(&run, w))?;
+        output.stage("summary.json", |w| summary.write_json(w))?;
+        output.stage("run.svg", |w| w.write_all(svg.as_bytes()))?;
+        output.stage("run.png", |w| w.write_all(&png))?;
+        output.stage("run.html", |w| w.write_all(page.as_bytes()))?;
+        let written = output.commit()?;
+
+        println!("{} - {} ({} driven)", run.instrument, stroke.title, stroke.drive.name());
+        println!();
+        print!("{summary}");
+        println!();
+        let names: Vec<String> =
+            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
+        println!("Written to {}: {}", self.out.display(), names.join(", "));
+        Ok(())
+    }
+}
+
+/// Simulates a stroke on an instrument, with progress on stderr.
+pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
+    // The drive is asked at instants that move on; cells remember where it was last.
+    let (force_at, position_at) = (Cell::new(Cursor::default()), Cell::new(Cursor::default()));
+    let force = |t: f64| {
+        let mut cursor = force_at.get();
+        let f = stroke.force(t, &mut cursor);
+        force_at.set(cursor);
+        f
+    };
+    let position = |t: f64| {
+        let mut cursor = position_at.get();
+        let y = stroke.position(t, &mut cursor);
+        position_at.set(cursor);
+        y
+    };
+    let drive = match stroke.drive {
+        DriveName::Force => Drive::Force(&force),
+        DriveName::Motion => Drive::Motion(&position),
+        DriveName::Rigid => Drive::Rigid(&position),
+    };
+    let mut progress = Progress::new("simulating");
+    let run = simulate(instrument, &drive, setup, &mut |share| {
+        progress.tell(share);
+        true
+    })?;
+    Ok(run)
+}

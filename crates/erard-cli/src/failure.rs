@@ -1,0 +1,70 @@
+//! What can go wrong, said once and clearly on stderr.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use erard::instrument::FileError;
+use erard::one_dof::OneDofError;
+use erard::simulation::SimulationError;
+use erard::stroke::StrokeError;
+use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// An instrument file is wrong.
+    #[error(transparent)]
+    Instrument(#[from] Box<FileError>),
+    /// A stroke file is wrong.
+    #[error(transparent)]
+    Stroke(#[from] Box<StrokeError>),
+    /// A run cannot be made.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// No one-degree-of-freedom model follows.
+    #[error(transparent)]
+    OneDof(#[from] OneDofError),
+    /// Arguments that do not fit together or name what is not there.
+    #[error("{0}")]
+    Usage(String),
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// Where.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not the user's fault.
+    #[error("{0}")]
+    Internal(String),
+}
+
+impl Failure {
+    /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 1 otherwise.
+    pub fn report(&self) -> ExitCode {
+        match self {
+            Failure::Instrument(error) if !error.text.is_empty() => {
+                eprintln!("error: {error}");
+                eprintln!("{}", underlined(error));
+            }
+            _ => eprintln!("error: {self}"),
+        }
+        ExitCode::from(if matches!(self, Failure::Internal(_)) { 1 } else { 2 })
+    }
+}
+
+/// The wrong place in the file, underlined.
+fn underlined(error: &FileError) -> String {
+    let label = LabeledSpan::new_with_span(Some(error.message.clone()), error.span.clone());
+    let mut diagnostic = MietteDiagnostic::new(error.message.clone()).with_label(label);
+    if !error.expected.is_empty() {
+        diagnostic = diagnostic.with_help(format!("expected {}", error.expected));
+    }
+    let report = Report::new(diagnostic).with_source_code(NamedSource::new(&error.file, error.text.to_string()));
+    let mut out = String::new();
+    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_width(110);
+    // A report that cannot be drawn is no reason to lose the message above it.
+    let _ = handler.render_report(&mut out, report.as_ref());
+    out
+}

@@ -1,0 +1,40 @@
+//! A bar on stderr for work that takes long enough to be waited for.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Work shorter than this shows no bar.
+const PATIENCE: Duration = Duration::from_millis(400);
+
+/// A bar that appears only when the work turns out to be long, and only on a terminal.
+#[derive(Debug)]
+pub struct Progress {
+    start: Instant,
+    bar: ProgressBar,
+}
+
+impl Progress {
+    /// A bar named after what is going on.
+    pub fn new(what: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} % {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message(what.to_owned());
+        Progress { start: Instant::now(), bar }
+    }
+
+    /// Shows the share that is done.
+    pub fn tell(&mut self, share: f64) {
+        if self.bar.is_hidden() && self.start.elapsed() > PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.set_position((share * 1000.0) as u64);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,179 @@
+//! The numbers of a run: printed, and as `summary.json`.
+
+use std::fmt;
+use std::io::Write;
+
+use erard::run::Run;
+use erard::simulation::Setup;
+use serde::Serialize;
+
+/// The numbers of a run. `None` (JSON `null`) is what did not happen.
+#[derive(Debug, Clone, Serialize)]
+#[allow(non_snake_case)]
+pub struct Summary {
+    /// Instrument name.
+    pub instrument: String,
+    /// `action` or `one-dof`.
+    pub model: String,
+    /// `force`, `motion` or `rigid`.
+    pub drive: String,
+    /// Step, s.
+    pub dt_s: f64,
+    /// Theta.
+    pub theta: f64,
+    /// One-step solver.
+    pub solver: String,
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps that did not converge.
+    pub unconverged_steps: u64,
+    /// Newton iterations per step.
+    pub newton_iterations_per_step: f64,
+    /// Simulated over elapsed time.
+    pub real_time_factor: f64,
+    /// Speed of the strike point at the string, m/s.
+    pub hammer_speed_m_s: Option<f64>,
+    /// The key front leaves its rest, s.
+    pub key_start_s: Option<f64>,
+    /// The jack's toe meets the let-off button, s.
+    pub toe_contact_s: Option<f64>,
+    /// The knuckle is pushed for the last time, s.
+    pub let_off_s: Option<f64>,
+    /// The hammer meets the string, s.
+    pub hammer_contact_s: Option<f64>,
+    /// The key meets its front punching, s.
+    pub key_bottom_s: Option<f64>,
+    /// The tail meets the back check, s.
+    pub check_s: Option<f64>,
+    /// From let-off to the string, s.
+    pub free_flight_s: Option<f64>,
+    /// Largest finger force, N.
+    pub peak_force_N: f64,
+    /// Energy that the books do not explain, over the work put in.
+    pub energy_residual_relative: f64,
+    /// Work of the drive, J.
+    pub drive_work_J: f64,
+    /// Lost in dry pivots, viscous pivots, felts and sliding contacts, J.
+    pub dissipated_J: Dissipated,
+    /// The smallest dissipation of any kind in any step, J: friction never gives energy.
+    pub smallest_dissipation_J: f64,
+    /// Dry friction torque of each pivot at the end, N m.
+    pub final_pivot_friction_N_m: Vec<f64>,
+    /// Every blow on the string.
+    pub strikes: Vec<Blow>,
+}
+
+/// Where energy went.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Dissipated {
+    /// J.
+    pub pivot_dry: f64,
+    /// J.
+    pub pivot_viscous: f64,
+    /// J.
+    pub felt: f64,
+    /// J.
+    pub coulomb: f64,
+}
+
+/// One blow.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Blow {
+    /// s.
+    pub time_s: f64,
+    /// m/s.
+    pub speed_m_s: f64,
+}
+
+impl Summary {
+    /// The numbers of a run.
+    pub fn new(run: &Run, setup: &Setup, model: &str, drive: &str, solver: &str) -> Self {
+        let (e, l, w) = (&run.events, &run.ledger, &run.work);
+        Summary {
+            instrument: run.instrument.clone(),
+            model: model.into(),
+            drive: drive.into(),
+            dt_s: setup.settings.step,
+            theta: setup.settings.theta,
+            solver: solver.into(),
+            duration_s: setup.duration_s,
+            steps: w.steps,
+            unconverged_steps: w.unconverged_steps,
+            newton_iterations_per_step: w.newton_iterations as f64 / w.steps as f64,
+            real_time_factor: w.real_time_factor,
+            hammer_speed_m_s: e.hammer_speed_m_s,
+            key_start_s: e.key_start_s,
+            toe_contact_s: e.toe_contact_s,
+            let_off_s: e.let_off_s,
+            hammer_contact_s: e.hammer_contact_s,
+            key_bottom_s: e.key_bottom_s,
+            check_s: e.check_s,
+            free_flight_s: e.free_flight_s(),
+            peak_force_N: run.peak_force_n,
+            energy_residual_relative: l.residual_relative(),
+            drive_work_J: l.drive_work,
+            dissipated_J: Dissipated {
+                pivot_dry: l.pivot_dry,
+                pivot_viscous: l.pivot_viscous,
+                felt: l.felt_damping,
+                coulomb: l.coulomb,
+            },
+            smallest_dissipation_J: l.smallest_term,
+            final_pivot_friction_N_m: run.final_pivot_friction_n_m.clone(),
+            strikes: e.strikes.iter().map(|s| Blow { time_s: s.time_s, speed_m_s: s.speed_m_s }).collect(),
+        }
+    }
+
+    /// Name and value with unit, as printed.
+    pub fn lines(&self) -> Vec<(String, String)> {
+        let ms = |t: Option<f64>| t.map_or("-".to_owned(), |t| format!("{:.2} ms", t * 1e3));
+        let mut lines = vec![
+            (
+                "hammer speed at the string",
+                self.hammer_speed_m_s.map_or("- (the string is not reached)".to_owned(), |v| format!("{v:.3} m/s")),
+            ),
+            ("key start", ms(self.key_start_s)),
+            ("jack toe at let-off button", ms(self.toe_contact_s)),
+            ("let-off", ms(self.let_off_s)),
+            ("hammer contact", ms(self.hammer_contact_s)),
+            ("free flight", ms(self.free_flight_s)),
+            ("key bottom", ms(self.key_bottom_s)),
+            ("check", ms(self.check_s)),
+            ("peak finger force", format!("{:.2} N", self.peak_force_N)),
+            ("energy residual", format!("{:.1e} of the work put in", self.energy_residual_relative)),
+            ("steps", format!("{} of {} us", self.steps, (self.dt_s * 1e9).round() / 1e3)),
+            ("unconverged steps", format!("{}", self.unconverged_steps)),
+            ("real-time factor", format!("{:.0}", self.real_time_factor)),
+        ];
+        if self.strikes.len() > 1 {
+            lines.insert(5, ("blows on the string", self.strikes.len().to_string()));
+        }
+        if self.model == "one-dof" {
+            let keep = ["key start", "key bottom", "peak finger force"];
+            lines.retain(|(name, _)| {
+                keep.contains(name) || name.contains("steps") || name.contains("energy") || name.contains("factor")
+            });
+        }
+        lines.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    /// Writes the JSON.
+    ///
+    /// # Errors
+    /// Of the writer.
+    pub fn write_json(&self, writer: &mut dyn Write) -> std::io::Result<()> {
+        serde_json::to_writer_pretty(&mut *writer, self)?;
+        writer.write_all(b"\n")
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, value) in self.lines() {
+            writeln!(f, "  {name:<28}{value}")?;
+        }
+        Ok(())
+    }
+}

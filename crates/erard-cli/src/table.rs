@@ -1,0 +1,92 @@
+//! A run as a table: CSV and Parquet, the same columns in the same order.
+
+use std::io::{Error, Write};
+use std::sync::Arc;
+
+use erard::run::Run;
+use parquet::data_type::DoubleType;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+
+/// Name and values of every column; a column without values (no hammer in the model) is empty.
+pub fn columns(run: &Run) -> Vec<(String, &[f64])> {
+    let mut columns: Vec<(String, &[f64])> = vec![
+        ("time_s".into(), &run.time_s),
+        ("force_N".into(), &run.force_n),
+        ("key_m".into(), &run.key_m),
+        ("hammer_head_m".into(), &run.hammer_head_m),
+    ];
+    for body in &run.bodies {
+        columns.push((format!("{}_rad", body.name), &body.angle_rad));
+        columns.push((format!("{}_rad_per_s", body.name), &body.rate_rad_per_s));
+    }
+    for zone in &run.zones {
+        columns.push((format!("{}_N", zone.name), &zone.normal_n));
+        if zone.has_friction {
+            columns.push((format!("{}_tangential_N", zone.name), &zone.tangential_n));
+        }
+    }
+    columns
+}
+
+/// Writes the run as CSV, every number in its shortest form that reads back as the same number.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_csv(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
+    let columns = columns(run);
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(columns.iter().map(|(name, _)| name))?;
+    let mut text = String::new();
+    for row in 0..run.time_s.len() {
+        for (_, values) in &columns {
+            text.clear();
+            if let Some(x) = values.get(row) {
+                use std::fmt::Write as _;
+                let _ = if *x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) {
+                    write!(text, "{x:e}")
+                } else {
+                    write!(text, "{x}")
+                };
+            }
+            csv.write_field(&text)?;
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}
+
+/// Writes the run as Parquet, one row group, doubles; columns without values are all null.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_parquet(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
+    let columns = columns(run);
+    let fields = columns
+        .iter()
+        .map(|(name, _)| {
+            Type::primitive_type_builder(name, parquet::basic::Type::DOUBLE)
+                .with_repetition(parquet::basic::Repetition::OPTIONAL)
+                .build()
+                .map(Arc::new)
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(Error::other)?;
+    let schema = Type::group_type_builder("run").with_fields(fields).build().map_err(Error::other)?;
+    let properties = Arc::new(WriterProperties::builder().set_dictionary_enabled(false).build());
+    // The library wants a writer that can be sent to another thread; a buffer in between can.
+    let mut bytes = Vec::new();
+    let rows = run.time_s.len();
+    let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), properties).map_err(Error::other)?;
+    let mut group = file.next_row_group().map_err(Error::other)?;
+    for (_, values) in &columns {
+        let Some(mut column) = group.next_column().map_err(Error::other)? else { break };
+        let defined: Vec<i16> = vec![i16::from(!values.is_empty()); rows];
+        column.typed::<DoubleType>().write_batch(values, Some(&defined), None).map_err(Error::other)?;
+        column.close().map_err(Error::other)?;
+    }
+    group.close().map_err(Error::other)?;
+    file.close().map_err(Error::other)?;
+    writer.write_all(&bytes)
+}
