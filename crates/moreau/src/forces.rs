@@ -112,6 +112,7 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     }
     if let Some((force, tangent)) = drive(model, input, h_theta, scratch) {
         scratch.drive_force = force;
+        scratch.drive_tangent = tangent;
         add_term(&mut a, &mut b, &scratch.site_row, tangent, h * force, w);
     }
     scratch.system.a = a;
@@ -164,6 +165,7 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> Option<(T, T)> {
     scratch.drive_force = T::ZERO;
+    scratch.drive_tangent = T::ZERO;
     let site = model.site.as_ref()?;
     match *input {
         Input::Free | Input::Rigid { .. } => None,
