@@ -15,6 +15,9 @@
 #![allow(clippy::needless_range_loop)]
 
 mod contact;
+mod forces;
+mod joints;
+mod laws;
 mod ledger;
 mod linear;
 mod model;
@@ -25,6 +28,7 @@ mod settings;
 mod state;
 mod step;
 mod vector;
+mod zones;
 
 pub use contact::Contact;
 pub use ledger::{Energies, Ledger};

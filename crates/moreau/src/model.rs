@@ -153,6 +153,9 @@ pub struct Site<T> {
 #[derive(Debug, Clone)]
 pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) parent: [usize; B],
+    /// The bodies that are hinged on another body, parents first.
+    pub(crate) hinged: [usize; B],
+    pub(crate) hinged_count: usize,
     pub(crate) pivot: [Vector<T>; B],
     pub(crate) dry: [T; B],
     pub(crate) viscous: [T; B],
@@ -229,6 +232,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         let o = [T::ZERO; 2];
         let mut model = Model {
             parent: [GROUND; B],
+            hinged: [0; B],
+            hinged_count: 0,
             pivot: [o; B],
             dry: [T::ZERO; B],
             viscous: [T::ZERO; B],
@@ -255,6 +260,10 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadBody(i));
             }
             model.parent[i] = body.parent;
+            if body.parent != GROUND {
+                model.hinged[model.hinged_count] = i;
+                model.hinged_count += 1;
+            }
             model.pivot[i] = body.pivot;
             model.dry[i] = body.dry;
             model.viscous[i] = body.viscous;

@@ -1,6 +1,7 @@
 //! Where every body is: the kinematic tree, evaluated once per Newton iteration.
 
 use crate::contact::{gap_of, gap_row_of};
+use crate::joints::row_to_angles;
 use crate::model::{GROUND, Model};
 use crate::real::sin_cos;
 use crate::vector::{Vector, add, cross, sub};
@@ -73,20 +74,17 @@ impl<T: Real, const B: usize> Pose<T, B> {
     /// The pivots' velocities at the given angular velocities, parents first.
     #[inline(always)]
     pub(crate) fn move_pivots<const Z: usize>(&mut self, model: &Model<T, B, Z>, v: &[T; B]) {
-        for i in 0..B {
+        for &i in &model.hinged[..model.hinged_count] {
             let parent = model.parent[i];
-            if parent < B {
-                let (u, arm) = (self.pivot_velocity[parent], self.arm[i]);
-                self.pivot_velocity[i] = [u[0] - v[parent] * arm[1], u[1] + v[parent] * arm[0]];
-            }
+            let (u, arm) = (self.pivot_velocity[parent], self.arm[i]);
+            self.pivot_velocity[i] = [u[0] - v[parent] * arm[1], u[1] + v[parent] * arm[0]];
         }
     }
 
-    /// Adds `sign` times the row that maps angular velocities to `n . velocity(x)`, x being carried by `body`.
-    ///
-    /// Absolute angles: a body's own rate turns x about its pivot, an ancestor's turns the pivot of the branch.
+    /// Adds `sign` times the row that maps relative velocities to `n . velocity(x)`, x being carried by `body`: every joint on
+    /// the way to the ground turns x about its pivot.
     #[inline(always)]
-    pub(crate) fn add_velocity_row<const Z: usize>(
+    pub(crate) fn add_joint_row<const Z: usize>(
         &self,
         model: &Model<T, B, Z>,
         body: usize,
@@ -95,14 +93,9 @@ impl<T: Real, const B: usize> Pose<T, B> {
         sign: T,
         row: &mut [T; B],
     ) {
-        if body >= B {
-            return;
-        }
-        let pivot = self.pivot[body];
-        row[body] += sign * cross([x[0] - pivot[0], x[1] - pivot[1]], n);
         let mut i = body;
-        while model.parent[i] < B {
-            row[model.parent[i]] += sign * cross(self.arm[i], n);
+        while i < B {
+            row[i] += sign * cross(sub(x, self.pivot[i]), n);
             i = model.parent[i];
         }
     }
@@ -121,7 +114,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         self.pivot[body]
     }
 
-    /// The row that maps angular velocities to `n . velocity` of a point given in a body's frame.
+    /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame.
     pub fn velocity_row<const Z: usize>(
         &self,
         model: &Model<T, B, Z>,
@@ -131,7 +124,8 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
     ) -> [T; B] {
         let mut row = [T::ZERO; B];
         let x = self.point(body, point);
-        self.add_velocity_row(model, body, x, n, T::ONE, &mut row);
+        self.add_joint_row(model, body, x, n, T::ONE, &mut row);
+        row_to_angles(model, &mut row);
         row
     }
 
@@ -140,9 +134,11 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         gap_of(&model.zones[zone], self)
     }
 
-    /// The row G of a zone at this pose: dg/dt = G v, whether the zone touches or not.
+    /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
     pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        gap_row_of(model, &model.zones[zone], self)
+        let mut row = gap_row_of(model, &model.zones[zone], self);
+        row_to_angles(model, &mut row);
+        row
     }
 }
 

@@ -58,8 +58,10 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub pose: Pose<T, B>,
     /// The zones there.
     pub contacts: [Contact<T, B>; Z],
-    /// Velocity at t0 + theta h.
+    /// Absolute angular velocities at t0 + theta h.
     pub velocity: [T; B],
+    /// Relative ones.
+    pub(crate) joint_velocity: [T; B],
     /// Force of the drive on the mechanism, N.
     pub drive_force: T,
     /// Velocity of the site along its direction at t0 + theta h, m/s.
@@ -68,7 +70,9 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
     pub(crate) has_slip_row: [bool; Z],
+    /// M(q_*) in relative velocities, and M w0.
     pub(crate) mass: [[T; B]; B],
+    pub(crate) momentum: [T; B],
     pub(crate) site_row: [T; B],
     pub(crate) system: System<T, B, N>,
     pub(crate) impulses: Impulses<T, B, N>,
@@ -86,6 +90,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             pose: Pose::new(),
             contacts: [Contact::apart(); Z],
             velocity: [z; B],
+            joint_velocity: [z; B],
+            momentum: [z; B],
             drive_force: z,
             drive_velocity: z,
             slip: [[z; 2]; Z],
@@ -99,6 +105,17 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             tangential: [z; Z],
             rigid_force: z,
         }
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N> {
+    /// Before a step: warm-starts the laws, forgets the zones' slip rows.
+    #[inline(always)]
+    pub(crate) fn begin(&mut self, state: &State<T, B, Z>) {
+        self.has_slip_row = [false; Z];
+        self.pivot_friction = state.pivot_friction;
+        self.tangential = state.tangential;
+        self.rigid_force = state.rigid_force;
     }
 }
 
