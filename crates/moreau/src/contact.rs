@@ -33,6 +33,8 @@ pub struct Contact<T, const B: usize> {
     pub damping_force: T,
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub(crate) tangent: T,
+    /// Change of the rate by the last Newton correction.
+    ahead: T,
     /// What [`Contact::remainder`] needs of the felt.
     bend: Bend<T>,
     /// Row G in relative velocities: dg/dt = G w.
@@ -52,6 +54,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
             force: z,
             damping_force: z,
             tangent: z,
+            ahead: z,
             bend: Bend { deepest: z, slope: z, damping: z, slack: z },
             row: [z; B],
         }
@@ -69,7 +72,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
         model: &Model<T, B, Z>,
         zone: &Zone<T>,
         pose: &Pose<T, B>,
-        v: &[T; B],
+        w: &[T; B],
         h: T,
         theta: T,
     ) {
@@ -84,10 +87,9 @@ impl<T: Real, const B: usize> Contact<T, B> {
             return;
         }
         self.out_of_reach = false;
-        let approach = sub(pose.velocity(v, zone.curve_body, center), pose.velocity(v, zone.disc_body, center));
-        self.rate = dot(approach, normal);
-        let offset = reach * self.rate;
         self.row = gap_row(model, zone, pose, center, normal);
+        self.rate = product(&self.row, w);
+        let offset = reach * self.rate;
         self.bend.deepest = self.gap + offset.abs();
         if !T::ZERO.lt(self.bend.deepest).any() {
             return;
@@ -113,15 +115,14 @@ impl<T: Real, const B: usize> Contact<T, B> {
         self.bend.slack = a.slack.min(b.slack);
     }
 
-    /// Follows a last, small change of the relative velocities, without looking at the geometry again.
+    /// Follows the change of the relative velocities that [`Contact::remainder`] has seen, without looking at the geometry again.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, zone: &Zone<T>, change: &[T; B], h: T, theta: T) {
+    pub(crate) fn follow(&mut self, zone: &Zone<T>, h: T, theta: T) {
         if !self.active {
             return;
         }
-        let rate = theta * product(&self.row, change);
-        self.rate += rate;
-        self.gap += theta * h * rate;
+        self.rate += self.ahead;
+        self.gap += theta * h * self.ahead;
         let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
         self.press(zone, reach * self.rate, reach, h * theta);
     }
@@ -129,11 +130,12 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
     #[inline(always)]
-    pub(crate) fn remainder(&self, zone: &Zone<T>, change: &[T; B], h: T, theta: T) -> T {
+    pub(crate) fn remainder(&mut self, zone: &Zone<T>, change: &[T; B], h: T, theta: T) -> T {
         if self.out_of_reach {
             return T::ZERO;
         }
-        let rate = theta * product(&self.row, change).abs();
+        self.ahead = theta * product(&self.row, change);
+        let rate = self.ahead.abs();
         let gap = (theta * h + (T::ONE - theta) * h * T::from_f64(GAUSS_POINT)) * rate;
         let deepest = self.bend.deepest + gap;
         if !T::ZERO.lt(deepest).any() {

@@ -74,11 +74,16 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             report.outcome = Outcome::NonFinite;
             return report;
         }
-        let settled = correction <= settings.tolerance
-            || remainder(model, settings, &change, &next, scratch) <= settings.tolerance;
+        // Nothing at all changes where everything sticks.
+        let still = correction <= T::ZERO;
+        let settled = still
+            || remainder(model, settings, &change, &next, scratch) <= settings.tolerance
+            || correction <= settings.tolerance;
         if settled && solved.converged {
             w = next;
-            follow(model, settings, &change, scratch);
+            if !still {
+                follow(model, settings, &change, scratch);
+            }
             report.outcome = Outcome::Converged;
             break;
         }

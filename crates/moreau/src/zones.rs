@@ -14,15 +14,14 @@ pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N:
     again: bool,
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let Scratch { pose, contacts, slip_row, has_slip_row, velocity, .. } = scratch;
-    pose.move_pivots(model, velocity);
+    let Scratch { pose, contacts, slip_row, has_slip_row, joint_velocity, .. } = scratch;
     for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
         let contact = &mut contacts[z];
         // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
         if again && contact.out_of_reach {
             continue;
         }
-        contact.evaluate(model, zone, pose, velocity, settings.step, settings.theta);
+        contact.evaluate(model, zone, pose, joint_velocity, settings.step, settings.theta);
         if contact.active && zone.friction.is_some() && !has_slip_row[z] {
             slip_row[z] = contact.slip_row(model, zone, pose);
             has_slip_row[z] = true;
@@ -30,7 +29,7 @@ pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N:
     }
 }
 
-/// Takes the zones' forces along to the step's final velocities, so that what can be read afterwards is what acted.
+/// Takes the zones' forces along to the step's final velocities (after [`remainder`] has seen the change), so that what can be read afterwards is what acted.
 #[inline(always)]
 pub(crate) fn follow<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -39,7 +38,7 @@ pub(crate) fn follow<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     for (contact, zone) in scratch.contacts.iter_mut().zip(&model.zones[..model.zone_count]) {
-        contact.follow(zone, change, settings.step, settings.theta);
+        contact.follow(zone, settings.step, settings.theta);
     }
     if T::ZERO < scratch.drive_tangent {
         let less = scratch.drive_tangent * product(&scratch.site_row, change) / settings.step;
@@ -55,7 +54,7 @@ pub(crate) fn remainder<T: Scalar, const B: usize, const Z: usize, const N: usiz
     settings: &Settings<T>,
     change: &[T; B],
     next: &[T; B],
-    scratch: &Scratch<T, B, Z, N>,
+    scratch: &mut Scratch<T, B, Z, N>,
 ) -> T {
     let (h, h_theta) = (settings.step, settings.step * settings.theta);
     let mut impulse = [T::ZERO; B];
@@ -65,7 +64,7 @@ pub(crate) fn remainder<T: Scalar, const B: usize, const Z: usize, const N: usiz
         impulse[i] = h_theta * (h * model.weight[i] + spin) * change[i].abs();
     }
     for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
-        let contact = &scratch.contacts[z];
+        let contact = &mut scratch.contacts[z];
         let p = h * contact.remainder(zone, change, settings.step, settings.theta);
         if T::ZERO < p {
             for i in 0..B {
