@@ -52,7 +52,7 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     scratch.site_row = [T::ZERO; B];
     if let Some(site) = &model.site {
         let x = scratch.pose.point(site.body, site.point);
-        scratch.pose.add_joint_row(model, site.body, x, site.direction, T::ONE, &mut scratch.site_row);
+        scratch.site_row = scratch.pose.turning_row(&model.site_carried, x, site.direction);
     }
 }
 

@@ -21,9 +21,9 @@ pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N:
         if again && contact.out_of_reach {
             continue;
         }
-        contact.evaluate(model, zone, pose, joint_velocity, settings.step, settings.theta);
+        contact.evaluate(zone, &model.carried[z], pose, joint_velocity, settings.step, settings.theta);
         if contact.active && zone.friction.is_some() && !has_slip_row[z] {
-            slip_row[z] = contact.slip_row(model, zone, pose);
+            slip_row[z] = contact.slip_row(&model.carried[z], pose);
             has_slip_row[z] = true;
         }
     }
