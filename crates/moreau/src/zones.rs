@@ -29,7 +29,8 @@ pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N:
     }
 }
 
-/// Takes the zones' forces along to the step's final velocities (after [`remainder`] has seen the change), so that what can be read afterwards is what acted.
+/// Takes the zones' forces along to the step's final velocities (after [`remainder`] has seen the change), so that what can
+/// be read afterwards is what acted.
 #[inline(always)]
 pub(crate) fn follow<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -56,7 +57,8 @@ fn pull_after<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 }
 
 /// The largest velocity (relative to 1 rad/s + |velocity|) that the felts' curvature, and what the linearisation leaves out,
-/// may still bring about after the iterate has changed by `change` to `next`: the error that one more Newton iteration would remove.
+/// may still bring about after the iterate has changed by `change` to `next`: the error that one more Newton iteration would
+/// remove.
 #[inline(always)]
 pub(crate) fn remainder<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
