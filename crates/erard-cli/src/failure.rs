@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use erard::compare::CompareError;
 use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
 use erard::simulation::SimulationError;
@@ -24,6 +25,9 @@ pub enum Failure {
     /// No one-degree-of-freedom model follows.
     #[error(transparent)]
     OneDof(#[from] OneDofError),
+    /// A comparison cannot be made.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
     /// Arguments that do not fit together or name what is not there.
     #[error("{0}")]
     Usage(String),
@@ -53,7 +57,8 @@ impl Failure {
         }
         ExitCode::from(match self {
             Failure::Internal(_) => 1,
-            Failure::Simulation(SimulationError::Interrupted) => 130,
+            Failure::Simulation(SimulationError::Interrupted)
+            | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted)) => 130,
             _ => 2,
         })
     }

@@ -35,12 +35,19 @@ pub fn columns(run: &Run) -> Vec<(String, &[f64])> {
 /// # Errors
 /// Of the writer.
 pub fn write_csv(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
-    let columns = columns(run);
+    write_columns(&columns(run), run.time_s.len(), writer)
+}
+
+/// Writes columns as CSV; a column that ends early leaves its cells empty.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_columns(columns: &[(String, &[f64])], rows: usize, writer: &mut dyn Write) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     csv.write_record(columns.iter().map(|(name, _)| name))?;
     let mut text = String::new();
-    for row in 0..run.time_s.len() {
-        for (_, values) in &columns {
+    for row in 0..rows {
+        for (_, values) in columns {
             text.clear();
             if let Some(x) = values.get(row) {
                 use std::fmt::Write as _;

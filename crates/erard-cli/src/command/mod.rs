@@ -1,6 +1,7 @@
 //! The subcommands.
 
 mod check;
+mod compare;
 mod draw;
 mod options;
 mod press;
@@ -27,6 +28,8 @@ enum Sub {
     Draw(Box<draw::Draw>),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
+    /// Holds a measured stroke against the models
+    Compare(compare::Compare),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else.
@@ -37,6 +40,7 @@ pub fn run() -> ExitCode {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
         Sub::Check(check) => check.run(),
+        Sub::Compare(compare) => compare.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,266 @@
+//! `erard compare`.
+
+use std::borrow::Cow;
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use erard::compare::{Comparison, DRIVES, Driven, Trial, Which, compare};
+use erard::simulation::Setup;
+use erard::stroke::Series;
+use serde::Serialize;
+
+use super::options::{StepOptions, load_instrument};
+use crate::failure::Failure;
+use crate::figure::{Curve, Dash, Figure, Layout, PALETTE, Panel, Window, figure_svg, png_from_svg};
+use crate::output::Output;
+use crate::progress::Progress;
+
+/// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Measured series: CSV with `time_s` and `force_N` and/or `position_m` (down is positive)
+    #[arg(value_name = "MEASURED.csv")]
+    file: PathBuf,
+    /// Instrument: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
+    instrument: String,
+    #[command(flatten)]
+    step: StepOptions,
+    /// Output folder
+    #[arg(long, value_name = "DIR", default_value = "erard-out")]
+    out: PathBuf,
+}
+
+impl Compare {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let settings = self.step.settings()?;
+        let series = Series::load(&self.file)?;
+        let instrument = load_instrument(&self.instrument)?;
+        let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None };
+        setup.check()?;
+        let mut output = Output::prepare(&self.out)?;
+        let mut progress = Progress::new("comparing");
+        let comparison = compare(&instrument, &series, &setup, &mut |share| progress.tell(share))?;
+        drop(progress);
+
+        let title = self.file.display().to_string();
+        let svg = figure_svg(&figure(&comparison, &title, &instrument.name));
+        let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
+        output.stage("compare.csv", |w| write_csv(&comparison, w))?;
+        output.stage("compare.json", |w| {
+            serde_json::to_writer_pretty(&mut *w, &Report::new(&comparison, &title, &instrument.name))?;
+            w.write_all(b"\n")
+        })?;
+        output.stage("compare.svg", |w| w.write_all(svg.as_bytes()))?;
+        output.stage("compare.png", |w| w.write_all(&png))?;
+        output.commit()?;
+
+        println!("{title} beside {}", instrument.name);
+        println!();
+        print_table(&comparison);
+        for verdict in comparison.verdicts() {
+            println!("{verdict}");
+        }
+        println!();
+        println!("Written to {}: compare.csv, compare.json, compare.svg, compare.png", self.out.display());
+        Ok(())
+    }
+}
+
+/// What comes out of a drive, the factor to the unit that is shown, and that unit.
+fn outcome(driven: Driven) -> (&'static str, f64, &'static str) {
+    match driven {
+        Driven::ByForce => ("position", 1e3, "mm"),
+        Driven::ByMotion | Driven::Rigidly => ("force", 1.0, "N"),
+    }
+}
+
+fn print_table(comparison: &Comparison) {
+    println!("  drive   model     of         rms          of range   largest      explained  correlation  delay");
+    for trial in &comparison.trials {
+        let (what, factor, unit) = outcome(trial.driven);
+        let start = format!("  {:<7} {:<9} {what:<9}", trial.driven.name(), trial.which.name());
+        match &trial.errors {
+            Some(e) => println!(
+                "{start}  {:>7.4} {unit:<3}  {:>7.2} %  {:>7.4} {unit:<3}  {:>7.2} %  {:>10.5}  {:>6.2} ms",
+                e.rms * factor,
+                e.rms_of_range * 100.0,
+                e.largest * factor,
+                e.explained * 100.0,
+                e.correlation,
+                e.delay_s * 1e3
+            ),
+            None => println!("{start}  not measured"),
+        }
+    }
+    println!();
+    if comparison.trials.iter().any(|t| t.errors.is_some()) {
+        println!("  error by frequency (rms; in brackets, of what was measured in the band)");
+        for trial in &comparison.trials {
+            let Some(errors) = &trial.errors else { continue };
+            let (_, factor, unit) = outcome(trial.driven);
+            print!("  {:<7} {:<9}", trial.driven.name(), trial.which.name());
+            for band in &errors.bands {
+                let share = 100.0 * band.error_rms / band.measured_rms.max(f64::MIN_POSITIVE);
+                print!(
+                    "  {:.0}-{:.0} Hz {:.4} {unit} ({share:.1} %)",
+                    band.from_hz,
+                    band.to_hz,
+                    band.error_rms * factor
+                );
+            }
+            println!();
+        }
+        println!();
+    }
+}
+
+fn write_csv(c: &Comparison, writer: &mut dyn Write) -> std::io::Result<()> {
+    let mut columns: Vec<(String, &[f64])> = vec![("time_s".into(), &c.time_s)];
+    if let Some(force) = &c.measured_force_n {
+        columns.push(("measured_force_N".into(), force));
+    }
+    if let Some(position) = &c.measured_position_m {
+        columns.push(("measured_position_m".into(), position));
+    }
+    for t in &c.trials {
+        let stem = format!("{}_{}", t.driven.name(), t.which.name().replace('-', "_"));
+        columns.push((format!("{stem}_force_N"), &t.force_n));
+        columns.push((format!("{stem}_key_m"), &t.key_m));
+    }
+    crate::table::write_columns(&columns, c.time_s.len(), writer)
+}
+
+#[derive(Serialize)]
+struct Report {
+    measured: String,
+    instrument: String,
+    verdicts: Vec<String>,
+    trials: Vec<TrialReport>,
+}
+
+#[derive(Serialize)]
+struct TrialReport {
+    drive: &'static str,
+    model: &'static str,
+    quantity: &'static str,
+    unit: &'static str,
+    errors: Option<ErrorsReport>,
+}
+
+#[derive(Serialize)]
+struct ErrorsReport {
+    rms: f64,
+    rms_of_range: f64,
+    largest: f64,
+    explained: f64,
+    correlation: f64,
+    delay_s: f64,
+    bands: Vec<BandReport>,
+}
+
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct BandReport {
+    from_Hz: f64,
+    to_Hz: f64,
+    measured_rms: f64,
+    error_rms: f64,
+}
+
+impl Report {
+    fn new(c: &Comparison, measured: &str, instrument: &str) -> Self {
+        Report {
+            measured: measured.into(),
+            instrument: instrument.into(),
+            verdicts: c.verdicts(),
+            trials: c.trials.iter().map(TrialReport::new).collect(),
+        }
+    }
+}
+
+impl TrialReport {
+    fn new(t: &Trial) -> Self {
+        let (quantity, unit) = match t.driven {
+            Driven::ByForce => ("position", "m"),
+            Driven::ByMotion | Driven::Rigidly => ("force", "N"),
+        };
+        let errors = t.errors.as_ref().map(|e| ErrorsReport {
+            rms: e.rms,
+            rms_of_range: e.rms_of_range,
+            largest: e.largest,
+            explained: e.explained,
+            correlation: e.correlation,
+            delay_s: e.delay_s,
+            bands: e
+                .bands
+                .iter()
+                .map(|b| BandReport {
+                    from_Hz: b.from_hz,
+                    to_Hz: b.to_hz,
+                    measured_rms: b.measured_rms,
+                    error_rms: b.error_rms,
+                })
+                .collect(),
+        });
+        TrialReport { drive: t.driven.name(), model: t.which.name(), quantity, unit, errors }
+    }
+}
+
+/// Measured in black, the action in orange, one degree of freedom in blue.
+fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
+    let curve =
+        |label: &str, y: Cow<'a, [f64]>, colour, dash| Curve { label: label.into(), x: &c.time_s, y, colour, dash };
+    let in_mm = |y: &[f64]| Cow::Owned(y.iter().map(|y| y * 1e3).collect::<Vec<f64>>());
+    let mut panels = Vec::new();
+    for driven in DRIVES {
+        let (Some(action), Some(one_dof)) = (c.trial(driven, Which::Action), c.trial(driven, Which::OneDof)) else {
+            continue;
+        };
+        let mut curves = Vec::new();
+        let (quantity, unit) = match driven {
+            Driven::ByForce => ("position, force driven", "mm"),
+            Driven::ByMotion => ("force, motion driven", "N"),
+            Driven::Rigidly => ("force, rigidly driven", "N"),
+        };
+        let shown = |t: &'a Trial| match driven {
+            Driven::ByForce => in_mm(&t.key_m),
+            Driven::ByMotion | Driven::Rigidly => Cow::Borrowed(&t.force_n[..]),
+        };
+        let measured = match driven {
+            Driven::ByForce => c.measured_position_m.as_ref().map(|m| in_mm(m)),
+            Driven::ByMotion | Driven::Rigidly => c.measured_force_n.as_ref().map(|m| Cow::Borrowed(&m[..])),
+        };
+        if let Some(measured) = measured {
+            curves.push(curve("measured", measured, PALETTE[6], Dash::Solid));
+        }
+        curves.push(curve("action", shown(action), PALETTE[1], Dash::Solid));
+        curves.push(curve("one degree of freedom", shown(one_dof), PALETTE[0], Dash::Dashed));
+        panels.push(Panel {
+            quantity: quantity.into(),
+            unit,
+            height_px: 260.0,
+            layout: Layout::Together,
+            y_range: None,
+            curves,
+        });
+    }
+    Figure {
+        title: title.into(),
+        subtitle: format!("beside {instrument}"),
+        width_px: 1180.0,
+        x_label: "time (ms)".into(),
+        x_unit: 1e3,
+        windows: vec![Window {
+            from: c.time_s[0],
+            to: c.time_s[c.time_s.len() - 1],
+            weight: 1.0,
+            heading: String::new(),
+            names_markers: true,
+        }],
+        panels,
+        markers: Vec::new(),
+    }
+}

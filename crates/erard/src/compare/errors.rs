@@ -1,0 +1,178 @@
+//! How far a simulated series is from a measured one, in numbers that mean something.
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+use super::RATE_HZ;
+
+/// Edges of the frequency bands, Hz.
+pub const BANDS_HZ: [f64; 5] = [0.0, 10.0, 50.0, 200.0, 1000.0];
+/// Longest delay that is looked for, s.
+const LONGEST_DELAY_S: f64 = 0.02;
+
+/// What one series misses of another; both in the same unit, on the common axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Errors {
+    /// Root mean square of the difference.
+    pub rms: f64,
+    /// The same over the measured series' range.
+    pub rms_of_range: f64,
+    /// Largest difference.
+    pub largest: f64,
+    /// Share of the measured variance that is explained: 1 - rms^2 / variance; negative if a constant would do better.
+    pub explained: f64,
+    /// Correlation coefficient without delay; 0 where one of them is constant.
+    pub correlation: f64,
+    /// How much later the simulated series comes, s: where the correlation is largest, within 20 ms either way.
+    pub delay_s: f64,
+    /// By frequency.
+    pub bands: Vec<Band>,
+}
+
+/// One frequency band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lower edge, Hz.
+    pub from_hz: f64,
+    /// Upper edge, Hz.
+    pub to_hz: f64,
+    /// Root mean square of the measured series in the band.
+    pub measured_rms: f64,
+    /// Root mean square of the difference in the band.
+    pub error_rms: f64,
+}
+
+impl Errors {
+    /// Compares two series of equal length, sampled at [`RATE_HZ`].
+    pub fn new(measured: &[f64], simulated: &[f64]) -> Self {
+        let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
+        let range = measured.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let rms = mean_square(&difference).sqrt();
+        let variance = mean_square(&centred(measured));
+        Errors {
+            rms,
+            rms_of_range: ratio(rms, range.1 - range.0),
+            largest: difference.iter().fold(0.0, |a, &d| d.abs().max(a)),
+            explained: 1.0 - ratio(rms * rms, variance),
+            correlation: correlation(measured, simulated, 0),
+            delay_s: delay(measured, simulated),
+            bands: bands(measured, &difference),
+        }
+    }
+}
+
+/// a/b, and zero for 0/0.
+fn ratio(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a / b }
+}
+
+fn mean_square(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64
+}
+
+fn centred(x: &[f64]) -> Vec<f64> {
+    let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
+    x.iter().map(|x| x - mean).collect()
+}
+
+/// Correlation coefficient of the measured series with the simulated one, taken `lag` samples later.
+fn correlation(measured: &[f64], simulated: &[f64], lag: isize) -> f64 {
+    let n = measured.len() as isize;
+    let (from, to) = ((-lag).max(0), (n - lag).min(n));
+    if to - from < 2 {
+        return 0.0;
+    }
+    let a = centred(&measured[from as usize..to as usize]);
+    let b = centred(&simulated[(from + lag) as usize..(to + lag) as usize]);
+    let product: f64 = a.iter().zip(&b).map(|(x, y)| x * y).sum::<f64>() / a.len() as f64;
+    let scale = (mean_square(&a) * mean_square(&b)).sqrt();
+    if scale > 0.0 { product / scale } else { 0.0 }
+}
+
+/// The lag of the largest correlation, refined by the parabola through its neighbours.
+fn delay(measured: &[f64], simulated: &[f64]) -> f64 {
+    let most = ((LONGEST_DELAY_S * RATE_HZ) as isize).min(measured.len() as isize / 4);
+    let at = |lag| correlation(measured, simulated, lag);
+    let best = (-most..=most).max_by(|&a, &b| at(a).total_cmp(&at(b))).unwrap_or(0);
+    let (before, here, after) = (at(best - 1), at(best), at(best + 1));
+    let bend = before - 2.0 * here + after;
+    let refined = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+    (best as f64 + refined) / RATE_HZ
+}
+
+/// Power in each band, by Parseval's theorem: the squares of all bands together are the mean square.
+fn bands(measured: &[f64], difference: &[f64]) -> Vec<Band> {
+    let spectrum = |x: &[f64]| {
+        let mut z: Vec<Complex<f64>> = x.iter().map(|&x| Complex::new(x, 0.0)).collect();
+        FftPlanner::new().plan_fft_forward(z.len()).process(&mut z);
+        z
+    };
+    let (m, d) = (spectrum(measured), spectrum(difference));
+    let n = measured.len();
+    let power = |z: &[Complex<f64>], from: f64, to: f64| {
+        let mut sum = 0.0;
+        for (k, z) in z.iter().enumerate().take(n / 2 + 1) {
+            let f = k as f64 * RATE_HZ / n as f64;
+            if f >= from && f < to {
+                let twice = if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
+                sum += twice * z.norm_sqr();
+            }
+        }
+        sum.sqrt() / n as f64
+    };
+    BANDS_HZ
+        .windows(2)
+        .map(|edge| Band {
+            from_hz: edge[0],
+            to_hz: edge[1],
+            measured_rms: power(&m, edge[0], edge[1]),
+            error_rms: power(&d, edge[0], edge[1]),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn wave(hz: f64, amplitude: f64, late_s: f64) -> Vec<f64> {
+        // One second: whole periods, so that the spectrum does not leak.
+        (0..RATE_HZ as usize).map(|n| amplitude * (TAU * hz * (n as f64 / RATE_HZ - late_s)).sin()).collect()
+    }
+
+    /// A late copy of a 20 Hz wave: the delay is found to a tenth of a sample, and nothing else is wrong with it.
+    #[test]
+    fn a_delay_is_found() {
+        let e = Errors::new(&wave(20.0, 1.0, 0.0), &wave(20.0, 1.0, 0.0031));
+        assert!((e.delay_s - 0.0031).abs() < 0.1 / RATE_HZ, "{}", e.delay_s);
+        assert!((e.correlation - (TAU * 20.0 * 0.0031).cos()).abs() < 1e-9);
+    }
+
+    /// A 100 Hz error of amplitude 0.1 on a 5 Hz wave stands in its band alone: rms 0.1/sqrt(2).
+    #[test]
+    fn an_error_stands_in_its_band() {
+        let measured = wave(5.0, 1.0, 0.0);
+        let simulated: Vec<f64> = measured.iter().zip(wave(100.0, 0.1, 0.0)).map(|(a, b)| a + b).collect();
+        let e = Errors::new(&measured, &simulated);
+        let expected = 0.1 / 2.0_f64.sqrt();
+        assert!((e.rms - expected).abs() < 1e-12);
+        assert!((e.rms_of_range - expected / 2.0).abs() < 1e-12);
+        assert!((e.explained - 0.99).abs() < 1e-9);
+        for band in &e.bands {
+            let here = band.from_hz <= 100.0 && 100.0 < band.to_hz;
+            assert!((band.error_rms - if here { expected } else { 0.0 }).abs() < 1e-9, "{band:?}");
+        }
+        assert!((e.bands[0].measured_rms - 0.5_f64.sqrt()).abs() < 1e-9);
+    }
+
+    /// The same series has no error; a constant has no correlation.
+    #[test]
+    fn ends_of_the_scale() {
+        let a = wave(3.0, 2.0, 0.0);
+        let e = Errors::new(&a, &a);
+        assert_eq!((e.rms, e.largest, e.explained), (0.0, 0.0, 1.0));
+        assert!((e.correlation - 1.0).abs() < 1e-12);
+        assert_eq!(Errors::new(&a, &vec![1.0; a.len()]).correlation, 0.0);
+    }
+}
