@@ -72,10 +72,12 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
 ) {
     let h = settings.step;
     let h_theta = h * settings.theta;
-    let mut a = scratch.mass;
-    let mut b = scratch.momentum;
-
     let weights = gravity_and_centrifugal(model, scratch);
+    let driven = drive(model, input, h_theta, scratch);
+    let a = &mut scratch.system.a;
+    let b = &mut scratch.system.b;
+    *a = scratch.mass;
+    *b = scratch.momentum;
     for i in 0..B {
         b[i] += h * weights[i];
     }
@@ -97,7 +99,7 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     for z in 0..model.zone_count {
         let contact = &scratch.contacts[z];
         if contact.active {
-            add_term(&mut a, &mut b, &contact.row, contact.tangent, -h * contact.force, w);
+            add_term(a, b, &contact.row, contact.tangent, -h * contact.force, w);
             if let (FrictionLaw::Regularised { sliding_width, .. }, Some(mu)) =
                 (settings.friction, model.zones[z].friction)
             {
@@ -106,16 +108,15 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
                 let limit = mu * contact.force;
                 let tangent = h_theta * limit / sliding_width * (T::ONE - t * t);
                 scratch.tangential[z] = -limit * t;
-                add_term(&mut a, &mut b, row, tangent, -h * limit * t, w);
+                add_term(a, b, row, tangent, -h * limit * t, w);
             }
         }
     }
-    if let Some((force, tangent)) = drive(model, input, h_theta, scratch) {
+    if let Some((force, tangent)) = driven {
         scratch.drive_force = force;
-        add_term(&mut a, &mut b, &scratch.site_row, tangent, h * force, w);
+        scratch.drive_tangent = tangent;
+        add_term(a, b, &scratch.site_row, tangent, h * force, w);
     }
-    scratch.system.a = a;
-    scratch.system.b = b;
 }
 
 /// Adds a force along a row (impulse p, tangent = -dp/d(row . w)): A += tangent row row^T, b += row (p + tangent row . w).
@@ -164,6 +165,7 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> Option<(T, T)> {
     scratch.drive_force = T::ZERO;
+    scratch.drive_tangent = T::ZERO;
     let site = model.site.as_ref()?;
     match *input {
         Input::Free | Input::Rigid { .. } => None,

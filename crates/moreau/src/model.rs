@@ -166,6 +166,9 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) inertia: [T; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
+    /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force change.
+    pub(crate) weight: [T; B],
+    pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
@@ -241,6 +244,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_stiffness: [T::ZERO; B],
             inertia: [T::ONE; B],
             moment: [o; B],
+            weight: [T::ZERO; B],
+            whirl: [T::ZERO; B],
             zones: [vacant(); Z],
             zone_count: zones.len(),
             sliding_zones: [0; Z],
@@ -278,6 +283,16 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 branch_mass[p] += m;
                 model.inertia[p] += m * dot(bodies[i].pivot, bodies[i].pivot);
                 model.moment[p] = add(model.moment[p], scale(bodies[i].pivot, m));
+            }
+        }
+        for i in 0..bodies.len() {
+            let moment = dot(model.moment[i], model.moment[i]).sqrt();
+            model.weight[i] = gravity.abs() * moment;
+            let p = bodies[i].parent;
+            if p != GROUND {
+                let arm = dot(bodies[i].pivot, bodies[i].pivot).sqrt();
+                model.whirl[i] = arm * moment;
+                model.whirl[p] += arm * moment;
             }
         }
         let known = |b: usize| b == GROUND || b < bodies.len();

@@ -16,14 +16,12 @@ pub struct Pose<T, const B: usize> {
     pub(crate) pivot: [Vector<T>; B],
     /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
     pub(crate) arm: [Vector<T>; B],
-    /// Velocities of the pivots, where they have been asked for.
-    pub(crate) pivot_velocity: [Vector<T>; B],
 }
 
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
         let o = [T::ZERO; 2];
-        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot: [o; B], arm: [o; B], pivot_velocity: [o; B] }
+        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot: [o; B], arm: [o; B] }
     }
 
     /// Places every body for the given absolute angles, parents first.
@@ -58,27 +56,6 @@ impl<T: Real, const B: usize> Pose<T, B> {
     #[inline(always)]
     pub fn point(&self, body: usize, a: Vector<T>) -> Vector<T> {
         if body < B { add(self.pivot[body], self.rotate(body, a)) } else { a }
-    }
-
-    /// Velocity of a point x carried by `body`, given every body's angular velocity and the pivots' velocities.
-    #[inline(always)]
-    pub(crate) fn velocity(&self, v: &[T; B], body: usize, x: Vector<T>) -> Vector<T> {
-        if body < B {
-            let (r, u) = (sub(x, self.pivot[body]), self.pivot_velocity[body]);
-            [u[0] - v[body] * r[1], u[1] + v[body] * r[0]]
-        } else {
-            [T::ZERO; 2]
-        }
-    }
-
-    /// The pivots' velocities at the given angular velocities, parents first.
-    #[inline(always)]
-    pub(crate) fn move_pivots<const Z: usize>(&mut self, model: &Model<T, B, Z>, v: &[T; B]) {
-        for &i in &model.hinged[..model.hinged_count] {
-            let parent = model.parent[i];
-            let (u, arm) = (self.pivot_velocity[parent], self.arm[i]);
-            self.pivot_velocity[i] = [u[0] - v[parent] * arm[1], u[1] + v[parent] * arm[0]];
-        }
     }
 
     /// Adds `sign` times the row that maps relative velocities to `n . velocity(x)`, x being carried by `body`: every joint on

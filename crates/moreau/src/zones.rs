@@ -1,6 +1,7 @@
 //! All contact zones of a step.
 
 use crate::Scalar;
+use crate::linear::product;
 use crate::model::Model;
 use crate::settings::Settings;
 use crate::state::Scratch;
@@ -13,18 +14,67 @@ pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N:
     again: bool,
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let Scratch { pose, contacts, slip_row, has_slip_row, velocity, .. } = scratch;
-    pose.move_pivots(model, velocity);
+    let Scratch { pose, contacts, slip_row, has_slip_row, joint_velocity, .. } = scratch;
     for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
         let contact = &mut contacts[z];
         // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
         if again && contact.out_of_reach {
             continue;
         }
-        contact.evaluate(model, zone, pose, velocity, settings.step, settings.theta);
+        contact.evaluate(model, zone, pose, joint_velocity, settings.step, settings.theta);
         if contact.active && zone.friction.is_some() && !has_slip_row[z] {
             slip_row[z] = contact.slip_row(model, zone, pose);
             has_slip_row[z] = true;
         }
     }
+}
+
+/// Takes the zones' forces along to the step's final velocities (after [`remainder`] has seen the change), so that what can be read afterwards is what acted.
+#[inline(always)]
+pub(crate) fn follow<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    change: &[T; B],
+    scratch: &mut Scratch<T, B, Z, N>,
+) {
+    for (contact, zone) in scratch.contacts.iter_mut().zip(&model.zones[..model.zone_count]) {
+        contact.follow(zone, settings.step, settings.theta);
+    }
+    if T::ZERO < scratch.drive_tangent {
+        let less = scratch.drive_tangent * product(&scratch.site_row, change) / settings.step;
+        scratch.drive_force = (scratch.drive_force - less).max(T::ZERO);
+    }
+}
+
+/// The largest velocity (relative to 1 rad/s + |velocity|) that the felts' curvature, and what the linearisation leaves out,
+/// may still bring about after the iterate has changed by `change` to `next`: the error that one more Newton iteration would remove.
+#[inline(always)]
+pub(crate) fn remainder<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    change: &[T; B],
+    next: &[T; B],
+    scratch: &mut Scratch<T, B, Z, N>,
+) -> T {
+    let (h, h_theta) = (settings.step, settings.step * settings.theta);
+    let mut impulse = [T::ZERO; B];
+    for i in 0..B {
+        // Weight and centrifugal force, whose gradients the linearisation leaves out.
+        let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
+        impulse[i] = h_theta * (h * model.weight[i] + spin) * change[i].abs();
+    }
+    for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
+        let contact = &mut scratch.contacts[z];
+        let p = h * contact.remainder(zone, change, settings.step, settings.theta);
+        if T::ZERO < p {
+            for i in 0..B {
+                impulse[i] += p * contact.row[i].abs();
+            }
+        }
+    }
+    let mut largest = T::ZERO;
+    for i in 0..B {
+        largest = largest.max(impulse[i] / (scratch.system.a[i][i] * (T::ONE + next[i].abs())));
+    }
+    largest
 }
