@@ -1,7 +1,7 @@
 //! Contact zones: geometry of a disc against a curve, and the felt between them.
 
 use crate::linear::product;
-use crate::model::{Curve, Exponent, Felt, Model, Zone};
+use crate::model::{Curve, Exponent, Felt, Zone};
 use crate::pose::Pose;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Mask, Real};
@@ -67,15 +67,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
     /// step's end, and the scheme is backward Euler.
     #[inline(always)]
-    pub(crate) fn evaluate<const Z: usize>(
-        &mut self,
-        model: &Model<T, B, Z>,
-        zone: &Zone<T>,
-        pose: &Pose<T, B>,
-        w: &[T; B],
-        h: T,
-        theta: T,
-    ) {
+    pub(crate) fn evaluate(&mut self, zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>, w: &[T; B], h: T, theta: T) {
         let center = pose.point(zone.disc_body, zone.center);
         let (distance, normal) = distance_to_curve(zone, pose, center);
         self.gap = zone.radius - distance;
@@ -87,7 +79,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
             return;
         }
         self.out_of_reach = false;
-        self.row = gap_row(model, zone, pose, center, normal);
+        self.row = pose.turning_row(carried, center, normal);
         self.rate = product(&self.row, w);
         let offset = reach * self.rate;
         self.bend.deepest = self.gap + offset.abs();
@@ -154,15 +146,11 @@ impl<T: Real, const B: usize> Contact<T, B> {
         T::select(first.lt(self.bend.slack), second, first.max(second))
     }
 
-    /// The row that maps velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal turned
-    /// clockwise by a quarter turn.
+    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
+    /// turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: &Zone<T>, pose: &Pose<T, B>) -> [T; B] {
-        let tangent = [self.normal[1], -self.normal[0]];
-        let mut row = [T::ZERO; B];
-        pose.add_joint_row(model, zone.disc_body, self.point, tangent, T::ONE, &mut row);
-        pose.add_joint_row(model, zone.curve_body, self.point, tangent, -T::ONE, &mut row);
-        row
+    pub(crate) fn slip_row(&self, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
+        pose.turning_row(carried, self.point, [-self.normal[1], self.normal[0]])
     }
 }
 
@@ -288,36 +276,18 @@ pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>)
     zone.radius - distance
 }
 
-/// The row G of a zone at a pose in relative velocities: dg/dt = G w.
-pub(crate) fn gap_row_of<T: Real, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    zone: &Zone<T>,
-    pose: &Pose<T, B>,
-) -> [T; B] {
+/// The row G of a zone at a pose in relative velocities: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)), exact although
+/// the contact point moves. `carried` is +1 for joints that carry the curve only, -1 for the disc only.
+pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
     let center = pose.point(zone.disc_body, zone.center);
     let (_, normal) = distance_to_curve(zone, pose, center);
-    gap_row(model, zone, pose, center, normal)
-}
-
-/// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
-#[inline(always)]
-fn gap_row<T: Real, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    zone: &Zone<T>,
-    pose: &Pose<T, B>,
-    center: Vector<T>,
-    normal: Vector<T>,
-) -> [T; B] {
-    let mut row = [T::ZERO; B];
-    pose.add_joint_row(model, zone.disc_body, center, normal, -T::ONE, &mut row);
-    pose.add_joint_row(model, zone.curve_body, center, normal, T::ONE, &mut row);
-    row
+    pose.turning_row(carried, center, normal)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Body, GROUND};
+    use crate::model::{Body, GROUND, Model};
 
     /// Rows against central differences of the gap, for every kind of curve, on a three-body chain: the claim is that
     /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
@@ -340,7 +310,7 @@ mod tests {
                 let q = [0.3, -0.7, 1.9, 0.4];
                 let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
                 let mut contact = Contact::apart();
-                contact.evaluate(&model, &zone, &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
+                contact.evaluate(&zone, &model.carried[0], &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
                 assert!(contact.active);
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {

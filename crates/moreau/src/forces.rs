@@ -52,7 +52,7 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     scratch.site_row = [T::ZERO; B];
     if let Some(site) = &model.site {
         let x = scratch.pose.point(site.body, site.point);
-        scratch.pose.add_joint_row(model, site.body, x, site.direction, T::ONE, &mut scratch.site_row);
+        scratch.site_row = scratch.pose.turning_row(&model.site_carried, x, site.direction);
     }
 }
 
@@ -114,7 +114,6 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     }
     if let Some((force, tangent)) = driven {
         scratch.drive_force = force;
-        scratch.drive_tangent = tangent;
         add_term(a, b, &scratch.site_row, tangent, h * force, w);
     }
 }
@@ -165,6 +164,7 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> Option<(T, T)> {
     scratch.drive_force = T::ZERO;
+    scratch.drive_pull = T::ZERO;
     scratch.drive_tangent = T::ZERO;
     let site = model.site.as_ref()?;
     match *input {
@@ -174,7 +174,9 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             let at = dot(site.direction, scratch.pose.point(site.body, site.point));
             let speed = product(&scratch.site_row, &scratch.joint_velocity);
             let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
-            (force > T::ZERO).then_some((force, h_theta * (site.damping + h_theta * site.stiffness)))
+            scratch.drive_pull = force;
+            scratch.drive_tangent = h_theta * (site.damping + h_theta * site.stiffness);
+            (force > T::ZERO).then_some((force, scratch.drive_tangent))
         }
     }
 }

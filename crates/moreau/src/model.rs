@@ -170,6 +170,9 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) weight: [T; B],
     pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
+    /// For every zone: +1 for joints that carry the curve only, -1 for the disc only; for the site: 1 for its joints.
+    pub(crate) carried: [[T; B]; Z],
+    pub(crate) site_carried: [T; B],
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -247,6 +250,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
             zones: [vacant(); Z],
+            carried: [[T::ZERO; B]; Z],
+            site_carried: [T::ZERO; B],
             zone_count: zones.len(),
             sliding_zones: [0; Z],
             sliding_count: 0,
@@ -314,6 +319,10 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
+            let (curve, disc) = (model.joints_carrying(zone.curve_body), model.joints_carrying(zone.disc_body));
+            for k in 0..B {
+                model.carried[i][k] = curve[k] - disc[k];
+            }
             if zone.friction.is_some() {
                 model.sliding_zones[model.sliding_count] = i;
                 model.sliding_count += 1;
@@ -327,11 +336,23 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             if !finite(&numbers) {
                 return Err(ModelError::BadNumber);
             }
+            model.site_carried = model.joints_carrying(s.body);
         }
         if !gravity.finite() {
             return Err(ModelError::BadNumber);
         }
         Ok(model)
+    }
+
+    /// 1 for every joint between a body and the ground, 0 for the others.
+    pub(crate) fn joints_carrying(&self, body: usize) -> [T; B] {
+        let mut carrying = [T::ZERO; B];
+        let mut i = body;
+        while i < B {
+            carrying[i] = T::ONE;
+            i = self.parent[i];
+        }
+        carrying
     }
 
     /// Number of zones in use.

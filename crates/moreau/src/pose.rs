@@ -4,7 +4,7 @@ use crate::contact::{gap_of, gap_row_of};
 use crate::joints::row_to_angles;
 use crate::model::{GROUND, Model};
 use crate::real::sin_cos;
-use crate::vector::{Vector, add, cross, sub};
+use crate::vector::{Vector, add, cross};
 use crate::{Real, Scalar};
 
 /// Rotations and pivots of all bodies at one configuration.
@@ -13,7 +13,8 @@ pub struct Pose<T, const B: usize> {
     pub(crate) cos: [T; B],
     pub(crate) sin: [T; B],
     /// Pivots in the world.
-    pub(crate) pivot: [Vector<T>; B],
+    pub(crate) pivot_x: [T; B],
+    pub(crate) pivot_y: [T; B],
     /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
     pub(crate) arm: [Vector<T>; B],
 }
@@ -21,7 +22,7 @@ pub struct Pose<T, const B: usize> {
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
         let o = [T::ZERO; 2];
-        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot: [o; B], arm: [o; B] }
+        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot_x: [T::ZERO; B], pivot_y: [T::ZERO; B], arm: [o; B] }
     }
 
     /// Places every body for the given absolute angles, parents first.
@@ -34,9 +35,9 @@ impl<T: Real, const B: usize> Pose<T, B> {
             let parent = model.parent[i];
             if parent < B {
                 self.arm[i] = self.rotate(parent, model.pivot[i]);
-                self.pivot[i] = add(self.pivot[parent], self.arm[i]);
+                [self.pivot_x[i], self.pivot_y[i]] = add(self.pivot(parent), self.arm[i]);
             } else {
-                self.pivot[i] = model.pivot[i];
+                [self.pivot_x[i], self.pivot_y[i]] = model.pivot[i];
             }
         }
     }
@@ -55,26 +56,25 @@ impl<T: Real, const B: usize> Pose<T, B> {
     /// A point of a body's frame (or of the ground), in the world.
     #[inline(always)]
     pub fn point(&self, body: usize, a: Vector<T>) -> Vector<T> {
-        if body < B { add(self.pivot[body], self.rotate(body, a)) } else { a }
+        if body < B { add(self.pivot(body), self.rotate(body, a)) } else { a }
     }
 
-    /// Adds `sign` times the row that maps relative velocities to `n . velocity(x)`, x being carried by `body`: every joint on
-    /// the way to the ground turns x about its pivot.
+    /// Pivot of a body in the world, m.
     #[inline(always)]
-    pub(crate) fn add_joint_row<const Z: usize>(
-        &self,
-        model: &Model<T, B, Z>,
-        body: usize,
-        x: Vector<T>,
-        n: Vector<T>,
-        sign: T,
-        row: &mut [T; B],
-    ) {
-        let mut i = body;
-        while i < B {
-            row[i] += sign * cross(sub(x, self.pivot[i]), n);
-            i = model.parent[i];
+    pub fn pivot(&self, body: usize) -> Vector<T> {
+        [self.pivot_x[body], self.pivot_y[body]]
+    }
+
+    /// The row that maps relative velocities to `n . velocity(x)`: every joint that carries x turns it about its pivot.
+    /// `carried` is +1 or -1 for those joints and 0 for the others, so that all are treated alike, without a branch.
+    #[inline(always)]
+    pub(crate) fn turning_row(&self, carried: &[T; B], x: Vector<T>, n: Vector<T>) -> [T; B] {
+        let at_x = cross(x, n);
+        let mut row = *carried;
+        for i in 0..B {
+            row[i] = row[i] * (at_x - (self.pivot_x[i] * n[1] - self.pivot_y[i] * n[0]));
         }
+        row
     }
 }
 
@@ -86,11 +86,6 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         pose
     }
 
-    /// Pivot of a body in the world, m.
-    pub fn pivot(&self, body: usize) -> Vector<T> {
-        self.pivot[body]
-    }
-
     /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame.
     pub fn velocity_row<const Z: usize>(
         &self,
@@ -99,9 +94,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         point: Vector<T>,
         n: Vector<T>,
     ) -> [T; B] {
-        let mut row = [T::ZERO; B];
-        let x = self.point(body, point);
-        self.add_joint_row(model, body, x, n, T::ONE, &mut row);
+        let mut row = self.turning_row(&model.joints_carrying(body), self.point(body, point), n);
         row_to_angles(model, &mut row);
         row
     }
@@ -113,7 +106,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
 
     /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
     pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = gap_row_of(model, &model.zones[zone], self);
+        let mut row = gap_row_of(&model.zones[zone], &model.carried[zone], self);
         row_to_angles(model, &mut row);
         row
     }

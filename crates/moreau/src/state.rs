@@ -68,7 +68,8 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub drive_force: T,
     /// Velocity of the site along its direction at t0 + theta h, m/s.
     pub drive_velocity: T,
-    /// h dF/d(site velocity) of an elastic drive.
+    /// Force of an elastic drive before its clamp at zero, N, and h dF/d(site velocity).
+    pub(crate) drive_pull: T,
     pub(crate) drive_tangent: T,
     /// Slip velocity of each zone with friction at t0 + h, m/s, and at t0.
     pub(crate) slip: [[T; 2]; Z],
@@ -98,6 +99,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             momentum: [z; B],
             drive_force: z,
             drive_velocity: z,
+            drive_pull: z,
             drive_tangent: z,
             slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
