@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 pub mod ladder;
+pub mod perturb;
 
 use std::cell::Cell;
 use std::f64::consts::PI;
