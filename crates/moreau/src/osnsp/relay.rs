@@ -299,7 +299,8 @@ fn downhill<T: Scalar, const N: usize>(
             rhs[row] = -problem.velocity_at(i, p);
         }
         let mut d = [T::ZERO; N];
-        eliminate_definite(&mut a, &mut rhs, &mut d, m);
+        // Positive definite by the proximal term: no pivot vanishes.
+        eliminate(&mut a, &mut rhs, &mut d, &[T::ZERO; N], m);
         let mut length = T::ONE;
         let mut blocking = None;
         for (row, &i) in index[..m].iter().enumerate() {
@@ -342,26 +343,4 @@ fn downhill<T: Scalar, const N: usize>(
         }
     }
     limit
-}
-
-/// Solves a positive definite system by elimination.
-fn eliminate_definite<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) {
-    for k in 0..m {
-        for i in k + 1..m {
-            let factor = a[i][k] / a[k][k];
-            for j in k + 1..m {
-                let t = a[k][j];
-                a[i][j] -= factor * t;
-            }
-            let t = rhs[k];
-            rhs[i] -= factor * t;
-        }
-    }
-    for k in (0..m).rev() {
-        let mut s = rhs[k];
-        for j in k + 1..m {
-            s -= a[k][j] * x[j];
-        }
-        x[k] = s / a[k][k];
-    }
 }
