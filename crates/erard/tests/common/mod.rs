@@ -1,0 +1,135 @@
+//! What the physical tests share: the grand, and runs of it under named drives.
+#![allow(dead_code, reason = "every test file uses a part of it")]
+
+pub mod ladder;
+pub mod perturb;
+
+use std::cell::Cell;
+use std::f64::consts::PI;
+
+use erard::instrument::Instrument;
+use erard::run::Run;
+use erard::simulation::{Drive, Setup, simulate};
+use erard::stroke::{Cursor, Series, Touch};
+use moreau::{FrictionLaw, Settings};
+
+/// The usual step, s.
+pub const USUAL_STEP_S: f64 = 50e-6;
+
+/// The shipped concert grand.
+pub fn grand() -> Instrument {
+    Instrument::builtin("concert-grand").expect("the built-in grand reads")
+}
+
+/// Index of a body.
+pub fn body(instrument: &Instrument, name: &str) -> usize {
+    instrument.bodies.iter().position(|b| b.name == name).expect("a body of this name")
+}
+
+/// tanh-regularised friction of a width in rad/s, a tenth of it in m/s at sliding contacts.
+pub fn regularised(width: f64) -> FrictionLaw<f64> {
+    FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width }
+}
+
+/// A drive with the time it takes.
+#[derive(Debug, Clone)]
+pub enum Play {
+    /// Nothing.
+    Free,
+    /// A constant force, N, taken away at an instant, s.
+    ForceStep(f64, f64),
+    /// A built-in stroke's force.
+    Stroke(&'static str, Touch),
+    /// A built-in stroke's motion, with a soft finger.
+    Motion(&'static str, Touch),
+    /// A built-in stroke's motion, imposed on the key.
+    Rigid(&'static str, Touch),
+    /// A soft finger going up and down between two depths (m) at a frequency (Hz), from the upper one.
+    Tremolo {
+        /// Depth of the finger's upper turning point, m.
+        top: f64,
+        /// Of its lower one, m.
+        bottom: f64,
+        /// Strokes per second.
+        frequency: f64,
+    },
+}
+
+impl Play {
+    /// All ten built-in strokes.
+    pub fn strokes() -> impl Iterator<Item = Play> {
+        erard::stroke::NUANCES
+            .into_iter()
+            .flat_map(|nuance| [Touch::Pressed, Touch::Struck].map(|touch| Play::Stroke(nuance, touch)))
+    }
+
+    /// The force steps of the first issue, held for 0.5 s.
+    pub fn force_steps() -> impl Iterator<Item = Play> {
+        [0.8, 2.0, 5.0, 8.0, 20.0, 35.0].into_iter().map(|n| Play::ForceStep(n, 0.5))
+    }
+
+    /// Runs it.
+    pub fn run(&self, instrument: &Instrument, settings: Settings<f64>, duration_s: f64) -> Run {
+        self.run_every(instrument, settings, duration_s, None)
+    }
+
+    /// Runs it, keeping a row every so many steps.
+    pub fn run_every(
+        &self,
+        instrument: &Instrument,
+        settings: Settings<f64>,
+        duration_s: f64,
+        record_every: Option<u64>,
+    ) -> Run {
+        let setup = Setup { settings, start_s: 0.0, duration_s, record_every };
+        let go = |drive: &Drive| {
+            simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))
+        };
+        match *self {
+            Play::Free => go(&Drive::Free),
+            Play::ForceStep(force, until) => go(&Drive::Force(&|t| if t < until { force } else { 0.0 })),
+            Play::Stroke(nuance, touch) => {
+                let series = Series::builtin(nuance, touch).and_then(|s| s.force).expect("built in");
+                let cursor = Cell::new(Cursor::default());
+                go(&Drive::Force(&|t| with(&cursor, |c| series.at(t, c))))
+            }
+            Play::Motion(nuance, touch) => {
+                let position = motion(nuance, touch);
+                go(&Drive::Motion(&position))
+            }
+            Play::Rigid(nuance, touch) => {
+                let position = motion(nuance, touch);
+                go(&Drive::Rigid(&position))
+            }
+            Play::Tremolo { top, bottom, frequency } => go(&Drive::Motion(&|t| tremolo(top, bottom, frequency, t))),
+        }
+    }
+}
+
+/// A finger's position and velocity: a cosine from `top` to `bottom` and back.
+pub fn tremolo(top: f64, bottom: f64, frequency: f64, t: f64) -> [f64; 2] {
+    let (half, w) = (0.5 * (bottom - top), 2.0 * PI * frequency);
+    [top + half * (1.0 - (w * t).cos()), half * w * (w * t).sin()]
+}
+
+/// Position and velocity of a built-in stroke.
+fn motion(nuance: &str, touch: Touch) -> impl Fn(f64) -> [f64; 2] {
+    let series = Series::builtin(nuance, touch).and_then(|s| s.position).expect("built in");
+    let cursor = Cell::new(Cursor::default());
+    move |t| {
+        let (y, v, _) = with(&cursor, |c| series.at(t, c));
+        [y, v]
+    }
+}
+
+fn with<R>(cell: &Cell<Cursor>, f: impl FnOnce(&mut Cursor) -> R) -> R {
+    let mut cursor = cell.get();
+    let result = f(&mut cursor);
+    cell.set(cursor);
+    result
+}
+
+/// Largest absolute value.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |m, x| m.max(x.abs()))
+}

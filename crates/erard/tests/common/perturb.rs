@@ -1,0 +1,216 @@
+//! Random instruments and random strokes, each made from one number, so that a bad one can be made again.
+
+use erard::equilibrium::{self, EquilibriumError};
+use erard::instrument::{Curve, Instrument, Vec2};
+use erard::mechanism::mechanism;
+use erard::stroke::{Cursor, NUANCES, Series, Touch};
+use moreau::{Input, Ledger, Outcome, Settings};
+
+use super::tremolo;
+
+/// splitmix64: every seed, also 0, 1, 2 ..., begins a sequence of its own.
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    /// The sequence of a seed.
+    pub fn new(seed: u64) -> Self {
+        Random(seed.wrapping_mul(0xd134_2543_de82_ef95))
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in [a, b).
+    pub fn between(&mut self, a: f64, b: f64) -> f64 {
+        a + (b - a) * self.unit()
+    }
+
+    /// One of n.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.unit() * n as f64) as usize
+    }
+
+    /// A factor between 1/x and x, uniform in its logarithm.
+    pub fn factor(&mut self, x: f64) -> f64 {
+        x.powf(self.between(-1.0, 1.0))
+    }
+}
+
+/// Every length +-10 % (each coordinate and radius by itself), masses, friction torques, friction coefficients and springs times or
+/// over 2, felts' stiffness times or over 3, damping times or over 2. An inertia follows its mass and the square of its lengths, so
+/// that it stays that of a possible body. Nothing is regulated again: most of these would not leave the workshop.
+pub fn perturbed(grand: &Instrument, seed: u64) -> Instrument {
+    let mut i = grand.clone();
+    let mut r = Random::new(seed);
+    fn length(r: &mut Random, p: &mut Vec2) {
+        p.iter_mut().for_each(|x| *x *= r.between(0.9, 1.1));
+    }
+    for body in &mut i.bodies {
+        let square = |c: Vec2| c[0] * c[0] + c[1] * c[1];
+        let own = body.inertia_kg_m2 - body.mass_kg * square(body.center_of_mass_m);
+        let (mass, size) = (r.factor(2.0), r.between(0.9, 1.1));
+        length(&mut r, &mut body.pivot_m);
+        length(&mut r, &mut body.center_of_mass_m);
+        body.mass_kg *= mass;
+        body.inertia_kg_m2 = own * mass * size * size + body.mass_kg * square(body.center_of_mass_m);
+        body.friction_torque_n_m *= r.factor(2.0);
+        body.viscous_n_m_s *= r.factor(2.0);
+    }
+    for spring in &mut i.springs {
+        spring.torque_n_m *= r.factor(2.0);
+        spring.stiffness_n_m_per_rad *= r.factor(2.0);
+    }
+    for zone in &mut i.zones {
+        length(&mut r, &mut zone.disc_center_m);
+        zone.disc_radius_m *= r.between(0.9, 1.1);
+        match &mut zone.curve {
+            Curve::Line { point_m, .. } => length(&mut r, point_m),
+            Curve::Segment { from_m, to_m, rounding_m } => {
+                length(&mut r, from_m);
+                length(&mut r, to_m);
+                *rounding_m *= r.between(0.9, 1.1);
+            }
+            Curve::Disc { center_m, radius_m } => {
+                length(&mut r, center_m);
+                *radius_m *= r.between(0.9, 1.1);
+            }
+        }
+        zone.felt.stiffness *= r.factor(3.0);
+        zone.felt.damping *= r.factor(2.0);
+        zone.friction_coefficient *= r.factor(2.0);
+    }
+    length(&mut r, &mut i.roles.key_front_m);
+    i.finger.stiffness_n_per_m *= r.factor(3.0);
+    i.finger.damping_n_s_per_m *= r.factor(2.0);
+    i
+}
+
+/// What happened to one random instrument.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Fate {
+    /// Its seed.
+    pub seed: u64,
+    /// Steps of the stroke.
+    pub steps: u64,
+    /// Of which did not converge.
+    pub unconverged: u64,
+    /// Newton iterations.
+    pub newton: u64,
+    /// Simulated time that it took to come to rest before the stroke, s.
+    pub settling_s: f64,
+    /// Largest |residual| of the energy ledger at any time, over the energy that had been turned over by then (work put in, stored at
+    /// the start, lost).
+    pub residual: f64,
+    /// Largest gain: stored + lost - start - work, where positive, over the same.
+    pub gain: f64,
+    /// Smallest dissipation term, J.
+    pub smallest_term: f64,
+    /// No rest was found to start from; it was played from where it was then.
+    pub restless: bool,
+    /// A number became infinite or not a number.
+    pub not_finite: bool,
+}
+
+/// What moves the key.
+enum Stroke {
+    Force(Box<dyn Fn(f64) -> f64>),
+    Motion(Box<dyn Fn(f64) -> [f64; 2]>),
+    Rigid(Box<dyn Fn(f64) -> [f64; 2]>),
+}
+
+/// A random stroke: steps of force, built-in strokes as force, as motion and as imposed motion, repetition.
+fn stroke(r: &mut Random) -> Stroke {
+    let touch = if r.below(2) == 0 { Touch::Pressed } else { Touch::Struck };
+    let series = Series::builtin(NUANCES[r.below(5)], touch).expect("built in");
+    let (force, position) = (series.force.expect("has one"), series.position.expect("has one"));
+    let at = move |t: f64| {
+        let (y, v, _) = position.at(t, &mut Cursor::default());
+        [y, v]
+    };
+    match r.below(5) {
+        0 => {
+            let (newtons, until) = (0.3 + 40.0 * r.unit().powi(2), r.between(0.02, 0.3));
+            Stroke::Force(Box::new(move |t| if t < until { newtons } else { 0.0 }))
+        }
+        1 => Stroke::Force(Box::new(move |t| force.at(t, &mut Cursor::default()))),
+        2 => Stroke::Motion(Box::new(at)),
+        3 => Stroke::Rigid(Box::new(at)),
+        _ => {
+            let (top, bottom, frequency) = (r.between(0.0, 5e-3), r.between(6e-3, 11e-3), r.between(2.0, 14.0));
+            Stroke::Motion(Box::new(move |t| tremolo(top, bottom, frequency, t)))
+        }
+    }
+}
+
+/// Every so many steps stock is taken of the energy.
+const STOCK: u64 = 20;
+
+/// Plays a random stroke on a random instrument. Never panics, or the test has found something.
+pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: f64) -> Fate {
+    let instrument = perturbed(grand, seed);
+    let mut r = Random::new(seed ^ 0x5eed_0000_0000_0000);
+    let stroke = stroke(&mut r);
+    let mut fate = Fate { seed, ..Fate::default() };
+    let mut m = mechanism(&instrument, settings).expect("a valid instrument assembles");
+    match equilibrium::settle(m.as_mut(), &Input::Free) {
+        Ok(time) => fate.settling_s = time,
+        Err(EquilibriumError::NoRest { .. }) => fate.restless = true,
+        Err(_) => {
+            fate.not_finite = true;
+            return fate;
+        }
+    }
+    let home = m.site_position();
+    m.open_ledger();
+    let (h, theta) = (settings.step, settings.theta);
+    fate.steps = (duration_s / h) as u64;
+    for n in 0..fate.steps {
+        let t = n as f64 * h;
+        let input = match &stroke {
+            Stroke::Force(f) => Input::Force(f(t + theta * h)),
+            Stroke::Motion(p) => {
+                let [y, velocity] = p(t + theta * h);
+                Input::Motion { position: home + y, velocity }
+            }
+            Stroke::Rigid(p) => {
+                let behind = home + p(t)[0] - m.site_position();
+                Input::Rigid { velocity: p(t + h)[1] + 0.1 * behind / h }
+            }
+        };
+        let report = m.step(&input);
+        fate.newton += u64::from(report.newton);
+        match report.outcome {
+            Outcome::Converged => {}
+            Outcome::IterationLimit => fate.unconverged += 1,
+            Outcome::NonFinite => {
+                fate.not_finite = true;
+                return fate;
+            }
+        }
+        if n % STOCK == STOCK - 1 {
+            fate.take_stock(&m.ledger());
+        }
+    }
+    fate
+}
+
+impl Fate {
+    fn take_stock(&mut self, ledger: &Ledger) {
+        let turnover = ledger.drive_work_in + ledger.dissipated() + ledger.start.felt + ledger.start.spring.abs();
+        let share = ledger.residual() / turnover.max(1e-6);
+        self.residual = self.residual.max(share.abs());
+        self.gain = self.gain.max(share);
+        self.smallest_term = self.smallest_term.min(ledger.smallest_term);
+    }
+}

@@ -1,0 +1,72 @@
+//! The same input gives the same bits, and the same amount of work.
+
+mod common;
+
+use common::{Play, USUAL_STEP_S, grand};
+use erard::run::Run;
+use erard::stroke::Touch;
+use moreau::Settings;
+
+/// FNV-1a over the bits of all series that the mechanics produce, and of the ledger.
+fn digest(run: &Run) -> u64 {
+    let l = &run.ledger;
+    let totals = [l.now.total(), l.drive_work, l.pivot_dry, l.pivot_viscous, l.felt_damping, l.coulomb];
+    let angles = run.bodies.iter().flat_map(|b| b.angle_rad.iter().chain(&b.rate_rad_per_s));
+    let forces = run.zones.iter().flat_map(|z| z.normal_n.iter().chain(&z.tangential_n));
+    angles
+        .chain(forces)
+        .chain(&run.key_m)
+        .chain(&run.force_n)
+        .chain(&run.final_pivot_friction_n_m)
+        .chain(&totals)
+        .flat_map(|x| x.to_bits().to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// Twelve notes of one second, soft to loud, one after the other: 240 000 steps.
+fn long_run() -> u64 {
+    let grand = grand();
+    let plays = Play::strokes().chain([Play::ForceStep(12.0, 0.6), Play::Rigid("mf", Touch::Pressed)]);
+    plays.fold(0, |all, play| {
+        let run = play.run_every(&grand, Settings::new(USUAL_STEP_S), 1.0, Some(100));
+        all.rotate_left(5) ^ digest(&run)
+    })
+}
+
+/// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine, to the shipped instrument and to the
+/// built-in strokes, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
+/// value, which the failing test prints, here.
+const GOLDEN: u64 = 0xf43c_a4e4_003c_b768;
+
+/// The engine uses + - * /, square roots and its own libm only, so that the digest holds on every target.
+#[test]
+fn the_long_run_has_its_digest() {
+    let found = long_run();
+    assert_eq!(found, GOLDEN, "the bits have changed; if they were meant to: GOLDEN = {found:#018x}");
+}
+
+/// The same run twice in one process, and in another thread.
+#[test]
+fn the_same_run_twice_gives_the_same_bits() {
+    let go = || {
+        let play = Play::Tremolo { top: 3e-3, bottom: 9.9e-3, frequency: 8.0 };
+        digest(&play.run(&grand(), Settings::new(USUAL_STEP_S), 1.0))
+    };
+    let first = go();
+    assert_eq!(first, go());
+    assert_eq!(first, std::thread::spawn(go).join().unwrap());
+}
+
+/// How much work a mezzo forte press of one second is: 20 000 steps, 20 056 Newton iterations and 23 350 active sets measured. The bounds leave a twentieth, so
+/// that an efficiency lost in silence turns this red. Lower them when the solver gets better.
+#[test]
+fn a_press_costs_what_it_did() {
+    let work = Play::Stroke("mf", Touch::Pressed).run(&grand(), Settings::new(USUAL_STEP_S), 1.0).work;
+    println!(
+        "{} steps, {} Newton iterations, {} active sets",
+        work.steps, work.newton_iterations, work.solver_iterations
+    );
+    assert_eq!((work.steps, work.unconverged_steps), (20_000, 0));
+    assert!(work.newton_iterations < 21_100, "{work:?}");
+    assert!(work.solver_iterations < 24_600, "{work:?}");
+}

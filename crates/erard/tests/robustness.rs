@@ -1,0 +1,62 @@
+//! Random instruments under random strokes. `cargo run --release -p erard --example robustness` plays ten thousand of them.
+
+mod common;
+
+use common::perturb::{Fate, perturbed, play};
+use common::{USUAL_STEP_S, grand};
+use moreau::Settings;
+
+const INSTRUMENTS: u64 = 400;
+
+fn fates(theta: f64, first: u64) -> Vec<Fate> {
+    let (grand, settings) = (grand(), Settings { theta, ..Settings::new(USUAL_STEP_S) });
+    let half = |from: u64, to: u64| (from..to).map(|seed| play(&grand, seed, settings, 0.4)).collect::<Vec<_>>();
+    let middle = first + INSTRUMENTS / 2;
+    std::thread::scope(|scope| {
+        let other = scope.spawn(|| half(middle, first + INSTRUMENTS));
+        let mut all = half(first, middle);
+        all.extend(other.join().expect("no panic"));
+        all
+    })
+}
+
+/// No panic, nothing that is not finite, a rest to start from, and bounded energy: at any time what is stored and lost exceeds what
+/// was there and what was put in by less than 1 % of what has been turned over. (Felts three times as stiff on lighter bodies are at
+/// the resolution of the step: of 10 000 instruments the worst gains 0.3 %, one in a hundred more than 0.03 %, the grand
+/// 0.006 %.) Friction never gives energy. Of the steps fewer than one in 20 000 is not converged (1 in 180 000 of the 10 000).
+#[test]
+fn nothing_breaks_at_random() {
+    let fates = fates(0.5, 0);
+    for fate in &fates {
+        assert!(!fate.not_finite && !fate.restless, "{fate:?}");
+        assert!(fate.gain < 1e-2 && fate.residual < 1e-2, "{fate:?}");
+        assert!(fate.smallest_term >= 0.0, "{fate:?}");
+    }
+    let (steps, unconverged) = fates.iter().fold((0, 0), |(a, b), f| (a + f.steps, b + f.unconverged));
+    println!("{unconverged} of {steps} steps unconverged");
+    assert!(unconverged * 20_000 < steps, "{unconverged} of {steps}");
+}
+
+/// At theta = 1 the scheme takes energy of its own and gives none: no gain but rounding.
+#[test]
+fn nothing_breaks_at_random_with_theta_one() {
+    for fate in fates(1.0, 20_000) {
+        assert!(!fate.not_finite && !fate.restless, "{fate:?}");
+        assert!(fate.gain < 1e-6, "{fate:?}");
+        assert!(fate.smallest_term >= 0.0, "{fate:?}");
+    }
+}
+
+/// The random instruments are possible bodies: an inertia about the pivot is never less than that of the mass at its centre.
+#[test]
+fn random_instruments_are_possible() {
+    let grand = grand();
+    for seed in 0..1000 {
+        for body in perturbed(&grand, seed).bodies {
+            let [x, y] = body.center_of_mass_m;
+            assert!(body.inertia_kg_m2 >= body.mass_kg * (x * x + y * y) && body.mass_kg > 0.0, "{seed}: {body:?}");
+        }
+    }
+    assert_eq!(perturbed(&grand, 7), perturbed(&grand, 7));
+    assert_ne!(perturbed(&grand, 7), perturbed(&grand, 8));
+}
