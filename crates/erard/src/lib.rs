@@ -6,6 +6,7 @@ pub mod assembly;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;
+pub mod kinematics;
 pub mod mechanism;
 pub mod one_dof;
 mod recorder;

@@ -1,10 +1,10 @@
 //! The set-valued part of a step: which laws are in force, and what became of them.
 
+use crate::Scalar;
 use crate::linear::product;
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch};
-use crate::Scalar;
 
 /// What a sliding law of the one-step problem stands for.
 #[derive(Debug, Clone, Copy)]

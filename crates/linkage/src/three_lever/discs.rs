@@ -269,6 +269,20 @@ impl DiscLevers {
         Some(nearest(solutions, self.key_rest))
     }
 
+    /// Travel of the key's front (m) from the pose `rest` until the whippen, or what is locked
+    /// to it, meets a stop on the ground (in the frame of A, not turned). `None` if it never does.
+    #[must_use]
+    pub fn key_travel_to_stop(&self, rest: &StrokePose, stop: &Touch) -> Option<f64> {
+        let sense = rest.whippen_ratio.signum();
+        let turns = (stop.turned(true, self.whippen_pivot, ([0.0; 2], 0.0))?)
+            .map(|w| wrap((w - rest.w) * sense))
+            .into_iter()
+            .filter(|turn| *turn > 0.0);
+        let turn = turns.fold(f64::INFINITY, f64::min);
+        let k = self.key_under(rest.w + turn * sense).filter(|k| k.is_finite())?;
+        Some((k - self.key_rest) * self.key_front)
+    }
+
     /// Where capstan and heel, and where knuckle and jack, touch at a pose (m, from A).
     #[must_use]
     pub fn contact_points(&self, pose: &StrokePose) -> [[f64; 2]; 2] {
