@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use erard::instrument::FileError;
+use erard::kinematics::DeriveError;
 use erard::one_dof::OneDofError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
@@ -24,6 +25,12 @@ pub enum Failure {
     /// No one-degree-of-freedom model follows.
     #[error(transparent)]
     OneDof(#[from] OneDofError),
+    /// An instrument has no three levers.
+    #[error(transparent)]
+    Levers(#[from] DeriveError),
+    /// Levers that do not reach as far as was asked; what they do reach has been written.
+    #[error("{0}")]
+    Reach(String),
     /// Arguments that do not fit together or name what is not there.
     #[error("{0}")]
     Usage(String),

@@ -2,6 +2,7 @@
 
 mod check;
 mod draw;
+mod kinematics;
 mod options;
 mod press;
 
@@ -23,6 +24,8 @@ enum Sub {
     Press(Box<press::Press>),
     /// Draws the action in one pose, as SVG and PNG.
     Draw(Box<draw::Draw>),
+    /// Shows leverage and sliding over the key's travel, from the geometry alone.
+    Kinematics(Box<kinematics::Kinematics>),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
 }
@@ -33,6 +36,7 @@ pub fn run() -> ExitCode {
     let result = match command.subcommand {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
+        Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Check(check) => check.run(),
     };
     match result {

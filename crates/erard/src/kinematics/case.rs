@@ -10,6 +10,8 @@ const DIGEST_STEPS: usize = 400;
 pub struct LetOff {
     /// Height of the strike point over the key's pivot, m.
     pub head_height_m: f64,
+    /// What it is called in figures: `let-off`, or `toe contact` where the jack begins to escape.
+    pub name: &'static str,
     /// What happens there, for people.
     pub what: String,
 }

@@ -302,13 +302,15 @@ impl AtRest<'_> {
                 let pose = key.and_then(|key| train.stroke(0.0, key, 1).poses.into_iter().nth(1));
                 return Ok(pose.map(|pose| LetOff {
                     head_height_m: train.rest_head_height() + pose.head_rise,
-                    what: format!("{} touch", zone.label),
+                    name: "toe contact",
+                    what: format!("contact of {}, where the jack begins to escape", zone.label),
                 }));
             }
         }
         Ok(roles.string.map(|string| -self.gap(string) - USUAL_LET_OFF_M).filter(|rise| *rise > 0.0).map(|rise| {
             LetOff {
                 head_height_m: train.rest_head_height() + rise,
+                name: "let-off",
                 what: format!("hammer head {:.1} mm below the string", USUAL_LET_OFF_M * 1e3),
             }
         }))

@@ -87,7 +87,7 @@ impl LinkageFile {
         Ok(Design {
             name: self.name.clone(),
             levers: self.levers.into(),
-            let_off: Some(LetOff { head_height_m: rest + self.blow_m - self.let_off_m, what: below }),
+            let_off: Some(LetOff { head_height_m: rest + self.blow_m - self.let_off_m, name: "let-off", what: below }),
         })
     }
 }

@@ -81,13 +81,13 @@ impl SlowPress {
     /// did not pass through the whole window.
     #[must_use]
     pub fn leverage(&self, key_m: f64) -> Option<f64> {
-        let row = |travel: f64| {
+        let rise = |travel: f64| {
             let row = self.key_m.partition_point(|&key| key < travel);
-            (row < self.key_m.len()).then_some(row)
+            let (after, before) = (*self.key_m.get(row)?, *self.key_m.get(row.checked_sub(1)?)?);
+            let part = (travel - before) / (after - before);
+            Some(self.head_rise_m[row - 1] + part * (self.head_rise_m[row] - self.head_rise_m[row - 1]))
         };
-        let (from, to) = (row(key_m - HALF_WINDOW_M)?, row(key_m + HALF_WINDOW_M)?);
-        let travel = self.key_m[to] - self.key_m[from];
-        (travel > HALF_WINDOW_M).then(|| (self.head_rise_m[to] - self.head_rise_m[from]) / travel)
+        Some((rise(key_m + HALF_WINDOW_M)? - rise(key_m - HALF_WINDOW_M)?) / (2.0 * HALF_WINDOW_M))
     }
 
     /// Key travel at which play and felts are taken up and the head is on its way.
