@@ -16,15 +16,19 @@ use crate::kinematics::summary::Summary;
 use crate::kinematics::{Shown, figures, table};
 use crate::output::Output;
 
-/// Shows what the geometry alone says about touch: leverage and sliding over the key's travel, without dynamics.
+/// What stands below the options.
+const AFTER: &str = "\
+Writes kinematics.csv, summary.json, and the figures sliding and leverage as SVG and PNG; with an instrument also
+leverage-dynamics, where a slow press of its dynamic model checks the geometry.
+
+Levers that cannot follow the key as far as asked end the program with code 2 and the key position where they stop; what
+they reach is written all the same.";
+
+/// Shows leverage and sliding over the key's travel, from the geometry alone.
 ///
 /// The levers come from a linkage file with the lengths L1 to L10, or from the same instrument file that `press` uses.
-/// Writes kinematics.csv, summary.json, and the figures sliding and leverage as SVG and PNG; with an instrument also
-/// leverage-dynamics, where a slow press of its dynamic model checks the geometry.
-///
-/// Levers that cannot follow the key as far as asked end the program with code 2 and the key position where they stop;
-/// what they reach is written all the same.
 #[derive(Debug, Args)]
+#[command(after_help = AFTER)]
 pub struct Kinematics {
     /// Three levers by their lengths: a TOML file of kind `three-lever`, or c7f-like or steinway-o-like
     #[arg(value_name = "LINKAGE.toml", conflicts_with = "instrument")]

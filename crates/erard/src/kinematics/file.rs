@@ -51,13 +51,21 @@ impl LinkageFile {
         convert(&file, file_name).map_err(|fault| dress(file_name, text, fault))
     }
 
+    /// Reads the bytes of a linkage file, which must be UTF-8 (a byte order mark is allowed).
+    ///
+    /// # Errors
+    /// As [`LinkageFile::parse`], and where the bytes are not UTF-8.
+    pub fn parse_bytes(bytes: &[u8], file_name: &str) -> Result<Self, Box<FileError>> {
+        Self::parse(utf8(bytes, file_name)?, file_name)
+    }
+
     /// Reads a linkage file from disk.
     ///
     /// # Errors
-    /// As [`LinkageFile::parse`], and where the file cannot be read or is not UTF-8.
+    /// As [`LinkageFile::parse_bytes`], and where the file cannot be read.
     pub fn load(path: &Path) -> Result<Self, Box<FileError>> {
         let (name, bytes) = read_bytes(path)?;
-        Self::parse(utf8(&bytes, &name)?, &name)
+        Self::parse_bytes(&bytes, &name)
     }
 
     /// A built-in linkage, e.g. `c7f-like`, or `None` when there is none of that name.
