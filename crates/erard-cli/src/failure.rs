@@ -48,7 +48,8 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 1 otherwise.
+    /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 130 for an
+    /// interruption, 1 otherwise.
     pub fn report(&self) -> ExitCode {
         match self {
             Failure::Instrument(error) if !error.text.is_empty() => {
@@ -57,7 +58,11 @@ impl Failure {
             }
             _ => eprintln!("error: {self}"),
         }
-        ExitCode::from(if matches!(self, Failure::Internal(_)) { 1 } else { 2 })
+        ExitCode::from(match self {
+            Failure::Internal(_) => 1,
+            Failure::Simulation(SimulationError::Interrupted) => 130,
+            _ => 2,
+        })
     }
 }
 

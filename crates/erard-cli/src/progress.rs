@@ -1,11 +1,25 @@
-//! A bar on stderr for work that takes long enough to be waited for.
+//! Work that takes long enough to be waited for: a bar on stderr, and an end on request.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_millis(400);
+
+/// Whether the user has asked for an end (control-C).
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on the first control-C lets the work end by itself and clean up; a second one ends the process at once.
+pub fn listen_for_interrupts() {
+    // Where no handler can be set, control-C ends the process, as it does by default.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+}
 
 /// A bar that appears only when the work turns out to be long, and only on a terminal.
 #[derive(Debug)]
@@ -24,12 +38,13 @@ impl Progress {
         Progress { start: Instant::now(), bar }
     }
 
-    /// Shows the share that is done.
-    pub fn tell(&mut self, share: f64) {
+    /// Shows the share that is done; false if the work should end.
+    pub fn tell(&mut self, share: f64) -> bool {
         if self.bar.is_hidden() && self.start.elapsed() > PATIENCE {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
         self.bar.set_position((share * 1000.0) as u64);
+        !INTERRUPTED.load(Ordering::Relaxed)
     }
 }
 

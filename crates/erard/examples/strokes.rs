@@ -65,7 +65,7 @@ fn scale_for(grand: &Instrument, speed: f64, level: f64, blow: f64) -> f64 {
 /// Half a millisecond while it moves, more sparsely while it is held: unevenly sampled, as files may be.
 fn kept(t: f64) -> bool {
     let ms = (t * 2e3).round() as u64;
-    ms <= 400 || (1000..1200).contains(&ms) || ms % 10 == 0
+    ms <= 400 || (1000..1200).contains(&ms) || ms.is_multiple_of(10)
 }
 
 fn write(folder: &Path, name: &str, run: &Run, force: &dyn Fn(f64) -> f64) {

@@ -8,8 +8,8 @@ use crate::run::{Events, Strike};
 /// and a hundredth of its dip.
 pub const KEY_START_M: f64 = 1e-4;
 
-/// The head's speed is looked at within this distance of the string, m: many times what it travels in a step.
-const NEAR_M: f64 = 0.05;
+/// The head's speed is looked at within this distance of the string, m: twice what the fastest travels in the longest step.
+const NEAR_M: f64 = 0.01;
 
 /// Watches a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
 #[derive(Debug)]

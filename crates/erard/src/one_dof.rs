@@ -154,12 +154,12 @@ fn ratios(rows: &[Vec<f64>], key: usize, count: usize) -> Option<Vec<f64>> {
         if a[k][k].abs() < 1e-6 {
             return None;
         }
-        for i in 0..n {
+        let pivot_row = a[k].clone();
+        for (i, row) in a.iter_mut().enumerate() {
             if i != k {
-                let factor = a[i][k] / a[k][k];
-                for j in k..=n {
-                    let t = a[k][j];
-                    a[i][j] -= factor * t;
+                let factor = row[k] / pivot_row[k];
+                for (x, p) in row.iter_mut().zip(&pivot_row) {
+                    *x -= factor * p;
                 }
             }
         }

@@ -111,7 +111,7 @@ impl Setup {
         if !(0.5..=1.0).contains(&theta) {
             return Err(SimulationError::Theta { found: theta });
         }
-        if !(self.start_s.abs() <= 1e9) {
+        if !(-1e9..=1e9).contains(&self.start_s) {
             return Err(SimulationError::Start { found: self.start_s });
         }
         let longest = step * (1u64 << 40) as f64;

@@ -1,6 +1,7 @@
 //! Contact zones: geometry of a disc against a curve, and the felt between them.
 
-use crate::model::{Curve, Exponent, Felt, Model, Zone};
+use crate::linear::product;
+use crate::model::{Curve, Exponent, Felt, Zone};
 use crate::pose::Pose;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Mask, Real};
@@ -32,6 +33,10 @@ pub struct Contact<T, const B: usize> {
     pub damping_force: T,
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub(crate) tangent: T,
+    /// Change of the rate by the last Newton correction.
+    ahead: T,
+    /// What [`Contact::remainder`] needs of the felt.
+    bend: Bend<T>,
     /// Row G in relative velocities: dg/dt = G w.
     pub(crate) row: [T; B],
 }
@@ -49,6 +54,8 @@ impl<T: Real, const B: usize> Contact<T, B> {
             force: z,
             damping_force: z,
             tangent: z,
+            ahead: z,
+            bend: Bend { deepest: z, slope: z, damping: z, slack: z },
             row: [z; B],
         }
     }
@@ -60,15 +67,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
     /// step's end, and the scheme is backward Euler.
     #[inline(always)]
-    pub(crate) fn evaluate<const Z: usize>(
-        &mut self,
-        model: &Model<T, B, Z>,
-        zone: &Zone<T>,
-        pose: &Pose<T, B>,
-        v: &[T; B],
-        h: T,
-        theta: T,
-    ) {
+    pub(crate) fn evaluate(&mut self, zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>, w: &[T; B], h: T, theta: T) {
         let center = pose.point(zone.disc_body, zone.center);
         let (distance, normal) = distance_to_curve(zone, pose, center);
         self.gap = zone.radius - distance;
@@ -80,34 +79,78 @@ impl<T: Real, const B: usize> Contact<T, B> {
             return;
         }
         self.out_of_reach = false;
-        let approach = sub(pose.velocity(v, zone.curve_body, center), pose.velocity(v, zone.disc_body, center));
-        self.rate = dot(approach, normal);
+        self.row = pose.turning_row(carried, center, normal);
+        self.rate = product(&self.row, w);
         let offset = reach * self.rate;
-        if !T::ZERO.lt(self.gap + offset.abs()).any() {
+        self.bend.deepest = self.gap + offset.abs();
+        if !T::ZERO.lt(self.bend.deepest).any() {
             return;
         }
         self.active = true;
         self.normal = normal;
         self.point = sub(center, scale(normal, distance));
-        self.row = gap_row(model, zone, pose, center, normal);
-        let (half, h_theta) = (T::from_f64(0.5), h * theta);
+        self.press(zone, offset, reach, h * theta);
+    }
+
+    /// The felt's mean force over the step and its tangent, at the present compression and rate.
+    #[inline(always)]
+    fn press(&mut self, zone: &Zone<T>, offset: T, reach: T, h_theta: T) {
+        let half = T::from_f64(0.5);
         let a = felt_law(&zone.felt, (self.gap + offset).max(T::ZERO), self.rate);
         let b = felt_law(&zone.felt, (self.gap - offset).max(T::ZERO), self.rate);
         self.force = half * (a.force + b.force);
         self.damping_force = half * (a.damping_force + b.damping_force);
         let slope = (h_theta + reach) * a.stiffness + (h_theta - reach) * b.stiffness;
         self.tangent = (half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO);
+        self.bend.slope = a.stiffness.abs().max(b.stiffness.abs());
+        self.bend.damping = a.damping.max(b.damping);
+        self.bend.slack = a.slack.min(b.slack);
     }
 
-    /// The row that maps velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal turned
-    /// clockwise by a quarter turn.
+    /// Follows the change of the relative velocities that [`Contact::remainder`] has seen, without looking at the geometry again.
     #[inline(always)]
-    pub(crate) fn slip_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: &Zone<T>, pose: &Pose<T, B>) -> [T; B] {
-        let tangent = [self.normal[1], -self.normal[0]];
-        let mut row = [T::ZERO; B];
-        pose.add_joint_row(model, zone.disc_body, self.point, tangent, T::ONE, &mut row);
-        pose.add_joint_row(model, zone.curve_body, self.point, tangent, -T::ONE, &mut row);
-        row
+    pub(crate) fn follow(&mut self, zone: &Zone<T>, h: T, theta: T) {
+        if !self.active {
+            return;
+        }
+        self.rate += self.ahead;
+        self.gap += theta * h * self.ahead;
+        let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
+        self.press(zone, reach * self.rate, reach, h * theta);
+    }
+
+    /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
+    /// Newton iteration leaves to the next.
+    #[inline(always)]
+    pub(crate) fn remainder(&mut self, zone: &Zone<T>, change: &[T; B], h: T, theta: T) -> T {
+        if self.out_of_reach {
+            return T::ZERO;
+        }
+        self.ahead = theta * product(&self.row, change);
+        let rate = self.ahead.abs();
+        let gap = (theta * h + (T::ONE - theta) * h * T::from_f64(GAUSS_POINT)) * rate;
+        let deepest = self.bend.deepest + gap;
+        if !T::ZERO.lt(deepest).any() {
+            return T::ZERO;
+        }
+        let half = T::from_f64(0.5);
+        let (elastic, _, curvature) = zone.felt.elastic(deepest.max(T::ZERO));
+        let damping = zone.felt.damping * deepest * deepest;
+        if !self.active {
+            return elastic + damping * (self.rate.abs() + rate);
+        }
+        // To second order; where the clamp at zero may have come or gone, to first.
+        let second = half * (curvature + T::from_f64(2.0) * zone.felt.damping * self.rate.abs()) * gap * gap
+            + T::from_f64(2.0) * zone.felt.damping * deepest * gap * rate;
+        let first = self.bend.slope * gap + self.bend.damping * rate;
+        T::select(first.lt(self.bend.slack), second, first.max(second))
+    }
+
+    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
+    /// turned clockwise by a quarter turn.
+    #[inline(always)]
+    pub(crate) fn slip_row(&self, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
+        pose.turning_row(carried, self.point, [-self.normal[1], self.normal[0]])
     }
 }
 
@@ -145,6 +188,18 @@ fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vecto
     (T::select(usable, length, T::ZERO), n)
 }
 
+/// How a zone's force bends away from its linearisation.
+#[derive(Debug, Clone, Copy)]
+struct Bend<T> {
+    /// Largest compression during the step, m; negative where there is none.
+    deepest: T,
+    /// Largest |dF/dg| and dF/d(dg/dt) of the Gauss points.
+    slope: T,
+    damping: T,
+    /// Smallest force of a touched Gauss point, N: how far the clamp at zero is.
+    slack: T,
+}
+
 /// The felt law and its partial derivatives at one compression and rate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FeltState<T> {
@@ -152,30 +207,15 @@ pub(crate) struct FeltState<T> {
     pub damping_force: T,
     pub stiffness: T,
     pub damping: T,
+    /// Force before the clamp's kink; large where the felt is not touched, zero where it is clamped.
+    pub slack: T,
 }
 
 /// F = max(0, k g^r + b g^2 dg/dt) and dF/dg, dF/d(dg/dt); `gap` must not be negative.
 #[inline(always)]
 pub(crate) fn felt_law<T: Real>(felt: &Felt<T>, gap: T, rate: T) -> FeltState<T> {
     let two = T::from_f64(2.0);
-    let (elastic, slope) = match felt.exponent {
-        Exponent::Two => {
-            let kg = felt.stiffness * gap;
-            (kg * gap, two * kg)
-        }
-        Exponent::TwoAndHalf => {
-            let kg = felt.stiffness * gap * gap.sqrt();
-            (kg * gap, T::from_f64(2.5) * kg)
-        }
-        Exponent::Three => {
-            let kg = felt.stiffness * gap * gap;
-            (kg * gap, T::from_f64(3.0) * kg)
-        }
-        Exponent::Other(r) => {
-            let kg = felt.stiffness * gap.powf(r - T::ONE);
-            (kg * gap, r * kg)
-        }
-    };
+    let (elastic, slope, _) = felt.elastic(gap);
     let bg = felt.damping * gap;
     let damping = bg * gap;
     let force = elastic + damping * rate;
@@ -185,6 +225,36 @@ pub(crate) fn felt_law<T: Real>(felt: &Felt<T>, gap: T, rate: T) -> FeltState<T>
         damping_force: T::select(pushing, damping * rate, -elastic),
         stiffness: T::select(pushing, slope + two * bg * rate, T::ZERO),
         damping: T::select(pushing, damping, T::ZERO),
+        slack: T::select(T::ZERO.lt(gap), T::select(pushing, force, T::ZERO), T::from_f64(1e30)),
+    }
+}
+
+impl<T: Real> Felt<T> {
+    /// k g^r and its first and second derivative in g; `gap` must not be negative.
+    #[inline(always)]
+    fn elastic(&self, gap: T) -> (T, T, T) {
+        let c = T::from_f64;
+        match self.exponent {
+            Exponent::Two => {
+                let kg = self.stiffness * gap;
+                (kg * gap, c(2.0) * kg, c(2.0) * self.stiffness)
+            }
+            Exponent::TwoAndHalf => {
+                let k_root = self.stiffness * gap.sqrt();
+                let kg = k_root * gap;
+                (kg * gap, c(2.5) * kg, c(3.75) * k_root)
+            }
+            Exponent::Three => {
+                let k_gap = self.stiffness * gap;
+                let kg = k_gap * gap;
+                (kg * gap, c(3.0) * kg, c(6.0) * k_gap)
+            }
+            Exponent::Other(r) => {
+                let kg = self.stiffness * gap.powf(r - T::ONE);
+                // r < 2 bends without bound at first touch; a gap of a nanometre is no touch.
+                (kg * gap, r * kg, r * (r - T::ONE) * kg / gap.max(c(1e-9)))
+            }
+        }
     }
 }
 
@@ -206,36 +276,18 @@ pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>)
     zone.radius - distance
 }
 
-/// The row G of a zone at a pose in relative velocities: dg/dt = G w.
-pub(crate) fn gap_row_of<T: Real, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    zone: &Zone<T>,
-    pose: &Pose<T, B>,
-) -> [T; B] {
+/// The row G of a zone at a pose in relative velocities: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)), exact although
+/// the contact point moves. `carried` is +1 for joints that carry the curve only, -1 for the disc only.
+pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
     let center = pose.point(zone.disc_body, zone.center);
     let (_, normal) = distance_to_curve(zone, pose, center);
-    gap_row(model, zone, pose, center, normal)
-}
-
-/// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
-#[inline(always)]
-fn gap_row<T: Real, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    zone: &Zone<T>,
-    pose: &Pose<T, B>,
-    center: Vector<T>,
-    normal: Vector<T>,
-) -> [T; B] {
-    let mut row = [T::ZERO; B];
-    pose.add_joint_row(model, zone.disc_body, center, normal, -T::ONE, &mut row);
-    pose.add_joint_row(model, zone.curve_body, center, normal, T::ONE, &mut row);
-    row
+    pose.turning_row(carried, center, normal)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Body, GROUND};
+    use crate::model::{Body, GROUND, Model};
 
     /// Rows against central differences of the gap, for every kind of curve, on a three-body chain: the claim is that
     /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
@@ -258,7 +310,7 @@ mod tests {
                 let q = [0.3, -0.7, 1.9, 0.4];
                 let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
                 let mut contact = Contact::apart();
-                contact.evaluate(&model, &zone, &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
+                contact.evaluate(&zone, &model.carried[0], &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
                 assert!(contact.active);
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {

@@ -52,7 +52,7 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     scratch.site_row = [T::ZERO; B];
     if let Some(site) = &model.site {
         let x = scratch.pose.point(site.body, site.point);
-        scratch.pose.add_joint_row(model, site.body, x, site.direction, T::ONE, &mut scratch.site_row);
+        scratch.site_row = scratch.pose.turning_row(&model.site_carried, x, site.direction);
     }
 }
 
@@ -72,10 +72,12 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
 ) {
     let h = settings.step;
     let h_theta = h * settings.theta;
-    let mut a = scratch.mass;
-    let mut b = scratch.momentum;
-
     let weights = gravity_and_centrifugal(model, scratch);
+    let driven = drive(model, input, h_theta, scratch);
+    let a = &mut scratch.system.a;
+    let b = &mut scratch.system.b;
+    *a = scratch.mass;
+    *b = scratch.momentum;
     for i in 0..B {
         b[i] += h * weights[i];
     }
@@ -97,7 +99,7 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     for z in 0..model.zone_count {
         let contact = &scratch.contacts[z];
         if contact.active {
-            add_term(&mut a, &mut b, &contact.row, contact.tangent, -h * contact.force, w);
+            add_term(a, b, &contact.row, contact.tangent, -h * contact.force, w);
             if let (FrictionLaw::Regularised { sliding_width, .. }, Some(mu)) =
                 (settings.friction, model.zones[z].friction)
             {
@@ -106,16 +108,14 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
                 let limit = mu * contact.force;
                 let tangent = h_theta * limit / sliding_width * (T::ONE - t * t);
                 scratch.tangential[z] = -limit * t;
-                add_term(&mut a, &mut b, row, tangent, -h * limit * t, w);
+                add_term(a, b, row, tangent, -h * limit * t, w);
             }
         }
     }
-    if let Some((force, tangent)) = drive(model, input, h_theta, scratch) {
+    if let Some((force, tangent)) = driven {
         scratch.drive_force = force;
-        add_term(&mut a, &mut b, &scratch.site_row, tangent, h * force, w);
+        add_term(a, b, &scratch.site_row, tangent, h * force, w);
     }
-    scratch.system.a = a;
-    scratch.system.b = b;
 }
 
 /// Adds a force along a row (impulse p, tangent = -dp/d(row . w)): A += tangent row row^T, b += row (p + tangent row . w).
@@ -164,6 +164,8 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> Option<(T, T)> {
     scratch.drive_force = T::ZERO;
+    scratch.drive_pull = T::ZERO;
+    scratch.drive_tangent = T::ZERO;
     let site = model.site.as_ref()?;
     match *input {
         Input::Free | Input::Rigid { .. } => None,
@@ -172,7 +174,9 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             let at = dot(site.direction, scratch.pose.point(site.body, site.point));
             let speed = product(&scratch.site_row, &scratch.joint_velocity);
             let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
-            (force > T::ZERO).then_some((force, h_theta * (site.damping + h_theta * site.stiffness)))
+            scratch.drive_pull = force;
+            scratch.drive_tangent = h_theta * (site.damping + h_theta * site.stiffness);
+            (force > T::ZERO).then_some((force, scratch.drive_tangent))
         }
     }
 }

@@ -166,7 +166,13 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) inertia: [T; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
+    /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force change.
+    pub(crate) weight: [T; B],
+    pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
+    /// For every zone: +1 for joints that carry the curve only, -1 for the disc only; for the site: 1 for its joints.
+    pub(crate) carried: [[T; B]; Z],
+    pub(crate) site_carried: [T; B],
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -241,7 +247,11 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_stiffness: [T::ZERO; B],
             inertia: [T::ONE; B],
             moment: [o; B],
+            weight: [T::ZERO; B],
+            whirl: [T::ZERO; B],
             zones: [vacant(); Z],
+            carried: [[T::ZERO; B]; Z],
+            site_carried: [T::ZERO; B],
             zone_count: zones.len(),
             sliding_zones: [0; Z],
             sliding_count: 0,
@@ -280,6 +290,16 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 model.moment[p] = add(model.moment[p], scale(bodies[i].pivot, m));
             }
         }
+        for i in 0..bodies.len() {
+            let moment = dot(model.moment[i], model.moment[i]).sqrt();
+            model.weight[i] = gravity.abs() * moment;
+            let p = bodies[i].parent;
+            if p != GROUND {
+                let arm = dot(bodies[i].pivot, bodies[i].pivot).sqrt();
+                model.whirl[i] = arm * moment;
+                model.whirl[p] += arm * moment;
+            }
+        }
         let known = |b: usize| b == GROUND || b < bodies.len();
         for s in springs {
             if s.body >= bodies.len() {
@@ -299,6 +319,10 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
+            let (curve, disc) = (model.joints_carrying(zone.curve_body), model.joints_carrying(zone.disc_body));
+            for k in 0..B {
+                model.carried[i][k] = curve[k] - disc[k];
+            }
             if zone.friction.is_some() {
                 model.sliding_zones[model.sliding_count] = i;
                 model.sliding_count += 1;
@@ -312,11 +336,23 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             if !finite(&numbers) {
                 return Err(ModelError::BadNumber);
             }
+            model.site_carried = model.joints_carrying(s.body);
         }
         if !gravity.finite() {
             return Err(ModelError::BadNumber);
         }
         Ok(model)
+    }
+
+    /// 1 for every joint between a body and the ground, 0 for the others.
+    pub(crate) fn joints_carrying(&self, body: usize) -> [T; B] {
+        let mut carrying = [T::ZERO; B];
+        let mut i = body;
+        while i < B {
+            carrying[i] = T::ONE;
+            i = self.parent[i];
+        }
+        carrying
     }
 
     /// Number of zones in use.

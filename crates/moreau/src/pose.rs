@@ -4,7 +4,7 @@ use crate::contact::{gap_of, gap_row_of};
 use crate::joints::row_to_angles;
 use crate::model::{GROUND, Model};
 use crate::real::sin_cos;
-use crate::vector::{Vector, add, cross, sub};
+use crate::vector::{Vector, add, cross};
 use crate::{Real, Scalar};
 
 /// Rotations and pivots of all bodies at one configuration.
@@ -13,17 +13,16 @@ pub struct Pose<T, const B: usize> {
     pub(crate) cos: [T; B],
     pub(crate) sin: [T; B],
     /// Pivots in the world.
-    pub(crate) pivot: [Vector<T>; B],
+    pub(crate) pivot_x: [T; B],
+    pub(crate) pivot_y: [T; B],
     /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
     pub(crate) arm: [Vector<T>; B],
-    /// Velocities of the pivots, where they have been asked for.
-    pub(crate) pivot_velocity: [Vector<T>; B],
 }
 
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
         let o = [T::ZERO; 2];
-        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot: [o; B], arm: [o; B], pivot_velocity: [o; B] }
+        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot_x: [T::ZERO; B], pivot_y: [T::ZERO; B], arm: [o; B] }
     }
 
     /// Places every body for the given absolute angles, parents first.
@@ -36,9 +35,9 @@ impl<T: Real, const B: usize> Pose<T, B> {
             let parent = model.parent[i];
             if parent < B {
                 self.arm[i] = self.rotate(parent, model.pivot[i]);
-                self.pivot[i] = add(self.pivot[parent], self.arm[i]);
+                [self.pivot_x[i], self.pivot_y[i]] = add(self.pivot(parent), self.arm[i]);
             } else {
-                self.pivot[i] = model.pivot[i];
+                [self.pivot_x[i], self.pivot_y[i]] = model.pivot[i];
             }
         }
     }
@@ -57,47 +56,25 @@ impl<T: Real, const B: usize> Pose<T, B> {
     /// A point of a body's frame (or of the ground), in the world.
     #[inline(always)]
     pub fn point(&self, body: usize, a: Vector<T>) -> Vector<T> {
-        if body < B { add(self.pivot[body], self.rotate(body, a)) } else { a }
+        if body < B { add(self.pivot(body), self.rotate(body, a)) } else { a }
     }
 
-    /// Velocity of a point x carried by `body`, given every body's angular velocity and the pivots' velocities.
+    /// Pivot of a body in the world, m.
     #[inline(always)]
-    pub(crate) fn velocity(&self, v: &[T; B], body: usize, x: Vector<T>) -> Vector<T> {
-        if body < B {
-            let (r, u) = (sub(x, self.pivot[body]), self.pivot_velocity[body]);
-            [u[0] - v[body] * r[1], u[1] + v[body] * r[0]]
-        } else {
-            [T::ZERO; 2]
-        }
+    pub fn pivot(&self, body: usize) -> Vector<T> {
+        [self.pivot_x[body], self.pivot_y[body]]
     }
 
-    /// The pivots' velocities at the given angular velocities, parents first.
+    /// The row that maps relative velocities to `n . velocity(x)`: every joint that carries x turns it about its pivot.
+    /// `carried` is +1 or -1 for those joints and 0 for the others, so that all are treated alike, without a branch.
     #[inline(always)]
-    pub(crate) fn move_pivots<const Z: usize>(&mut self, model: &Model<T, B, Z>, v: &[T; B]) {
-        for &i in &model.hinged[..model.hinged_count] {
-            let parent = model.parent[i];
-            let (u, arm) = (self.pivot_velocity[parent], self.arm[i]);
-            self.pivot_velocity[i] = [u[0] - v[parent] * arm[1], u[1] + v[parent] * arm[0]];
+    pub(crate) fn turning_row(&self, carried: &[T; B], x: Vector<T>, n: Vector<T>) -> [T; B] {
+        let at_x = cross(x, n);
+        let mut row = *carried;
+        for i in 0..B {
+            row[i] = row[i] * (at_x - (self.pivot_x[i] * n[1] - self.pivot_y[i] * n[0]));
         }
-    }
-
-    /// Adds `sign` times the row that maps relative velocities to `n . velocity(x)`, x being carried by `body`: every joint on
-    /// the way to the ground turns x about its pivot.
-    #[inline(always)]
-    pub(crate) fn add_joint_row<const Z: usize>(
-        &self,
-        model: &Model<T, B, Z>,
-        body: usize,
-        x: Vector<T>,
-        n: Vector<T>,
-        sign: T,
-        row: &mut [T; B],
-    ) {
-        let mut i = body;
-        while i < B {
-            row[i] += sign * cross(sub(x, self.pivot[i]), n);
-            i = model.parent[i];
-        }
+        row
     }
 }
 
@@ -109,11 +86,6 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         pose
     }
 
-    /// Pivot of a body in the world, m.
-    pub fn pivot(&self, body: usize) -> Vector<T> {
-        self.pivot[body]
-    }
-
     /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame.
     pub fn velocity_row<const Z: usize>(
         &self,
@@ -122,9 +94,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         point: Vector<T>,
         n: Vector<T>,
     ) -> [T; B] {
-        let mut row = [T::ZERO; B];
-        let x = self.point(body, point);
-        self.add_joint_row(model, body, x, n, T::ONE, &mut row);
+        let mut row = self.turning_row(&model.joints_carrying(body), self.point(body, point), n);
         row_to_angles(model, &mut row);
         row
     }
@@ -136,7 +106,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
 
     /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
     pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = gap_row_of(model, &model.zones[zone], self);
+        let mut row = gap_row_of(&model.zones[zone], &model.carried[zone], self);
         row_to_angles(model, &mut row);
         row
     }

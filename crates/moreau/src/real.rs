@@ -74,7 +74,7 @@ pub trait Real:
     fn powf(self, exponent: Self) -> Self;
     /// Hyperbolic tangent. Slow; used by regularised friction only.
     fn tanh(self) -> Self;
-    /// Sine and cosine for any argument. Slow; [`sin_cos`] calls it beyond a quarter of pi.
+    /// Sine and cosine for any argument. Slow; the kernel calls it beyond a quarter of pi.
     fn sin_cos_any(self) -> (Self, Self);
 }
 

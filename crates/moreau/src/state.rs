@@ -13,6 +13,8 @@ pub struct State<T, const B: usize, const Z: usize> {
     pub angle: [T; B],
     /// Absolute angular velocities v, rad/s.
     pub velocity: [T; B],
+    /// Change of the velocities over the last step, rad/s: where the next step's iteration starts.
+    pub trend: [T; B],
     /// Dry friction torque of each pivot over the last step, N m (counter-clockwise on the body); warm-starts the solver.
     pub pivot_friction: [T; B],
     /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
@@ -25,7 +27,7 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// At rest at the given absolute angles.
     pub fn at_rest(angle: [T; B]) -> Self {
         let z = T::ZERO;
-        State { angle, velocity: [z; B], pivot_friction: [z; B], tangential: [z; Z], rigid_force: z }
+        State { angle, velocity: [z; B], trend: [z; B], pivot_friction: [z; B], tangential: [z; Z], rigid_force: z }
     }
 }
 
@@ -66,6 +68,9 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub drive_force: T,
     /// Velocity of the site along its direction at t0 + theta h, m/s.
     pub drive_velocity: T,
+    /// Force of an elastic drive before its clamp at zero, N, and h dF/d(site velocity).
+    pub(crate) drive_pull: T,
+    pub(crate) drive_tangent: T,
     /// Slip velocity of each zone with friction at t0 + h, m/s, and at t0.
     pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
@@ -94,6 +99,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             momentum: [z; B],
             drive_force: z,
             drive_velocity: z,
+            drive_pull: z,
+            drive_tangent: z,
             slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
             has_slip_row: [false; Z],

@@ -7,7 +7,7 @@ use crate::linear::product;
 use crate::model::Model;
 use crate::settings::Settings;
 use crate::state::{Input, Scratch, State};
-use crate::zones::evaluate_zones;
+use crate::zones::{evaluate_zones, follow, remainder};
 use crate::{Real, Scalar};
 
 /// How a step ended.
@@ -48,7 +48,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 ) -> StepReport {
     let (h, theta) = (settings.step, settings.theta);
     let (q0, w0) = (state.angle, relative(model, &state.velocity));
-    let mut w = w0;
+    let mut w = extrapolate(model, &w0, &state.trend);
     let mut report = StepReport { outcome: Outcome::IterationLimit, newton: 0, solver: 0 };
     let mut laws = [Law::Rigid; N];
     scratch.begin(state);
@@ -57,7 +57,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
-            // The first iterate is w = w0, so this is the predicted pose q_* at which M and D are taken.
+            // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
             joint_momentum(model, &w0, scratch);
         }
         evaluate_zones(model, settings, iteration > 0, scratch);
@@ -69,19 +69,27 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         report.newton = iteration + 1;
         report.solver += solved.iterations;
 
-        let (correction, finite) = correction(&w, &next);
+        let (change, correction, finite) = correction(&w, &next);
         if !finite {
             report.outcome = Outcome::NonFinite;
             return report;
         }
-        if correction <= settings.tolerance && solved.converged {
+        // Nothing at all changes where everything sticks.
+        let still = correction <= T::ZERO;
+        let settled = still
+            || remainder(model, settings, &change, &next, scratch) <= settings.tolerance
+            || correction <= settings.tolerance;
+        if settled && solved.converged {
             w = next;
+            if !still {
+                follow(model, settings, &change, scratch);
+            }
             report.outcome = Outcome::Converged;
             break;
         }
         let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
         for i in 0..B {
-            w[i] = w[i] + share * (next[i] - w[i]);
+            w[i] += share * change[i];
         }
     }
 
@@ -89,6 +97,23 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         report.outcome = Outcome::NonFinite;
     }
     report
+}
+
+/// The velocities if they go on changing as they did: the first iterate. What sticks is expected to stick.
+#[inline(always)]
+fn extrapolate<T: Scalar, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    w0: &[T; B],
+    trend: &[T; B],
+) -> [T; B] {
+    let mut w = *w0;
+    let trend = relative(model, trend);
+    for i in 0..B {
+        if w0[i] != T::ZERO {
+            w[i] += trend[i];
+        }
+    }
+    w
 }
 
 /// w_theta = (1 - theta) w0 + theta w1 and, from it, q_theta = q0 + theta h v_theta.
@@ -113,15 +138,16 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     q
 }
 
-/// The largest change of a joint's velocity relative to 1 rad/s + |velocity|, and whether all of them are finite.
+/// The change of the joints' velocities, the largest of them relative to 1 rad/s + |velocity|, and whether all are finite.
 #[inline(always)]
-fn correction<T: Scalar, const B: usize>(w: &[T; B], next: &[T; B]) -> (T, bool) {
-    let (mut largest, mut finite) = (T::ZERO, true);
+fn correction<T: Scalar, const B: usize>(w: &[T; B], next: &[T; B]) -> ([T; B], T, bool) {
+    let (mut change, mut largest, mut finite) = (*next, T::ZERO, true);
     for i in 0..B {
-        largest = largest.max((next[i] - w[i]).abs() / (T::ONE + next[i].abs()));
+        change[i] -= w[i];
+        largest = largest.max(change[i].abs() / (T::ONE + next[i].abs()));
         finite &= next[i].finite();
     }
-    (largest, finite)
+    (change, largest, finite)
 }
 
 /// q1 = q0 + h ((1 - theta) v0 + theta v1); leaves the slips and the drive's speed to be read. False if not finite.
@@ -149,7 +175,11 @@ fn finish<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         return false;
     }
     state.angle = q;
-    state.velocity = absolute(model, w);
+    let v = absolute(model, w);
+    for i in 0..B {
+        state.trend[i] = v[i] - state.velocity[i];
+    }
+    state.velocity = v;
     state.pivot_friction = scratch.pivot_friction;
     state.tangential = scratch.tangential;
     state.rigid_force = scratch.rigid_force;

@@ -10,6 +10,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::progress::listen_for_interrupts;
+
 /// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
 #[derive(Debug, Parser)]
 #[command(name = "erard", version, about, max_term_width = 100)]
@@ -30,9 +32,10 @@ enum Sub {
     Check(check::Check),
 }
 
-/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 1 anything else.
+/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else.
 pub fn run() -> ExitCode {
     let command = Command::parse();
+    listen_for_interrupts();
     let result = match command.subcommand {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),

@@ -100,9 +100,5 @@ pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<R
         DriveName::Rigid => Drive::Rigid(&position),
     };
     let mut progress = Progress::new("simulating");
-    let run = simulate(instrument, &drive, setup, &mut |share| {
-        progress.tell(share);
-        true
-    })?;
-    Ok(run)
+    Ok(simulate(instrument, &drive, setup, &mut |share| progress.tell(share))?)
 }

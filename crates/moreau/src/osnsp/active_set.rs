@@ -184,9 +184,14 @@ fn slide<T: Scalar, const B: usize, const N: usize>(
     for k in 0..n {
         let law = &system.sliding[k];
         let mut side = guess.sliding[k];
-        if !law.rigid {
+        let u = product(&law.row, w) - law.target;
+        if law.rigid {
+            if dependent[k] && tolerance < u.abs() {
+                give_way(system, guess, k, u);
+                changed = true;
+            }
+        } else {
             let bound = (law.bound + product(&law.slope, w)).max(T::ZERO);
-            let u = product(&law.row, w) - law.target;
             if side == T::ZERO {
                 if bound * (T::ONE + T::from_f64(8.0) * T::EPSILON) < p[k].abs() {
                     side = if T::ZERO < p[k] { T::ONE } else { -T::ONE };
@@ -203,4 +208,48 @@ fn slide<T: Scalar, const B: usize, const N: usize>(
         impulses.sliding[k] = p[k];
     }
     changed
+}
+
+/// An imposed velocity that the sticking laws do not admit: the one that stands most in its way slides, against the motion.
+#[cold]
+#[inline(never)]
+fn give_way<T: Scalar, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    guess: &mut Guess<T, B, N>,
+    rigid: usize,
+    u: T,
+) {
+    let row = &system.sliding[rigid].row;
+    // How much of the imposed motion a law sees, against its own mobility; A's diagonal is enough to choose by.
+    let (mut most, mut holder, mut side) = (T::ZERO, None, T::ZERO);
+    let mut compare = |index: usize, coupling: T, mobility: T| {
+        let share = coupling * coupling / mobility;
+        if most < share {
+            (most, holder) = (share, Some(index));
+            side = if T::ZERO < u * coupling { T::ONE } else { -T::ONE };
+        }
+    };
+    for i in 0..B {
+        if guess.pivot[i] == T::ZERO {
+            compare(i, row[i] / system.a[i][i], T::ONE / system.a[i][i]);
+        }
+    }
+    for k in 0..system.count {
+        let law = &system.sliding[k];
+        if guess.sliding[k] == T::ZERO && !law.rigid {
+            let (mut coupling, mut mobility) = (T::ZERO, T::ZERO);
+            for i in 0..B {
+                coupling += row[i] * law.row[i] / system.a[i][i];
+                mobility += law.row[i] * law.row[i] / system.a[i][i];
+            }
+            if T::ZERO < mobility {
+                compare(B + k, coupling, mobility);
+            }
+        }
+    }
+    match holder {
+        Some(i) if i < B => guess.pivot[i] = side,
+        Some(k) => guess.sliding[k - B] = side,
+        None => {}
+    }
 }

@@ -179,8 +179,13 @@ fn correct_guess<T: Scalar, const N: usize>(
     for i in 0..problem.count {
         match side[i] {
             Side::Stick if dependent[i] && problem.velocity_at(i, p).abs() > tolerance => {
-                // The others do not hold it after all: it slides, against its velocity.
-                side[i] = if problem.velocity_at(i, p) > T::ZERO { Side::Lower } else { Side::Upper };
+                let u = problem.velocity_at(i, p);
+                if problem.bound[i].finite() {
+                    // The others do not hold it after all: it slides, against its velocity.
+                    side[i] = if u > T::ZERO { Side::Lower } else { Side::Upper };
+                } else {
+                    give_way(problem, side, i, u);
+                }
                 changed = true;
             }
             Side::Stick => {
@@ -210,6 +215,24 @@ fn correct_guess<T: Scalar, const N: usize>(
         }
     }
     changed
+}
+
+/// An equality that the sticking laws do not admit: the one that is most strongly coupled to it slides, against the motion.
+#[cold]
+fn give_way<T: Scalar, const N: usize>(problem: &OneStepProblem<T, N>, side: &mut [Side; N], i: usize, u: T) {
+    let (mut most, mut holder) = (T::ZERO, None);
+    for j in 0..problem.count {
+        let (coupling, mobility) = (problem.delassus[i][j], problem.delassus[j][j]);
+        if side[j] == Side::Stick && problem.bound[j].finite() && T::ZERO < mobility {
+            let share = coupling * coupling / mobility;
+            if most < share {
+                (most, holder) = (share, Some(j));
+            }
+        }
+    }
+    if let Some(j) = holder {
+        side[j] = if T::ZERO < u * problem.delassus[i][j] { Side::Upper } else { Side::Lower };
+    }
 }
 
 /// The primal active-set method, repeated until the bounds that follow the impulses stand still.
@@ -276,7 +299,8 @@ fn downhill<T: Scalar, const N: usize>(
             rhs[row] = -problem.velocity_at(i, p);
         }
         let mut d = [T::ZERO; N];
-        eliminate_definite(&mut a, &mut rhs, &mut d, m);
+        // Positive definite by the proximal term: no pivot vanishes.
+        eliminate(&mut a, &mut rhs, &mut d, &[T::ZERO; N], m);
         let mut length = T::ONE;
         let mut blocking = None;
         for (row, &i) in index[..m].iter().enumerate() {
@@ -319,26 +343,4 @@ fn downhill<T: Scalar, const N: usize>(
         }
     }
     limit
-}
-
-/// Solves a positive definite system by elimination.
-fn eliminate_definite<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) {
-    for k in 0..m {
-        for i in k + 1..m {
-            let factor = a[i][k] / a[k][k];
-            for j in k + 1..m {
-                let t = a[k][j];
-                a[i][j] -= factor * t;
-            }
-            let t = rhs[k];
-            rhs[i] -= factor * t;
-        }
-    }
-    for k in (0..m).rev() {
-        let mut s = rhs[k];
-        for j in k + 1..m {
-            s -= a[k][j] * x[j];
-        }
-        x[k] = s / a[k][k];
-    }
 }
