@@ -108,6 +108,16 @@ impl Subject {
     }
 }
 
+/// The cases that were asked for.
+struct Cases {
+    /// As far as they could be computed, the unmoved one first.
+    shown: Vec<Shown>,
+    /// From where to where the key goes, m.
+    range: (f64, f64),
+    /// What could not be reached, a line each.
+    unreached: Vec<String>,
+}
+
 impl Kinematics {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
@@ -117,7 +127,7 @@ impl Kinematics {
         }
         let subject = self.subject()?;
         let mut output = Output::prepare(&self.out)?;
-        let (cases, range, unreached) = self.cases(&subject.design)?;
+        let Cases { shown: cases, range, unreached } = self.cases(&subject.design)?;
         let unmoved = &cases[0];
         let press = subject.instrument.as_ref().and_then(|(instrument, derived)| press(instrument, derived, unmoved));
         let agreement = press.as_ref().and_then(|press| press.1.as_ref());
@@ -174,8 +184,7 @@ impl Kinematics {
         Ok(())
     }
 
-    /// The cases, unmoved first; the key's range, m; and what could not be reached.
-    fn cases(&self, design: &Design) -> Result<(Vec<Shown>, (f64, f64), Vec<String>), Failure> {
+    fn cases(&self, design: &Design) -> Result<Cases, Failure> {
         let regulation = if self.no_regulate { Regulation::AsMoved } else { Regulation::Regulated };
         let unmoved = design.case(&[], regulation).map_err(|error| Failure::Usage(error.to_string()))?;
         let from = self.from / 1000.0;
@@ -213,7 +222,7 @@ impl Kinematics {
         for one in &self.moves {
             show(&one.name, &one.label, &one.moves);
         }
-        Ok((shown, (from, to), unreached))
+        Ok(Cases { shown, range: (from, to), unreached })
     }
 
     fn print_equations(&self) -> Result<(), Failure> {

@@ -10,8 +10,11 @@ pub const AS_IT_IS: &str = "as it is";
 /// Farthest that anything is moved, mm: an action is half a metre long, and its parts are not.
 const FARTHEST_MM: f64 = 200.0;
 
-/// What can be moved: its name on the command line and the move by so many metres.
-const PARTS: [(&str, fn(f64) -> Move); 10] = [
+/// The move of a part by so many metres.
+type Make = fn(f64) -> Move;
+
+/// What can be moved: its name on the command line, and its move.
+const PARTS: [(&str, Make); 10] = [
     ("capstan", Move::Capstan),
     ("knuckle", Move::Knuckle),
     ("capstan-height", Move::CapstanHeight),

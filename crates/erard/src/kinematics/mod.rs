@@ -1,7 +1,7 @@
 //! What the geometry alone says about touch: leverage and sliding, in a second and without dynamics.
 //!
 //! A [`Design`] is three levers (key, whippen with its jack, hammer) and the height at which the hammer is let off. It comes
-//! from a linkage file with the papers' lengths L1 to L10 ([`LinkageFile`]) or from an instrument file ([`derive`]), where
+//! from a linkage file with the papers' lengths L1 to L10 ([`LinkageFile`]) or from an instrument file ([`derive()`]), where
 //! the contacts stay what they are: a dome that slides along the heel, a roller on the jack. [`Design::case`] moves parts
 //! and regulates again; [`slow_press`] lets the dynamic model say how well the geometry alone predicts it.
 //!
