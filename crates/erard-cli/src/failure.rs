@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use erard::compare::CompareError;
 use erard::instrument::FileError;
+use erard::kinematics::DeriveError;
 use erard::one_dof::OneDofError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
@@ -28,6 +29,12 @@ pub enum Failure {
     /// A comparison cannot be made.
     #[error(transparent)]
     Compare(#[from] CompareError),
+    /// An instrument has no three levers.
+    #[error(transparent)]
+    Levers(#[from] DeriveError),
+    /// Levers that do not reach as far as was asked; what they do reach has been written.
+    #[error("{0}")]
+    Reach(String),
     /// Arguments that do not fit together or name what is not there.
     #[error("{0}")]
     Usage(String),

@@ -7,6 +7,7 @@ pub mod command;
 pub mod drawing;
 pub mod failure;
 pub mod figure;
+pub mod kinematics;
 pub mod output;
 pub mod page;
 pub mod progress;

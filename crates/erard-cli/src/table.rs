@@ -50,18 +50,20 @@ pub fn write_columns(columns: &[(String, &[f64])], rows: usize, writer: &mut dyn
         for (_, values) in columns {
             text.clear();
             if let Some(x) = values.get(row) {
-                use std::fmt::Write as _;
-                let _ = if *x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) {
-                    write!(text, "{x:e}")
-                } else {
-                    write!(text, "{x}")
-                };
+                shortest(*x, &mut text);
             }
             csv.write_field(&text)?;
         }
         csv.write_record(None::<&[u8]>)?;
     }
     csv.flush()
+}
+
+/// Appends a number in its shortest form that reads back as the same number.
+pub(crate) fn shortest(x: f64, text: &mut String) {
+    use std::fmt::Write as _;
+    // Writing to a string does not fail.
+    let _ = if x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) { write!(text, "{x:e}") } else { write!(text, "{x}") };
 }
 
 /// Writes the run as Parquet, one row group, doubles; columns without values are all null.

@@ -7,6 +7,7 @@ pub mod compare;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;
+pub mod kinematics;
 pub mod mechanism;
 pub mod one_dof;
 mod recorder;

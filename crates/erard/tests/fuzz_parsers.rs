@@ -1,8 +1,9 @@
 //! Tens of thousands of damaged files: nothing panics, every error points into its text, and what still reads is sound.
 //!
-//! The damage is deterministic, so that a failure repeats; `fuzz/` holds the same two targets for a coverage-guided fuzzer.
+//! The damage is deterministic, so that a failure repeats; `fuzz/` holds the same targets for a coverage-guided fuzzer.
 
 use erard::instrument::{Curve, FileError, Instrument, InstrumentFile};
+use erard::kinematics::LinkageFile;
 use erard::stroke::{Cursor, MAX_FORCE_N, MAX_POSITION_M, Series, StrokeError};
 
 const CLOCK: &str = include_str!("instruments/escapement.toml");
@@ -204,6 +205,34 @@ fn damaged_grands() {
     let grand = Instrument::builtin_text("concert-grand").expect("a text");
     let read = damage_instrument(grand, 4_000, 0x2545_f491_4f6c_dd1d);
     assert!((40..3_900).contains(&read), "{read} of 4000 read");
+}
+
+/// What still reads has finite levers, and either goes through its stroke or says where it stops.
+#[test]
+fn damaged_linkages() {
+    let good = LinkageFile::builtin_text("c7f-like").expect("a text");
+    let mut chance = Chance(0x0bad_cafe_dead_beef);
+    let (mut read, mut moved) = (0, 0);
+    for _ in 0..20_000 {
+        let bytes = damaged(good, &mut chance);
+        let file = match LinkageFile::parse_bytes(&bytes, "mutant.toml") {
+            Ok(file) => file,
+            Err(error) => {
+                assert_helpful(&error);
+                continue;
+            }
+        };
+        read += 1;
+        assert!(file.levers.lengths.to_array().iter().all(|length| length.is_finite()));
+        assert!(file.levers.key_front > 0.0 && file.blow_m > file.let_off_m && file.let_off_m >= 0.0);
+        let Ok(case) = file.design().and_then(|design| design.case(&[], Default::default())) else { continue };
+        moved += 1;
+        let stroke = case.stroke(0.0, 0.010, 5);
+        assert!(stroke.poses.iter().all(|pose| pose.residual < 1e-12 && pose.leverage.is_finite()));
+        assert_eq!(stroke.stop.is_none(), stroke.poses.len() == 6);
+        assert!(case.digest().start.leverage.is_finite());
+    }
+    assert!((200..19_000).contains(&read) && moved > 100, "{read} of 20000 read, {moved} moved");
 }
 
 #[test]

@@ -16,16 +16,20 @@
 //! surface's *normal* (inclination plus 90 degrees), `w` and `h` are the angles of
 //! whippen and shank. Lengths are signed; all are metres and radians.
 
+mod discs;
 mod exact;
 mod moves;
 mod stroke;
+mod train;
 
+pub use discs::{DiscLevers, Line, Touch};
 pub use moves::{Move, Regulation};
 pub use stroke::{LeverArms, Stroke, StrokePose, StrokeStop};
+pub use train::{LeverTrain, Levers};
 
 use crate::direction::Direction;
 use crate::linkage::{Length, Linkage};
-use crate::mechanism::{AssembleError, CoordinateId, Mechanism, Pose};
+use crate::mechanism::AssembleError;
 use crate::walk::{StartError, Stop};
 
 /// The lengths L1 to L10 (metres, signed), as in the module's figure in words.
@@ -189,26 +193,10 @@ impl ThreeLever {
     /// # Errors
     /// A dimension that is no number, or levers that do not reach each other.
     pub fn assemble(&self) -> Result<LeverTrain, ThreeLeverError> {
-        self.assemble_driven(Drive::Key)
+        LeverTrain::new(Levers::Lengths(*self), Drive::Key)
     }
 
-    pub(crate) fn assemble_driven(&self, drive: Drive) -> Result<LeverTrain, ThreeLeverError> {
-        self.check()?;
-        let mechanism = self.linkage(drive).assemble()?;
-        let find = |symbol| mechanism.coordinate(symbol).expect("named in `linkage`");
-        let places = Places { k: find("k"), w: find("w"), h: find("h"), s1: find("S1"), s2: find("S2") };
-        let exact = self.exact(self.key_rest)?;
-        let mut guess = mechanism.zero_pose();
-        guess.set(places.k, self.key_rest);
-        guess.set(places.w, exact.w);
-        guess.set(places.h, exact.h);
-        guess.set(places.s1, exact.s1);
-        guess.set(places.s2, exact.s2);
-        let rest = mechanism.walk(guess)?.pose().clone();
-        Ok(LeverTrain { levers: *self, mechanism, places, rest_height: self.head_height(rest.value(places.h)), rest })
-    }
-
-    fn check(&self) -> Result<(), ThreeLeverError> {
+    pub(crate) fn check(&self) -> Result<(), ThreeLeverError> {
         const NAMES: [&str; 10] = ["L1", "L2", "L3", "L4", "L5", "L6", "L7", "L8", "L9", "L10"];
         let named = NAMES.into_iter().zip(self.lengths.to_array()).chain([
             ("the key's front arm", self.key_front),
@@ -225,40 +213,5 @@ impl ThreeLever {
             return Err(ThreeLeverError::NoKeyFront(self.key_front));
         }
         Ok(())
-    }
-}
-
-/// Where the five symbols sit in a pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Places {
-    k: CoordinateId,
-    w: CoordinateId,
-    h: CoordinateId,
-    s1: CoordinateId,
-    s2: CoordinateId,
-}
-
-/// Three levers put together: the mechanism and its rest pose.
-#[derive(Clone, Debug)]
-pub struct LeverTrain {
-    levers: ThreeLever,
-    mechanism: Mechanism,
-    places: Places,
-    rest: Pose,
-    /// Height of the strike point over C at rest.
-    rest_height: f64,
-}
-
-impl LeverTrain {
-    /// The levers as given.
-    #[must_use]
-    pub fn levers(&self) -> &ThreeLever {
-        &self.levers
-    }
-
-    /// The mechanism: graph, equations, coordinates.
-    #[must_use]
-    pub fn mechanism(&self) -> &Mechanism {
-        &self.mechanism
     }
 }

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod draw;
+mod kinematics;
 mod options;
 mod press;
 
@@ -26,6 +27,8 @@ enum Sub {
     Press(Box<press::Press>),
     /// Draws the action in one pose, as SVG and PNG.
     Draw(Box<draw::Draw>),
+    /// Shows leverage and sliding over the key's travel, from the geometry alone.
+    Kinematics(Box<kinematics::Kinematics>),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
@@ -39,6 +42,7 @@ pub fn run() -> ExitCode {
     let result = match command.subcommand {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
+        Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
     };

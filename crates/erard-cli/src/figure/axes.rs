@@ -111,7 +111,8 @@ pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
 
 /// Names of the curves beside the panel.
 pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
-    for (index, curve) in panel.curves.iter().enumerate() {
+    // A curve without a name goes with the one before it.
+    for (index, curve) in panel.curves.iter().filter(|curve| !curve.label.is_empty()).enumerate() {
         let y = top + 12.0 + 17.0 * index as f64;
         let _ = write!(
             out,

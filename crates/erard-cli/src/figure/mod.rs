@@ -1,4 +1,4 @@
-//! Figures: panels of curves over a shared time axis, as SVG and PNG.
+//! Figures: panels of curves over a shared abscissa, time or the key's travel, as SVG and PNG.
 //!
 //! Drawn as plain SVG rather than through a plotting crate: those tried place everything on whole pixels (slow curves
 //! turn into stairs), cannot clip a curve to a window and draw dashes as thousands of separate strokes.
@@ -17,6 +17,7 @@ mod ticks;
 pub use decimate::decimate;
 pub use png::{PngError, png_from_svg};
 pub use run::{events, instants, run_figure, run_svg, windows};
+pub(crate) use ticks::range as padded_range;
 
 use crate::drawing::FONTS;
 use crate::svg::{escape, number};

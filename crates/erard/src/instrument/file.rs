@@ -35,12 +35,7 @@ impl InstrumentFile {
     /// # Errors
     /// The first thing that is wrong, with line, key, what was found and what was expected.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
-        if text.len() > MAX_FILE_BYTES {
-            return Err(whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), ""));
-        }
-        if text.trim().is_empty() {
-            return Err(whole_file(file_name, "the file is empty", "an instrument, starting with its `format`"));
-        }
+        check_size(text, file_name, "an instrument, starting with its `format`")?;
         let file: InstrumentToml =
             toml::from_str(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
         let (instrument, numbers) = convert(&file).map_err(|fault| dress(file_name, text, fault))?;
@@ -66,18 +61,7 @@ impl InstrumentFile {
     /// # Errors
     /// As [`InstrumentFile::parse`], and where the bytes are not UTF-8.
     pub fn parse_bytes(bytes: &[u8], file_name: &str) -> Result<Self, Box<FileError>> {
-        match std::str::from_utf8(bytes) {
-            Ok(text) => Self::parse(text, file_name),
-            Err(_) if bytes.len() > MAX_FILE_BYTES => Self::parse(&" ".repeat(MAX_FILE_BYTES + 1), file_name),
-            Err(error) => {
-                let start = error.valid_up_to();
-                let text = String::from_utf8_lossy(bytes);
-                let span = start..start + char::REPLACEMENT_CHARACTER.len_utf8();
-                let fault = Fault::at(span, "the file is not UTF-8", "text in UTF-8")
-                    .found(format!("the byte 0x{:02x}", bytes[start]));
-                Err(dress(file_name, &text, fault))
-            }
-        }
+        Self::parse(utf8(bytes, file_name)?, file_name)
     }
 
     /// Reads an instrument file from disk.
@@ -85,12 +69,7 @@ impl InstrumentFile {
     /// # Errors
     /// As [`InstrumentFile::parse_bytes`], and where the file cannot be read.
     pub fn load(path: &Path) -> Result<Self, Box<FileError>> {
-        let name = path.display().to_string();
-        let mut bytes = Vec::new();
-        std::fs::File::open(path)
-            // One byte more than the limit is enough to know; a device that never ends is not read to its end.
-            .and_then(|file| file.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes))
-            .map_err(|error| whole_file(&name, format!("cannot be read: {error}"), ""))?;
+        let (name, bytes) = read_bytes(path)?;
         Self::parse_bytes(&bytes, &name)
     }
 
@@ -135,8 +114,45 @@ impl Instrument {
     }
 }
 
+/// Refuses text that is too long or empty; `expected` is what it should hold.
+pub(crate) fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box<FileError>> {
+    if text.len() > MAX_FILE_BYTES {
+        return Err(whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), ""));
+    }
+    if text.trim().is_empty() {
+        return Err(whole_file(file_name, "the file is empty", expected));
+    }
+    Ok(())
+}
+
+/// The bytes of a file as text.
+pub(crate) fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileError>> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        if bytes.len() > MAX_FILE_BYTES {
+            return whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), "");
+        }
+        let start = error.valid_up_to();
+        let text = String::from_utf8_lossy(bytes);
+        let span = start..start + char::REPLACEMENT_CHARACTER.len_utf8();
+        let fault =
+            Fault::at(span, "the file is not UTF-8", "text in UTF-8").found(format!("the byte 0x{:02x}", bytes[start]));
+        dress(file_name, &text, fault)
+    })
+}
+
+/// A file's name as errors show it, and its bytes: not more of them than tell that it is too large.
+pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
+    let name = path.display().to_string();
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        // One byte more than the limit is enough to know; a device that never ends is not read to its end.
+        .and_then(|file| file.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| whole_file(&name, format!("cannot be read: {error}"), ""))?;
+    Ok((name, bytes))
+}
+
 /// An error about a file as a whole.
-fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<FileError> {
+pub(crate) fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<FileError> {
     Box::new(FileError {
         file: file.to_owned(),
         line: 0,

@@ -8,16 +8,16 @@
 //! `provenance` keeps where every number comes from, and `regulation` turns the screws.
 
 mod convert;
-mod error;
-mod file;
+pub(crate) mod error;
+pub(crate) mod file;
 mod format;
-mod locate;
-mod provenance;
-mod quantity;
-mod reader;
+pub(crate) mod locate;
+pub(crate) mod provenance;
+pub(crate) mod quantity;
+pub(crate) mod reader;
 mod regulation;
-mod schema;
-mod serde_fault;
+pub(crate) mod schema;
+pub(crate) mod serde_fault;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES};

@@ -1,5 +1,6 @@
 //! The JSON Schema of instrument files, generated from the structs that read them.
 
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
@@ -8,7 +9,12 @@ use super::format::InstrumentToml;
 /// The JSON Schema of instrument files, pretty-printed, with a final newline: what `instruments/instrument.schema.json`
 /// holds. Draft 7, because TOML editors know that one.
 pub fn json_schema() -> String {
-    let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<InstrumentToml>();
+    schema_of::<InstrumentToml>()
+}
+
+/// The schema of a file format.
+pub(crate) fn schema_of<T: JsonSchema>() -> String {
+    let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<T>();
     let mut schema = schema.to_value();
     drop_null(&mut schema);
     // A `Value` always prints: its keys are strings.

@@ -16,11 +16,16 @@ pub(crate) struct Exact {
 /// Of two solutions, the one nearest to level: at rest a whippen lies and a shank
 /// lies; the other solution has it upside down.
 fn nearest_to_level(solutions: [f64; 2]) -> f64 {
-    let [a, b] = solutions.map(wrap);
-    if a.abs() <= b.abs() { a } else { b }
+    nearest(solutions, 0.0)
 }
 
-fn rotate(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+/// Of two angles, whole turns apart or not, the one nearest to `to`, and within half a turn of it.
+pub(super) fn nearest(solutions: [f64; 2], to: f64) -> f64 {
+    let [a, b] = solutions.map(|x| wrap(x - to));
+    to + if a.abs() <= b.abs() { a } else { b }
+}
+
+pub(super) fn rotate(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
     let (s, c) = angle.sin_cos();
     [c * x - s * y, s * x + c * y]
 }

@@ -1,6 +1,6 @@
 //! The stroke of a key: sliding, leverage and lever arms from pose to pose.
 
-use super::{Drive, LeverTrain, ThreeLever, ThreeLeverError};
+use super::{Drive, LeverTrain, Levers, ThreeLever, ThreeLeverError};
 use crate::closed_form::{cosine_equation, wrap};
 use crate::mechanism::Pose;
 use crate::newton::NewtonReport;
@@ -21,9 +21,10 @@ pub struct StrokePose {
     pub s1: f64,
     /// Place of the knuckle's contact along the whippen (from its pivot, toward the player).
     pub s2: f64,
-    /// `s1` minus its value at rest.
+    /// How far capstan and heel have slid along each other since rest: the change of `s1`,
+    /// less what a disc has rolled (a contact point without a radius only slides).
     pub capstan_sliding: f64,
-    /// `s2` minus its value at rest.
+    /// The same of knuckle and jack, with `s2`.
     pub knuckle_sliding: f64,
     /// Rise of the strike point since rest, straight up, toward the string.
     pub head_rise: f64,
@@ -156,13 +157,13 @@ impl LeverTrain {
     /// If the head cannot rise so far, or not while the contacts hold.
     pub fn key_travel_at_rise(&self, rise: f64) -> Result<f64, ThreeLeverError> {
         let rest = self.rest.value(self.places.h);
-        let [along, above] = self.levers.head;
-        let height = self.levers.head_height(rest) + rise;
+        let [along, above] = self.levers.head();
+        let height = self.rest_height + rise;
         let h = cosine_equation(above, along, height)
             .map(|solutions| solutions.map(|h| rest + wrap(h - rest)))
             .map(|[a, b]| if (a - rest).abs() <= (b - rest).abs() { a } else { b })
             .ok_or(ThreeLeverError::NoSuchRise(rise))?;
-        let driven = self.levers.assemble_driven(Drive::Hammer)?;
+        let driven = LeverTrain::new(self.levers, Drive::Hammer)?;
         let mut walk = driven.start();
         walk.advance(&[h])?;
         Ok(driven.key_travel(walk.pose()))
@@ -173,11 +174,11 @@ impl LeverTrain {
     }
 
     fn key_angle(&self, travel: f64) -> f64 {
-        self.levers.key_rest + travel / self.levers.key_front
+        self.levers.key_rest() + travel / self.levers.key_front()
     }
 
     fn key_travel(&self, pose: &Pose) -> f64 {
-        (pose.value(self.places.k) - self.levers.key_rest) * self.levers.key_front
+        (pose.value(self.places.k) - self.levers.key_rest()) * self.levers.key_front()
     }
 
     fn read(&self, walk: &mut Walk<'_>) -> StrokePose {
@@ -190,8 +191,15 @@ impl LeverTrain {
         let since_rest = |id| pose.value(id) - self.rest.value(id);
         let h = value(at.h);
         let [c, s] = walk.cos_sin(at.h);
-        let [along, above] = self.levers.head;
-        let per_key_front = hammer_ratio / self.levers.key_front;
+        let [along, above] = self.levers.head();
+        let per_key_front = hammer_ratio / self.levers.key_front();
+        let (capstan_rolling, knuckle_rolling) = match &self.levers {
+            Levers::Lengths(_) => (0.0, 0.0),
+            Levers::Discs(levers) => {
+                let [k, w, h] = [at.k, at.w, at.h].map(since_rest);
+                (levers.capstan.rolling(k, w), levers.knuckle.rolling(h, w))
+            }
+        };
         StrokePose {
             key: self.key_travel(pose),
             k: value(at.k),
@@ -199,8 +207,8 @@ impl LeverTrain {
             h,
             s1: value(at.s1),
             s2: value(at.s2),
-            capstan_sliding: since_rest(at.s1),
-            knuckle_sliding: since_rest(at.s2),
+            capstan_sliding: since_rest(at.s1) - capstan_rolling,
+            knuckle_sliding: since_rest(at.s2) - knuckle_rolling,
             head_rise: along * s + above * c - self.rest_height,
             leverage: (along * c - above * s) * per_key_front,
             arc_leverage: along.hypot(above) * per_key_front,

@@ -1,0 +1,292 @@
+//! `erard kinematics`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard::kinematics::{Agreement, Derived, Design, LinkageFile, SlowPress, derive, slow_press};
+use linkage::three_lever::{Drive, Levers, Move, Regulation};
+use linkage::{Linkage, latex_align};
+
+use super::options::load_instrument;
+use crate::failure::Failure;
+use crate::figure::png_from_svg;
+use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
+use crate::kinematics::summary::Summary;
+use crate::kinematics::{Shown, figures, table};
+use crate::output::Output;
+
+/// What stands below the options.
+const AFTER: &str = "\
+Writes kinematics.csv, summary.json, and the figures sliding and leverage as SVG and PNG; with an instrument also
+leverage-dynamics, where a slow press of its dynamic model checks the geometry.
+
+Levers that cannot follow the key as far as asked end the program with code 2 and the key position where they stop; what
+they reach is written all the same.";
+
+/// Shows leverage and sliding over the key's travel, from the geometry alone.
+///
+/// The levers come from a linkage file with the lengths L1 to L10, or from the same instrument file that `press` uses.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub struct Kinematics {
+    /// Three levers by their lengths: a TOML file of kind `three-lever`, or c7f-like or steinway-o-like
+    #[arg(value_name = "LINKAGE.toml", conflicts_with = "instrument")]
+    linkage: Option<String>,
+    /// Instrument: a TOML file, or the name of a built-in one [default: concert-grand]
+    #[arg(long, value_name = "FILE-OR-NAME")]
+    instrument: Option<String>,
+    /// A part moved, as a case beside the unmoved one; may be repeated. Negative is toward the player (x) or down. Parts:
+    /// capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x, hammer-y;
+    /// several at once with commas
+    #[arg(long = "move", value_name = "capstan=-10mm", value_parser = moves::parse)]
+    moves: Vec<MoveOption>,
+    /// Leave moved cases as they are, instead of screwing the capstan until the hammer rests where it did
+    #[arg(long)]
+    no_regulate: bool,
+    /// Key travel to begin at, mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
+    from: f64,
+    /// Key travel to end at, mm [default: let-off of the unmoved case]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Steps between the two
+    #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true)]
+    steps: i64,
+    /// Print the closure equations, and do nothing else
+    #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from", "to", "steps", "out"])]
+    equations: bool,
+    /// Print them as LaTeX
+    #[arg(long, requires = "equations")]
+    latex: bool,
+    /// Output folder
+    #[arg(long, value_name = "DIR", default_value = "erard-out")]
+    out: PathBuf,
+}
+
+/// Key travel to end at where nothing says where let-off is, m: a usual dip.
+const USUAL_DIP_M: f64 = 0.010;
+/// Largest key travel that makes sense, mm.
+const FARTHEST_MM: f64 = 1000.0;
+/// Most steps: more than a figure shows, and a table of a gigabyte.
+const MOST_STEPS: i64 = 1_000_000;
+
+/// What was asked about.
+struct Subject {
+    design: Design,
+    /// For an instrument: itself, and its levers.
+    instrument: Option<(Instrument, Derived)>,
+}
+
+impl Subject {
+    fn linkage(file_or_name: &str) -> Result<Self, Failure> {
+        let path = Path::new(file_or_name);
+        let file = if path.exists() || path.extension().is_some() || path.components().count() > 1 {
+            LinkageFile::load(path)?
+        } else {
+            LinkageFile::builtin(file_or_name).ok_or_else(|| {
+                let names: Vec<&str> = LinkageFile::builtin_names().collect();
+                let hint = if Instrument::builtin_names().any(|name| name == file_or_name) {
+                    format!("; `{file_or_name}` is an instrument: --instrument {file_or_name}")
+                } else {
+                    String::new()
+                };
+                Failure::Usage(format!(
+                    "there is no file and no built-in linkage `{file_or_name}` (built in: {}){hint}",
+                    names.join(", ")
+                ))
+            })?
+        };
+        let design = file.design().map_err(|error| Failure::Usage(format!("{file_or_name}: {error}")))?;
+        Ok(Subject { design, instrument: None })
+    }
+
+    fn instrument(file_or_name: &str) -> Result<Self, Failure> {
+        let instrument = load_instrument(file_or_name)?;
+        let derived = derive(&instrument)?;
+        Ok(Subject { design: derived.design.clone(), instrument: Some((instrument, derived)) })
+    }
+}
+
+/// The cases that were asked for.
+struct Cases {
+    /// As far as they could be computed, the unmoved one first.
+    shown: Vec<Shown>,
+    /// From where to where the key goes, m.
+    range: (f64, f64),
+    /// What could not be reached, a line each.
+    unreached: Vec<String>,
+}
+
+impl Kinematics {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        self.check()?;
+        if self.equations {
+            return self.print_equations();
+        }
+        let subject = self.subject()?;
+        let mut output = Output::prepare(&self.out)?;
+        let Cases { shown: cases, range, unreached } = self.cases(&subject.design)?;
+        let unmoved = &cases[0];
+        let press = subject.instrument.as_ref().and_then(|(instrument, derived)| press(instrument, derived, unmoved));
+        let agreement = press.as_ref().and_then(|press| press.1.as_ref());
+        let derived = subject.instrument.as_ref().map(|(_, derived)| derived);
+        let summary = Summary::new(&subject.design, !self.no_regulate, &cases, derived, agreement);
+
+        let design = &subject.design;
+        output.stage("kinematics.csv", |w| table::write_csv(&cases, w))?;
+        output.stage("summary.json", |w| summary.write_json(w))?;
+        stage_figure(&mut output, "sliding", &figures::sliding_svg(design, &cases, range))?;
+        stage_figure(&mut output, "leverage", &figures::leverage_svg(design, &cases, range))?;
+        if let Some((press, agreement)) = &press {
+            let svg = figures::dynamics_svg(design, unmoved, press, agreement.as_ref());
+            stage_figure(&mut output, "leverage-dynamics", &svg)?;
+        }
+        let written = output.commit()?;
+
+        println!("{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
+        println!();
+        print!("{summary}");
+        println!();
+        let names: Vec<String> =
+            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
+        println!("Written to {}: {}", self.out.display(), names.join(", "));
+        if unreached.is_empty() { Ok(()) } else { Err(Failure::Reach(unreached.join("\nerror: "))) }
+    }
+
+    fn subject(&self) -> Result<Subject, Failure> {
+        match (&self.linkage, &self.instrument) {
+            (Some(linkage), _) => Subject::linkage(linkage),
+            (None, instrument) => Subject::instrument(instrument.as_deref().unwrap_or("concert-grand")),
+        }
+    }
+
+    /// Checks the numbers before anything is read or written.
+    fn check(&self) -> Result<(), Failure> {
+        let usage = |message: String| Err(Failure::Usage(message));
+        for (option, mm) in [("--from", Some(self.from)), ("--to", self.to)] {
+            if let Some(mm) = mm.filter(|mm| mm.is_nan() || mm.abs() > FARTHEST_MM) {
+                return usage(format!("{option} {mm}: expected a number of at most {FARTHEST_MM} mm"));
+            }
+        }
+        if let Some(to) = self.to.filter(|to| *to <= self.from) {
+            return usage(format!("--from {} --to {to}: the key goes down; expected --to to be larger", self.from));
+        }
+        if !(1..=MOST_STEPS).contains(&self.steps) {
+            return usage(format!("--steps {}: expected a number from 1 to {MOST_STEPS}", self.steps));
+        }
+        for (i, one) in self.moves.iter().enumerate() {
+            if self.moves[..i].iter().any(|other| other.name == one.name) {
+                return usage(format!("--move {}: given twice", one.name));
+            }
+        }
+        Ok(())
+    }
+
+    fn cases(&self, design: &Design) -> Result<Cases, Failure> {
+        let regulation = if self.no_regulate { Regulation::AsMoved } else { Regulation::Regulated };
+        let unmoved = design.case(&[], regulation).map_err(|error| Failure::Usage(error.to_string()))?;
+        let from = self.from / 1000.0;
+        let to = self.to.map_or(unmoved.let_off_key_m.unwrap_or(USUAL_DIP_M), |to| to / 1000.0);
+        if to <= from {
+            return Err(Failure::Usage(format!(
+                "--from {}: expected less than where the hammer is let off, {:.2} mm, or a larger --to",
+                self.from,
+                to * 1e3
+            )));
+        }
+        let (mut shown, mut unreached) = (Vec::new(), Vec::new());
+        let mut show = |name: &str, label: &str, moves: &[Move]| {
+            let case = match design.case(moves, regulation) {
+                Ok(case) => case,
+                Err(error) => {
+                    unreached.push(format!("{name}: the levers stop at key 0.000 mm, at rest: {error}"));
+                    return;
+                }
+            };
+            let stroke = case.stroke(from, to, self.steps as usize);
+            if let Some(stop) = &stroke.stop {
+                unreached.push(format!(
+                    "{name}: the levers stop at key {:.3} mm of {} mm ({}); the {} poses up to there are written",
+                    stop.key * 1e3,
+                    short(to),
+                    stop.stop,
+                    stroke.poses.len()
+                ));
+            }
+            let digest = case.digest();
+            shown.push(Shown { name: name.to_owned(), label: label.to_owned(), case, digest, stroke });
+        };
+        show(UNMOVED, AS_IT_IS, &[]);
+        for one in &self.moves {
+            show(&one.name, &one.label, &one.moves);
+        }
+        Ok(Cases { shown, range: (from, to), unreached })
+    }
+
+    fn print_equations(&self) -> Result<(), Failure> {
+        let print = |title: &str, levers: &Levers| -> Result<(), Failure> {
+            let mechanism =
+                levers.linkage(Drive::Key).assemble().map_err(|error| Failure::Internal(error.to_string()))?;
+            if self.latex {
+                print!("{}", latex_align(mechanism.equations()));
+                return Ok(());
+            }
+            println!("{title}: angles k (given), w, h of key, whippen, hammer; slidings S1 (capstan), S2 (knuckle)");
+            println!();
+            for equation in mechanism.equations() {
+                println!("  {equation}");
+            }
+            println!();
+            println!("  with {}", constants(mechanism.linkage()));
+            Ok(())
+        };
+        if self.linkage.is_none() && self.instrument.is_none() {
+            // Both kinds: what a linkage file states, and what an instrument does.
+            let file = LinkageFile::builtin("c7f-like")
+                .ok_or_else(|| Failure::Internal("the built-in linkage cannot be read".into()))?;
+            print(&file.name, &Levers::from(file.levers))?;
+            println!();
+        }
+        let subject = self.subject()?;
+        print(&subject.design.name, &subject.design.levers)
+    }
+}
+
+/// The named constants of a linkage with their values.
+fn constants(linkage: &Linkage) -> String {
+    let lengths = linkage.lengths().iter().map(|length| (length, format!("{:.2} mm", length.value * 1e3)));
+    let angles = linkage.angles().iter().map(|angle| (angle, format!("{:.3} degrees", angle.value.to_degrees())));
+    let named =
+        lengths.chain(angles).filter_map(|(constant, value)| Some(format!("{} = {value}", constant.name.as_ref()?)));
+    named.collect::<Vec<_>>().join(", ")
+}
+
+/// The slow press of an instrument and how it agrees; a warning where it cannot be made, which is no reason to keep the
+/// geometry from the user.
+fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<(SlowPress, Option<Agreement>)> {
+    let let_off = unmoved.case.let_off_key_m?;
+    match slow_press(instrument, &derived.levers, let_off) {
+        Ok(press) => {
+            let agreement = press.agreement(&unmoved.case.train, let_off);
+            Some((press, agreement))
+        }
+        Err(error) => {
+            eprintln!("warning: the geometry could not be checked by a slow press: {error}");
+            None
+        }
+    }
+}
+
+fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failure> {
+    let png = png_from_svg(svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+    output.stage(&format!("{name}.svg"), |w| w.write_all(svg.as_bytes()))?;
+    output.stage(&format!("{name}.png"), |w| w.write_all(&png))
+}
+
+/// Millimetres with at most two decimals.
+fn short(metres: f64) -> String {
+    let text = format!("{:.2}", metres * 1e3 + 0.0);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,0 +1,175 @@
+//! Three levers put together, whichever way their contacts are described.
+
+use super::exact::Exact;
+use super::{DiscLevers, Drive, LeverArms, Move, Regulation, StrokePose, ThreeLever, ThreeLeverError};
+use crate::linkage::Linkage;
+use crate::mechanism::{CoordinateId, Mechanism, Pose};
+
+/// Three levers: by the papers' lengths, or by the discs and lines of an instrument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Levers {
+    /// L1 to L10.
+    Lengths(ThreeLever),
+    /// Discs on straight lines.
+    Discs(DiscLevers),
+}
+
+impl From<ThreeLever> for Levers {
+    fn from(levers: ThreeLever) -> Self {
+        Levers::Lengths(levers)
+    }
+}
+
+impl From<DiscLevers> for Levers {
+    fn from(levers: DiscLevers) -> Self {
+        Levers::Discs(levers)
+    }
+}
+
+impl Levers {
+    /// The levers as a linkage; its equations follow from the graph.
+    #[must_use]
+    pub fn linkage(&self, drive: Drive) -> Linkage {
+        match self {
+            Levers::Lengths(levers) => levers.linkage(drive),
+            Levers::Discs(levers) => levers.linkage(drive),
+        }
+    }
+
+    /// Puts the levers together at rest.
+    ///
+    /// # Errors
+    /// A dimension that is no number, or levers that do not reach each other.
+    pub fn assemble(&self) -> Result<LeverTrain, ThreeLeverError> {
+        LeverTrain::new(*self, Drive::Key)
+    }
+
+    /// These levers with `moves` made, regulated once after all of them.
+    ///
+    /// # Errors
+    /// If the levers do not reach each other, before the moves or after.
+    pub fn moved(&self, moves: &[Move], regulation: Regulation) -> Result<Levers, ThreeLeverError> {
+        Ok(match self {
+            Levers::Lengths(levers) => levers.moved(moves, regulation)?.into(),
+            Levers::Discs(levers) => levers.moved(moves, regulation)?.into(),
+        })
+    }
+
+    /// Radius from the key's pivot to where the finger presses (m).
+    #[must_use]
+    pub fn key_front(&self) -> f64 {
+        match self {
+            Levers::Lengths(levers) => levers.key_front,
+            Levers::Discs(levers) => levers.key_front,
+        }
+    }
+
+    /// `k` at rest (rad).
+    #[must_use]
+    pub fn key_rest(&self) -> f64 {
+        match self {
+            Levers::Lengths(levers) => levers.key_rest,
+            Levers::Discs(levers) => levers.key_rest,
+        }
+    }
+
+    /// Strike point in the hammer's frame (m).
+    #[must_use]
+    pub fn head(&self) -> [f64; 2] {
+        match self {
+            Levers::Lengths(levers) => levers.head,
+            Levers::Discs(levers) => levers.head,
+        }
+    }
+
+    /// The hammer's pivot C, seen from the key's pivot A (m).
+    #[must_use]
+    pub fn hammer_pivot(&self) -> [f64; 2] {
+        match self {
+            Levers::Lengths(ThreeLever { lengths: l, .. }) => [l.l1 - l.l6, l.l5 + l.l10],
+            Levers::Discs(levers) => levers.hammer_pivot,
+        }
+    }
+
+    /// The six lever arms at a pose.
+    #[must_use]
+    pub fn lever_arms(&self, pose: &StrokePose) -> LeverArms {
+        match self {
+            Levers::Lengths(levers) => levers.lever_arms(pose),
+            Levers::Discs(levers) => levers.lever_arms(pose),
+        }
+    }
+
+    fn check(&self) -> Result<(), ThreeLeverError> {
+        match self {
+            Levers::Lengths(levers) => levers.check(),
+            Levers::Discs(levers) => levers.check(),
+        }
+    }
+
+    fn exact(&self, k: f64) -> Result<Exact, ThreeLeverError> {
+        match self {
+            Levers::Lengths(levers) => levers.exact(k),
+            Levers::Discs(levers) => levers.exact(k),
+        }
+    }
+}
+
+/// Where the five symbols sit in a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Places {
+    pub k: CoordinateId,
+    pub w: CoordinateId,
+    pub h: CoordinateId,
+    pub s1: CoordinateId,
+    pub s2: CoordinateId,
+}
+
+/// Three levers put together: the mechanism and its rest pose.
+#[derive(Clone, Debug)]
+pub struct LeverTrain {
+    pub(super) levers: Levers,
+    pub(super) mechanism: Mechanism,
+    pub(super) places: Places,
+    pub(super) rest: Pose,
+    /// Height of the strike point over C at rest.
+    pub(super) rest_height: f64,
+}
+
+impl LeverTrain {
+    pub(super) fn new(levers: Levers, drive: Drive) -> Result<LeverTrain, ThreeLeverError> {
+        levers.check()?;
+        let mechanism = levers.linkage(drive).assemble()?;
+        let find = |symbol| mechanism.coordinate(symbol).expect("named in `linkage`");
+        let places = Places { k: find("k"), w: find("w"), h: find("h"), s1: find("S1"), s2: find("S2") };
+        let exact = levers.exact(levers.key_rest())?;
+        let mut guess = mechanism.zero_pose();
+        guess.set(places.k, levers.key_rest());
+        guess.set(places.w, exact.w);
+        guess.set(places.h, exact.h);
+        guess.set(places.s1, exact.s1);
+        guess.set(places.s2, exact.s2);
+        let rest = mechanism.walk(guess)?.pose().clone();
+        let (s, c) = rest.value(places.h).sin_cos();
+        let [along, above] = levers.head();
+        Ok(LeverTrain { levers, mechanism, places, rest_height: along * s + above * c, rest })
+    }
+
+    /// The levers as given.
+    #[must_use]
+    pub fn levers(&self) -> &Levers {
+        &self.levers
+    }
+
+    /// The mechanism: graph, equations, coordinates.
+    #[must_use]
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// Height of the strike point at rest over the key's pivot A (m).
+    #[must_use]
+    pub fn rest_head_height(&self) -> f64 {
+        self.levers.hammer_pivot()[1] + self.rest_height
+    }
+}
