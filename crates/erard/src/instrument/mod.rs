@@ -5,7 +5,7 @@
 //! in that frame, all geometry on the ground in the world frame.
 //!
 //! `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
-//! `provenance` keeps where every number comes from, and `regulation` turns the screws.
+//! `provenance` keeps where every number comes from, and `screws` turns the regulating screws.
 
 mod convert;
 pub(crate) mod error;
@@ -15,8 +15,8 @@ pub(crate) mod locate;
 pub(crate) mod provenance;
 pub(crate) mod quantity;
 pub(crate) mod reader;
-mod regulation;
 pub(crate) mod schema;
+mod screws;
 pub(crate) mod serde_fault;
 
 pub use error::FileError;
