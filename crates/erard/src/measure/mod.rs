@@ -6,8 +6,12 @@
 //! Grams are forces here, as in the trade: a force over the instrument's gravity. Key travel is that of the key front from its
 //! rest, down positive.
 
+pub mod inertia;
 mod parts;
+pub mod range;
+pub mod repetition;
 mod slow_loop;
+pub mod timing;
 mod trial;
 pub mod weights;
 

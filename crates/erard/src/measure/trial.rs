@@ -15,11 +15,12 @@ use crate::simulation::SimulationError;
 /// Step, s.
 const STEP_S: f64 = 100e-6;
 /// A key that has not arrived after this time does not sink or rise, s: a twentieth of a gram too much takes half of it.
-const PATIENCE_S: f64 = 3.0;
+const PATIENCE_S: f64 = 6.0;
 /// A key that has stood still for so long will not start again, s.
 const STUCK_S: f64 = 0.1;
-/// A key that is faster than this is caught, m/s: sinking slowly, a dip takes a second.
-const CAUGHT_M_S: f64 = 0.01;
+/// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the energy to carry
+/// a twentieth of a gram too little over two millimetres.
+const CAUGHT_M_S: f64 = 0.003;
 /// The finger takes so long to bring the key to where it is let go, s.
 const APPROACH_S: f64 = 0.4;
 /// Search stops when heavy enough and too light are this close, N: a fiftieth of a gram.

@@ -148,8 +148,8 @@ pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, M
 /// # Errors
 /// When none is met within an ordinary dip, or the run fails.
 pub fn let_off_begins(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<f64, MeasureError> {
-    let press = slow_loop(instrument, DEEP_M, &parts.let_off_stops, going)?;
-    press.first_touch_m.filter(|at| *at > 2.0 * HOME_M).ok_or_else(|| {
+    let press = slow_loop(instrument, DEEP_M, going)?;
+    press.first_touch_of(&parts.let_off_stops).filter(|at| *at > 2.0 * HOME_M).ok_or_else(|| {
         let stops: Vec<&str> = parts.let_off_stops.iter().map(|&z| instrument.zones[z].label.as_str()).collect();
         MeasureError::NotAnAction(format!(
             "pressed slowly by {} mm the hammer is not let off: no contact of {}",
@@ -168,12 +168,12 @@ fn on_the_key(
     let gram_n = instrument.gravity_m_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
     // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
-    let slow = slow_loop(instrument, let_off_begins_m, &[], going)?;
+    let slow = slow_loop(instrument, let_off_begins_m, going)?;
     let extreme = |forces: &mut dyn Iterator<Item = (f64, f64)>, better: fn(f64, f64) -> f64| {
         forces.map(|(_, force)| force).reduce(better)
     };
     let by_loop = Touch {
-        down_weight_g: grams(extreme(&mut slow.down.smoothed(HOME_M, turn_m), f64::max)),
+        down_weight_g: grams(extreme(&mut slow.down.smoothed(0.0, turn_m), f64::max)),
         up_weight_g: grams(extreme(&mut slow.up.smoothed(HOME_M, turn_m), f64::min)),
     };
     let by_weights = Touch {
