@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use erard::compare::CompareError;
 use erard::instrument::FileError;
 use erard::kinematics::DeriveError;
+use erard::measure::MeasureError;
 use erard::one_dof::OneDofError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
@@ -32,6 +33,14 @@ pub enum Failure {
     /// An instrument has no three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
+    /// An action cannot be measured.
+    #[error("{label}: {error}")]
+    Measure {
+        /// Which.
+        label: String,
+        /// Why.
+        error: MeasureError,
+    },
     /// Levers that do not reach as far as was asked; what they do reach has been written.
     #[error("{0}")]
     Reach(String),
@@ -66,6 +75,7 @@ impl Failure {
             Failure::Internal(_) => 1,
             Failure::Simulation(SimulationError::Interrupted)
             | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted)) => 130,
+            Failure::Measure { error, .. } if error.is_interruption() => 130,
             _ => 2,
         })
     }

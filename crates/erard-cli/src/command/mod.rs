@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod draw;
 mod kinematics;
+mod measure;
 mod options;
 mod press;
 
@@ -29,6 +30,8 @@ enum Sub {
     Draw(Box<draw::Draw>),
     /// Shows leverage and sliding over the key's travel, from the geometry alone.
     Kinematics(Box<kinematics::Kinematics>),
+    /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
+    Measure(measure::Measure),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
@@ -43,6 +46,7 @@ pub fn run() -> ExitCode {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
+        Sub::Measure(measure) => measure.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
     };

@@ -7,15 +7,19 @@
 //! rest, down positive.
 
 pub mod inertia;
+mod jobs;
+pub mod norms;
 mod parts;
 pub mod range;
 pub mod repetition;
+mod sheet;
 mod slow_loop;
 pub mod timing;
 mod trial;
 pub mod weights;
 
 pub use parts::{Parts, pedal_down};
+pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
 use moreau::ModelError;
@@ -23,6 +27,7 @@ use thiserror::Error;
 
 use crate::equilibrium::EquilibriumError;
 use crate::kinematics::DeriveError;
+use crate::regulation;
 use crate::simulation::SimulationError;
 
 /// Asked now and then during long work; false ends it.
@@ -46,4 +51,22 @@ pub enum MeasureError {
     /// A run failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// The distances cannot be measured.
+    #[error(transparent)]
+    Distances(#[from] regulation::MeasureError),
+    /// A measurement ended without a result or an error: its thread died.
+    #[error("a measurement ended without a result")]
+    Lost,
+}
+
+impl MeasureError {
+    /// Whether the caller asked to stop.
+    #[must_use]
+    pub fn is_interruption(&self) -> bool {
+        matches!(
+            self,
+            MeasureError::Simulation(SimulationError::Interrupted)
+                | MeasureError::Distances(regulation::MeasureError::Interrupted)
+        )
+    }
 }

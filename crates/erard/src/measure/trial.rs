@@ -13,7 +13,7 @@ use crate::mechanism::{Mechanism, mechanism};
 use crate::simulation::SimulationError;
 
 /// Step, s.
-const STEP_S: f64 = 100e-6;
+const STEP_S: f64 = 200e-6;
 /// A key that has not arrived after this time does not sink or rise, s: a twentieth of a gram too much takes half of it.
 const PATIENCE_S: f64 = 6.0;
 /// A key that has stood still for so long will not start again, s.

@@ -123,24 +123,15 @@ impl PartWeights {
 /// See [`MeasureError`].
 pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, MeasureError> {
     let parts = Parts::of(instrument)?;
-    if instrument.gravity_m_s2 <= 0.0 {
-        return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
-    }
-    let derived = derive(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     let let_off_begins_m = let_off_begins(&lifted, &parts, going)?;
     let dampers_down = match parts.damper_lift {
         Some(_) => Some(on_the_key(instrument, let_off_begins_m, going)?),
         None => None,
     };
-    let train = derived.levers.assemble().map_err(DeriveError::from)?;
-    Ok(Weights {
-        let_off_begins_m,
-        pedal_down: on_the_key(&lifted, let_off_begins_m, going)?,
-        dampers_down,
-        parts: on_the_scale(instrument, &parts, &derived.levers, &train),
-        strike_ratio: by_geometry(&derived.levers, &train, let_off_begins_m)?,
-    })
+    let pedal_down = on_the_key(&lifted, let_off_begins_m, going)?;
+    let (parts, strike_ratio) = on_the_scale(instrument, &parts, let_off_begins_m)?;
+    Ok(Weights { let_off_begins_m, pedal_down, dampers_down, parts, strike_ratio })
 }
 
 /// Key travel at which a slow press meets the first of the stops that let the hammer off, m.
@@ -159,11 +150,18 @@ pub fn let_off_begins(instrument: &Instrument, parts: &Parts, going: Interrupt<'
     })
 }
 
-fn on_the_key(
+/// Down-weight and up-weight of an action as it stands, its damper as it hangs.
+///
+/// # Errors
+/// Where there is no gravity, and those of the runs.
+pub fn on_the_key(
     instrument: &Instrument,
     let_off_begins_m: f64,
     going: Interrupt<'_>,
 ) -> Result<KeyWeights, MeasureError> {
+    if instrument.gravity_m_s2 <= 0.0 {
+        return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
+    }
     let turn_m = let_off_begins_m - BEFORE_LET_OFF_M;
     let gram_n = instrument.gravity_m_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
@@ -183,8 +181,18 @@ fn on_the_key(
     Ok(KeyWeights { by_weights, by_loop, slow })
 }
 
-/// Weighs the parts as they come off the action: from masses, centres of mass and where they touch at rest.
-fn on_the_scale(instrument: &Instrument, parts: &Parts, levers: &DiscLevers, train: &LeverTrain) -> PartWeights {
+/// Weighs the parts as they come off the action, from masses, centres of mass and where they touch at rest; and the strike-weight
+/// ratio by the geometry.
+///
+/// # Errors
+/// When no three levers are found in it.
+pub fn on_the_scale(
+    instrument: &Instrument,
+    parts: &Parts,
+    let_off_begins_m: f64,
+) -> Result<(PartWeights, StrikeRatio), MeasureError> {
+    let levers = derive(instrument)?.levers;
+    let train = levers.assemble().map_err(DeriveError::from)?;
     let bodies = &instrument.bodies;
     let key = &bodies[parts.key];
     let hammer = &bodies[parts.hammer];
@@ -207,13 +215,14 @@ fn on_the_scale(instrument: &Instrument, parts: &Parts, levers: &DiscLevers, tra
         }
         whippen_moment += bodies[body].mass_kg * x;
     }
-    PartWeights {
+    let weights = PartWeights {
         front_weight_g: -G_PER_KG * key.mass_kg * drawn(key, key.center_of_mass_m) / key_front_m,
         // In the hammer's own frame, which lies along the shank: the shank is level on the scale.
         strike_weight_g: G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_head_m[0],
         whippen_weight_g: G_PER_KG * whippen_moment / (capstan[0] - levers.whippen_pivot[0]),
         key_ratio: capstan[0] / key_front_m,
-    }
+    };
+    Ok((weights, by_geometry(&levers, &train, let_off_begins_m)?))
 }
 
 fn by_geometry(levers: &DiscLevers, train: &LeverTrain, let_off_begins_m: f64) -> Result<StrikeRatio, MeasureError> {
