@@ -4,14 +4,17 @@
 
 mod common;
 
+use std::sync::OnceLock;
+
 use common::{body, grand};
 use erard::equilibrium;
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::measure::inertia::inertia;
+use erard::measure::norms::lines;
 use erard::measure::range::{Softest, softest};
 use erard::measure::repetition::repetition;
 use erard::measure::weights::{HOME_M, Weights, weigh};
-use erard::measure::{Parts, pedal_down, slow_loop};
+use erard::measure::{Parts, measure, pedal_down, slow_loop};
 use erard::mechanism::mechanism;
 use erard::one_dof;
 use erard::simulation::{Drive, Setup, simulate};
@@ -25,8 +28,26 @@ fn go() -> bool {
     true
 }
 
+/// Weights with the pedal down: the damper taken away, which is the same and saves half of the runs.
 fn weighed(instrument: &Instrument) -> Weights {
-    weigh(instrument, &go).unwrap()
+    weigh(&without_damper(instrument), &go).unwrap()
+}
+
+fn without_damper(instrument: &Instrument) -> Instrument {
+    let mut bare = instrument.clone();
+    let damper = body(&bare, "damper");
+    // The last body, so that no other's index changes; its zones are last, too.
+    assert_eq!(damper + 1, bare.bodies.len());
+    bare.bodies.truncate(damper);
+    bare.zones.retain(|zone| ![zone.disc_body, zone.curve_body].contains(&Some(damper)));
+    bare.parts.retain(|part| part.body != Some(damper));
+    bare
+}
+
+/// The shipped grand's weights, found once.
+fn grand_weighed() -> &'static Weights {
+    static WEIGHED: OnceLock<Weights> = OnceLock::new();
+    WEIGHED.get_or_init(|| weigh(&grand(), &go).unwrap())
 }
 
 fn down(w: &Weights) -> f64 {
@@ -99,7 +120,7 @@ fn effective_kg(instrument: &Instrument, w: &Weights) -> f64 {
 /// Weights tried one by one and the force of a slow loop are two ways to the same down-weight and up-weight.
 #[test]
 fn weights_and_loop_agree() {
-    let w = weighed(&grand());
+    let w = grand_weighed();
     for (damper, key) in [("pedal down", &w.pedal_down), ("dampers down", w.dampers_down.as_ref().unwrap())] {
         let (tried, read) = (key.by_weights, key.by_loop);
         near(&format!("{damper}: down-weight"), tried.down_weight_g.unwrap(), read.down_weight_g.unwrap(), SCALE_G);
@@ -111,18 +132,18 @@ fn weights_and_loop_agree() {
 #[test]
 fn the_concert_grand_is_within_the_norms() {
     let grand = grand();
-    let w = weighed(&grand);
+    let w = grand_weighed();
     let touch = w.pedal_down.by_weights;
     let within = |what: &str, x: f64, low: f64, high: f64| assert!((low..=high).contains(&x), "{what}: {x}");
-    within("down-weight", down(&w), 45.0, 55.0);
-    within("up-weight", up(&w), 20.0, 30.0);
+    within("down-weight", down(w), 45.0, 55.0);
+    within("up-weight", up(w), 20.0, 30.0);
     within("friction weight", touch.friction_weight_g().unwrap(), 8.0, 14.0);
-    within("balance weight", balance(&w), 34.0, 40.0);
+    within("balance weight", balance(w), 34.0, 40.0);
     let (weights, kinematics) = (w.strike_weight_ratio().unwrap(), w.strike_ratio.half_way);
     within("R by weights", weights, 5.0, 6.1);
     within("R by kinematics", kinematics, 5.0, 6.1);
     near("R by weights over R by kinematics", weights / kinematics, 1.0, 0.02);
-    within("effective inertia", effective_kg(&grand, &w), 0.2, 0.35);
+    within("effective inertia", effective_kg(&grand, w), 0.2, 0.35);
 }
 
 /// The detached parts weigh what their masses and arms make of them: key 140 g at 39.75 of 265 mm, hammer 11.2 g at 101 of
@@ -131,12 +152,10 @@ fn the_concert_grand_is_within_the_norms() {
 #[test]
 fn the_parts_weigh_what_they_are() {
     let grand = grand();
-    let parts = weighed(&grand).parts;
-    let (mass, at) = |name: &str| -> (f64, Vec2) {
-        let b = &grand.bodies[body(&grand, name)];
-        (b.mass_kg * 1e3, b.center_of_mass_m)
-    }("key");
-    near("front weight", parts.front_weight_g, mass * at[0] / grand.roles.key_front_m[0], 1e-3);
+    let parts = grand_weighed().parts.clone();
+    let key = &grand.bodies[body(&grand, "key")];
+    let front = key.mass_kg * 1e3 * key.center_of_mass_m[0] / grand.roles.key_front_m[0];
+    near("front weight", parts.front_weight_g, front, 1e-3);
     let hammer = &grand.bodies[body(&grand, "hammer")];
     let strike = hammer.mass_kg * 1e3 * hammer.center_of_mass_m[0] / grand.roles.hammer_head_m[0];
     near("strike weight", parts.strike_weight_g, strike, 1e-9);
@@ -159,19 +178,19 @@ fn capstan_toward_the_player_is_lighter() {
     let capstan = zone(&grand, "capstan_heel");
     moved.zones[capstan].disc_center_m[0] -= 0.010;
     keep_the_blow(&mut moved, &grand);
-    let (before, after) = (weighed(&grand), weighed(&moved));
+    let (before, after) = (grand_weighed(), weighed(&moved));
     println!(
         "R {} -> {}, D {} -> {}",
         before.strike_ratio.half_way,
         after.strike_ratio.half_way,
-        down(&before),
+        down(before),
         down(&after)
     );
     // The two arms, 142.23 and 63 mm, as drawn.
     let expected = (132.23 / 73.0) / (142.23 / 63.0);
     near("leverage", after.strike_ratio.at_rest / before.strike_ratio.at_rest, expected, 0.02);
-    assert!(down(&after) < down(&before) - 5.0);
-    assert!(effective_kg(&moved, &after) < 0.8 * effective_kg(&grand, &before));
+    assert!(down(&after) < down(before) - 5.0);
+    assert!(effective_kg(&moved, &after) < 0.8 * effective_kg(&grand, before));
 }
 
 /// The knuckle nearer to the hammer's centre: a shorter arm drives the same hammer.
@@ -184,17 +203,17 @@ fn knuckle_in_is_heavier() {
         moved.zones[knuckle].disc_center_m[0] -= 0.001;
     }
     keep_the_blow(&mut moved, &grand);
-    let (before, after) = (weighed(&grand), weighed(&moved));
+    let (before, after) = (grand_weighed(), weighed(&moved));
     println!(
         "R {} -> {}, D {} -> {}",
         before.strike_ratio.half_way,
         after.strike_ratio.half_way,
-        down(&before),
+        down(before),
         down(&after)
     );
     assert!(after.strike_ratio.half_way > 1.03 * before.strike_ratio.half_way);
-    assert!(down(&after) > down(&before) + 1.0);
-    assert!(effective_kg(&moved, &after) > 1.05 * effective_kg(&grand, &before));
+    assert!(down(&after) > down(before) + 1.0);
+    assert!(effective_kg(&moved, &after) > 1.05 * effective_kg(&grand, before));
 }
 
 /// A gram at the hammer's head raises the strike weight by a gram and the balance weight by R grams, whichever way R is found.
@@ -236,12 +255,12 @@ fn a_lead_lowers_the_balance_weight_by_its_lever() {
     let grand = grand();
     let mut leaded = grand.clone();
     add_mass(&mut leaded, "key", 14e-3, [-0.147, 0.010]);
-    let (before, after) = (weighed(&grand), weighed(&leaded));
+    let (before, after) = (grand_weighed(), weighed(&leaded));
     let lever = 14.0 * 147.0 / 265.0;
     near("front weight", after.parts.front_weight_g - before.parts.front_weight_g, lever, 1e-3 * lever);
-    near("balance weight", balance(&before) - balance(&after), lever, SCALE_G);
-    near("down-weight", down(&before) - down(&after), lever, SCALE_G);
-    near("up-weight", up(&before) - up(&after), lever, SCALE_G);
+    near("balance weight", balance(before) - balance(&after), lever, SCALE_G);
+    near("down-weight", down(before) - down(&after), lever, SCALE_G);
+    near("up-weight", up(before) - up(&after), lever, SCALE_G);
     // R is the action's, not the key's.
     near("R", after.strike_weight_ratio().unwrap(), before.strike_weight_ratio().unwrap(), 0.02);
 }
@@ -253,13 +272,13 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
     let mut tight = grand.clone();
     let key = body(&grand, "key");
     tight.bodies[key].friction_torque_n_m += 5e-3;
-    let (before, after) = (weighed(&grand), weighed(&tight));
+    let (before, after) = (grand_weighed(), weighed(&tight));
     let grams = 5e-3 / 0.265 / grand.gravity_m_s2 * 1e3;
-    near("down-weight", down(&after) - down(&before), grams, SCALE_G);
-    near("up-weight", up(&before) - up(&after), grams, SCALE_G);
-    near("balance weight", balance(&after), balance(&before), SCALE_G);
+    near("down-weight", down(&after) - down(before), grams, SCALE_G);
+    near("up-weight", up(before) - up(&after), grams, SCALE_G);
+    near("balance weight", balance(&after), balance(before), SCALE_G);
     let friction = |w: &Weights| w.pedal_down.by_weights.friction_weight_g().unwrap();
-    near("friction weight", friction(&after) - friction(&before), grams, SCALE_G);
+    near("friction weight", friction(&after) - friction(before), grams, SCALE_G);
 }
 
 /// What the damper weighs on the key: 34 g at 36 mm of its pin, lifted at 65 mm of it and 235 mm of the key, is 16.7 g at 265 mm;
@@ -267,14 +286,14 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
 #[test]
 fn dampers_down_are_heavier() {
     let grand = grand();
-    let w = weighed(&grand);
+    let w = grand_weighed();
     let with = w.dampers_down.as_ref().unwrap();
     let at = w.let_off_begins_m - 0.3e-3;
     let force = |key: &erard::measure::weights::KeyWeights| key.slow.down.force(at).unwrap() / grand.gravity_m_s2 * 1e3;
     // Its pin's friction, 1 mN m, works against the way down.
     let weight = (34e-3 * 36e-3 * grand.gravity_m_s2 + 1e-3) / 65e-3 * 235.0 / 265.0 / grand.gravity_m_s2 * 1e3;
     near("the damper at the key", force(with) - force(&w.pedal_down), weight, 0.05 * weight);
-    assert!(with.by_weights.down_weight_g.unwrap() > down(&w) + 5.0);
+    assert!(with.by_weights.down_weight_g.unwrap() > down(w) + 5.0);
 }
 
 /// Inertia from the geometry of three levers and, at rest, from the closed contacts of the one-degree-of-freedom model: 3 % apart
@@ -389,4 +408,40 @@ fn half_way_repeats_faster() {
     }
     let slack = repetition(&slack, 4.8e-3, &go).unwrap();
     assert!(slack.is_none_or(|slack| slack.rate_hz < 0.8 * half.rate_hz), "{slack:?}");
+}
+
+/// The whole sheet of an action without a damper: what needs one is missing, everything else is there, and the same as with the
+/// pedal down. Measured on several threads, the sheet is the same, bit for bit.
+#[test]
+fn an_action_without_a_damper_has_a_sheet() {
+    let bare = without_damper(&grand());
+    let sheet = measure(&bare, &mut |_| true).unwrap();
+    assert!(sheet.dampers_down.is_none() && sheet.hysteresis_dampers_down.is_none());
+    near("down-weight", sheet.down_weight_g.unwrap(), down(grand_weighed()), SCALE_G);
+    assert_eq!(sheet.timing.len(), 10);
+    // Every line of the printed sheet stands in the JSON under its key, with the same value.
+    let json = serde_json::to_value(&sheet).unwrap();
+    for line in lines() {
+        let found = line.key.split('.').try_fold(&json, |at, key| at.get(key).filter(|_| !at.is_null()));
+        let value = (line.value)(&sheet);
+        match found {
+            Some(found) => assert_eq!(found.as_f64(), value, "{}", line.key),
+            None => assert!(line.key.starts_with("dampers_down.") && value.is_none(), "{}", line.key),
+        }
+    }
+    let again = measure(&bare, &mut |_| true).unwrap();
+    assert_eq!(json, serde_json::to_value(&again).unwrap());
+}
+
+/// What is no action is told so, and work that is to end ends.
+#[test]
+fn what_cannot_be_measured_is_said() {
+    let mut no_hammer = grand();
+    no_hammer.roles.hammer = None;
+    let error = measure(&no_hammer, &mut |_| true).unwrap_err().to_string();
+    assert!(error.contains("names no hammer"), "{error}");
+    let mut floating = grand();
+    floating.gravity_m_s2 = 0.0;
+    assert!(measure(&floating, &mut |_| true).is_err());
+    assert!(measure(&grand(), &mut |_| false).unwrap_err().is_interruption());
 }

@@ -133,7 +133,8 @@ fn hysteresis(measured: &[Measured]) -> String {
     let whole = curves.clone();
     let panels =
         vec![panel("force", "N", 300.0, Some((0.0, close)), curves), panel("to the bottom", "N", 130.0, None, whole)];
-    let subtitle = "a finger moves the key so slowly that only weights, felts, springs and friction are left";
+    let subtitle =
+        "so slow that weights, felts, springs and friction are left; the ripple is the hammer swinging on its felts";
     let markers = match measured {
         [one] => vec![Marker { x: one.sheet.let_off_begins_mm, label: "let-off begins".into() }],
         _ => Vec::new(),
@@ -225,5 +226,5 @@ fn timing(measured: &[Measured]) -> String {
     let far = largest(series.iter().flat_map(|one| &one.speeds));
     let title = titled(measured, "timing");
     let subtitle = "after key start; hammer ahead of key bottom; from let-off to the string. pp, p, mf, f, ff";
-    figure_svg(&figure(title, subtitle, "hammer speed (m/s)", (0.0, far.max(0.1)), panels, Vec::new()))
+    figure_svg(&figure(title, subtitle, "hammer speed (m/s)", (0.0, 1.04 * far.max(0.1)), panels, Vec::new()))
 }
