@@ -11,6 +11,7 @@ pub mod kinematics;
 pub mod mechanism;
 pub mod one_dof;
 mod recorder;
+pub mod regulate;
 pub mod regulation;
 pub mod run;
 pub mod simulation;
