@@ -14,6 +14,8 @@ use crate::regulation::{Distances, Protocol};
 const MOST_ROUNDS: u32 = 8;
 /// Most measurements for one goal in one round.
 const MOST_TRIES: u32 = 14;
+/// Most measurements to meet a goal again while another's screw is turned.
+const MOST_TRIES_TO_KEEP: u32 = 6;
 /// A screw is turned until its goal is met to this share of its tolerance, so that what comes after may disturb it a little.
 const WORKING_SHARE: f64 = 0.3;
 /// Rounds that an end of the work is guessed at, for the share that progress shows.
@@ -110,6 +112,8 @@ struct Task {
     /// Screws, what is known of each, and the effect on the goal per unit of setting: expected, then found.
     screws: Vec<(usize, &'static KnownScrew, f64, Option<f64>)>,
     miss: Option<Miss>,
+    /// The nearest that was found when it was missed last.
+    nearest: Option<f64>,
 }
 
 /// Regulates a copy of an instrument. `progress` is told now and then how far the work is, and ends it by returning false.
@@ -145,7 +149,7 @@ pub fn regulate(
             if rounds == 1 && tasks[n].goal == Goal::LetOff {
                 clear_the_drop_screw(&mut shop)?;
             }
-            work(&mut tasks, n, &mut shop)?;
+            work(&mut tasks, n, MOST_TRIES, &mut shop)?;
         }
         let error = total_error(&tasks, &mut shop)?;
         if best.as_ref().is_none_or(|(least, _)| error < 0.9 * least) {
@@ -219,7 +223,7 @@ fn tasks(instrument: &Instrument, specification: &Specification) -> Result<Vec<T
             let names: Vec<String> = usable().map(|(name, _)| format!("`{name}`")).collect();
             return Err(RegulateError::NoScrew { goal: goal.name(), needs: names.join(" or ") });
         }
-        tasks.push(Task { goal, target, screws, miss: None });
+        tasks.push(Task { goal, target, screws, miss: None, nearest: None });
     }
     Ok(tasks)
 }
@@ -254,35 +258,45 @@ fn clear_the_drop_screw(shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     Ok(())
 }
 
-/// Turns the screws of task `n` until its goal is met, or as near as it gets.
-fn work(tasks: &mut [Task], n: usize, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
+/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each.
+fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let (goal, target) = (tasks[n].goal, tasks[n].target);
     let near_enough = WORKING_SHARE * goal.tolerance(target);
+    let tolerance = goal.tolerance(target);
+    // What has been tried in vain is not tried again unless something has moved it.
+    let value = shop.value(goal)?;
+    if let (Some(value), Some(nearest)) = (value, tasks[n].nearest)
+        && (value - nearest).abs() <= tolerance
+    {
+        return Ok(());
+    }
     let (mut ends, mut tried) = (Vec::new(), Vec::new());
     for at in 0..tasks[n].screws.len() {
         let (screw, known, expected, found) = tasks[n].screws[at];
         let limits = known.limits(&shop.instrument, &shop.instrument.screws[screw]);
         let turning = Turning { slope: expected, limits, stride: (limits[1] - limits[0]) / 8.0 };
         let mut search = Search::new(turning, found, target);
-        let (began_at, began) = (shop.setting(screw), shop.value(goal)?);
-        for _ in 0..MOST_TRIES {
-            let value = shop.value(goal)?.unwrap_or(goal.missing());
+        let (began, began_with) = (shop.value(goal)?.unwrap_or(goal.missing()), shop.settings());
+        let mut best_with = began_with.clone();
+        for _ in 0..tries {
+            let (setting, value) = (shop.setting(screw), shop.value(goal)?.unwrap_or(goal.missing()));
             if (value - target).abs() <= near_enough {
                 tasks[n].screws[at].3 = Some(search.slope());
-                tasks[n].miss = None;
+                (tasks[n].miss, tasks[n].nearest) = (None, None);
                 return Ok(());
             }
-            let Some(next) = search.next(shop.setting(screw), value) else { break };
+            let next = search.next(setting, value);
+            if search.best == Some((setting, value)) {
+                best_with = shop.settings();
+            }
+            let Some(next) = next else { break };
             shop.turn(screw, next);
             keep(tasks, goal, shop)?;
         }
-        if let Some((mut setting, value)) = search.best {
-            // A screw that hardly helps is left where it was.
-            if began.is_some_and(|began| (began - target).abs() - (value - target).abs() < goal.tolerance(target)) {
-                setting = began_at;
-            }
-            shop.turn(screw, setting);
-            keep(tasks, goal, shop)?;
+        if let Some((setting, value)) = search.best {
+            // A screw that hardly helps is left where it was, and what was kept with it.
+            let helps = !((began - target).abs() - (value - target).abs() < tolerance);
+            shop.restore(if helps { &best_with } else { &began_with });
             let at_end = limits.iter().any(|end| (setting - end).abs() < 1e-3 * (limits[1] - limits[0]));
             if at_end {
                 ends.push(known.name)
@@ -294,7 +308,9 @@ fn work(tasks: &mut [Task], n: usize, shop: &mut Workshop<'_>) -> Result<(), Reg
             }
         }
     }
-    let met = shop.value(goal)?.is_some_and(|value| (value - target).abs() <= goal.tolerance(target));
+    let value = shop.value(goal)?;
+    let met = value.is_some_and(|value| (value - target).abs() <= tolerance);
+    tasks[n].nearest = value.filter(|_| !met);
     tasks[n].miss = match (met, tried.is_empty()) {
         (true, _) => None,
         (false, true) => Some(Miss::EndOfRange(ends)),
@@ -306,7 +322,7 @@ fn work(tasks: &mut [Task], n: usize, shop: &mut Workshop<'_>) -> Result<(), Reg
 /// Meets again the goal that has to be kept while `goal`'s screw is turned.
 fn keep(tasks: &mut [Task], goal: Goal, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     match goal.keeps().and_then(|kept| tasks.iter().position(|task| task.goal == kept)) {
-        Some(kept) => work(tasks, kept, shop),
+        Some(kept) => work(tasks, kept, MOST_TRIES_TO_KEEP, shop),
         None => Ok(()),
     }
 }
