@@ -295,7 +295,7 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
         }
         if let Some((setting, value)) = search.best {
             // A screw that hardly helps is left where it was, and what was kept with it.
-            let helps = !((began - target).abs() - (value - target).abs() < tolerance);
+            let helps = (value - target).abs() + tolerance <= (began - target).abs();
             shop.restore(if helps { &best_with } else { &began_with });
             let at_end = limits.iter().any(|end| (setting - end).abs() < 1e-3 * (limits[1] - limits[0]));
             if at_end {
