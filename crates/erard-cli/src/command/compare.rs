@@ -231,6 +231,14 @@ impl FindingReport {
     }
 }
 
+/// The range of some curves and half as much again on both sides.
+fn widened(curves: &[Curve]) -> (f64, f64) {
+    let values = || curves.iter().flat_map(|c| c.y.iter().copied());
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let margin = (0.5 * (high - low)).max(1e-6);
+    (low - margin, high + margin)
+}
+
 /// Measured in black, the action in orange, one degree of freedom in blue.
 fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
     let curve =
@@ -259,20 +267,23 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
             curves.push(curve("measured", measured, PALETTE[6], Dash::Solid));
         }
         curves.push(curve("action", shown(action), PALETTE[1], Dash::Solid));
+        // Where the simple model is far off it may leave the frame, so that the others can be read.
+        let y_range = Some(widened(&curves));
         curves.push(curve("one degree of freedom", shown(one_dof), PALETTE[0], Dash::Dashed));
         panels.push(Panel {
             quantity: quantity.into(),
             unit,
             height_px: 260.0,
             layout: Layout::Together,
-            y_range: None,
+            y_range,
             curves,
         });
     }
     if let Some(measured) = &c.measured_hammer_m {
         let mut curves = vec![curve("measured", in_mm(measured), PALETTE[6], Dash::Solid)];
         for (n, trial) in c.trials.iter().filter(|t| !t.hammer_m.is_empty()).enumerate() {
-            let (label, colour) = (format!("action, {} driven", trial.driven.name()), PALETTE[1 + n]);
+            let how = if trial.driven == Driven::Rigidly { "rigidly" } else { trial.driven.name() };
+            let (label, colour) = (format!("action, {how} driven"), PALETTE[1 + n]);
             curves.push(curve(&label, in_mm(&trial.hammer_m), colour, Dash::Solid));
         }
         panels.push(Panel {
