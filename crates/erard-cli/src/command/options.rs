@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use erard::instrument::Instrument;
 use erard::one_dof;
+use erard::simulation::{Setup, SimulationError};
 use erard::stroke::{Cursor, Series, Touch};
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -258,6 +259,18 @@ enum FrictionName {
     SetValued,
     /// Regularised by tanh: creeps
     Tanh,
+}
+
+/// Checks a setup whose numbers came from the command line, so that an error names the option.
+pub fn check(setup: &Setup) -> Result<(), Failure> {
+    let Err(error) = setup.check() else { return Ok(()) };
+    let option = match error {
+        SimulationError::Step { .. } => "--dt",
+        SimulationError::Theta { .. } => "--theta",
+        SimulationError::Duration { .. } => "--duration",
+        _ => return Err(error.into()),
+    };
+    Err(Failure::Usage(format!("{option}: {error}")))
 }
 
 impl StepOptions {
