@@ -59,7 +59,7 @@ fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
 }
 
 /// The screws that were turned for a goal, as far as one alone is turned for it.
-fn screws_of<'r>(regulated: &'r Regulated, goal: Goal) -> impl Iterator<Item = &'r Turned> {
+fn screws_of(regulated: &Regulated, goal: Goal) -> impl Iterator<Item = &Turned> {
     // A screw that could serve two goals served the first of them that was asked for.
     let asked = move |name: &str| {
         regulated.achieved.iter().map(|a| a.goal).find(|g| g.screws().iter().any(|(n, _)| *n == name))

@@ -1,64 +1,14 @@
 //! `erard regulate` as a user runs it: what it writes, what it never overwrites, and what it says when it cannot.
 
-use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+mod common;
 
+use common::Folder;
 use erard::instrument::Instrument;
 use erard::regulation::{Protocol, measure};
 use serde_json::Value;
 
-/// A folder of its own for a test, gone at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("erard-regulate-{test}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        Folder(folder)
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
-        command.current_dir(&self.0).arg("regulate").args(arguments);
-        command
-    }
-
-    fn erard(&self, arguments: &[&str], code: i32) -> Output {
-        let output = self.command(arguments).output().unwrap();
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-        output
-    }
-
-    /// Runs what must fail with code 2 and leave the folder as it is; standard error.
-    fn bad(&self, arguments: &[&str]) -> String {
-        let before = self.contents();
-        let output = self.erard(arguments, 2);
-        assert!(output.stdout.is_empty(), "{arguments:?}");
-        assert_eq!(self.contents(), before, "{arguments:?}");
-        String::from_utf8(output.stderr).unwrap()
-    }
-
-    fn contents(&self) -> Vec<(String, Vec<u8>)> {
-        let mut contents: Vec<_> = fs::read_dir(&self.0)
-            .unwrap()
-            .map(|entry| entry.unwrap())
-            .map(|entry| (entry.file_name().to_string_lossy().into_owned(), fs::read(entry.path()).unwrap_or_default()))
-            .collect();
-        contents.sort();
-        contents
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.0.join(name)).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+fn folder(test: &str) -> Folder {
+    Folder::for_command("regulate", test)
 }
 
 /// The built-in grand with two of its screws turned away.
@@ -70,7 +20,7 @@ fn mis_set(folder: &Folder) -> String {
         assert!(instrument.turn(screw, by));
     }
     let text = instrument.rewrite(text, "mis-set", "mis-set").unwrap();
-    fs::write(folder.0.join("wrong.toml"), &text).unwrap();
+    folder.file("wrong.toml", &text);
     text
 }
 
@@ -78,9 +28,10 @@ fn mis_set(folder: &Folder) -> String {
 /// it was, and table and JSON say the same.
 #[test]
 fn a_mis_set_file_is_put_right() {
-    let folder = Folder::new("right");
+    let folder = folder("right");
     let wrong = mis_set(&folder);
-    let output = folder.erard(&["wrong.toml", "--out", "right.toml"], 0);
+    let output = folder.erard(&["wrong.toml", "--out", "right.toml"]);
+    assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty(), "no bar where nobody watches");
     let table = String::from_utf8(output.stdout).unwrap();
     assert_eq!(folder.read("wrong.toml"), wrong);
@@ -117,8 +68,8 @@ fn a_mis_set_file_is_put_right() {
 /// Comments and layout stay; only settings and the source of the new ones are different.
 #[test]
 fn the_file_keeps_its_comments() {
-    let folder = Folder::new("comments");
-    folder.erard(&["--let-off", "1.5mm", "--drop", "1.5mm"], 0);
+    let folder = folder("comments");
+    folder.good(&["--let-off", "1.5mm", "--drop", "1.5mm"]);
     let (old, new) = (Instrument::builtin_text("concert-grand").unwrap(), folder.read("concert-grand-regulated.toml"));
     let added: Vec<&str> = new.lines().filter(|line| !old.lines().any(|o| o == *line)).collect();
     assert_eq!(added.len(), 5, "two settings, and three lines of their source: {added:#?}");
@@ -128,9 +79,10 @@ fn the_file_keeps_its_comments() {
 
 #[test]
 fn wrong_arguments_write_nothing() {
-    let folder = Folder::new("bad");
-    fs::write(folder.0.join("old.toml"), Instrument::builtin_text("concert-grand").unwrap()).unwrap();
-    fs::write(folder.0.join("broken.toml"), "format = \"erard-instrument/1\"\nname = 3\n").unwrap();
+    let folder = folder("bad");
+    let grand = Instrument::builtin_text("concert-grand").unwrap();
+    folder.file("old.toml", grand);
+    folder.file("broken.toml", "format = \"erard-instrument/1\"\nname = 3\n");
     for (arguments, says) in [
         (&["--dip", "ten"][..], "--dip ten: expected a length from 3 mm to 14 mm"),
         (&["--dip", "100mm"], "--dip 100mm: expected a length"),
@@ -150,8 +102,8 @@ fn wrong_arguments_write_nothing() {
         let message = folder.bad(arguments);
         assert!(message.starts_with("error: ") && message.contains(says), "{arguments:?}: {message}");
     }
-    let grand = Instrument::builtin_text("concert-grand").unwrap();
-    fs::write(folder.0.join("nodrop.toml"), grand.replace("name = \"drop\"", "name = \"stop\"")).unwrap();
+    assert_eq!(folder.read("old.toml"), grand);
+    folder.file("nodrop.toml", &grand.replace("name = \"drop\"", "name = \"stop\""));
     let message = folder.bad(&["nodrop.toml"]);
     assert!(message.contains("no screw for drop: it needs one called `drop`"), "{message}");
     let message = folder.bad(&["--norms", "--keep"]);
@@ -161,9 +113,9 @@ fn wrong_arguments_write_nothing() {
 /// An old output is replaced when that is asked for.
 #[test]
 fn force_replaces_an_old_output() {
-    let folder = Folder::new("force");
-    fs::write(folder.0.join("out.toml"), "old").unwrap();
-    folder.erard(&["--dip", "9.8", "--out", "out.toml", "--force"], 0);
+    let folder = folder("force");
+    folder.file("out.toml", "old");
+    folder.good(&["--dip", "9.8", "--out", "out.toml", "--force"]);
     let name = Instrument::load(&folder.0.join("out.toml")).unwrap().name;
     assert_eq!(name, "Concert grand, C4");
 }
@@ -171,8 +123,9 @@ fn force_replaces_an_old_output() {
 /// What geometry cannot give: exit code 1, the goal and the nearest on standard error, and the nearest in the file.
 #[test]
 fn what_cannot_be_met_is_said_and_the_nearest_written() {
-    let folder = Folder::new("unmet");
-    let output = folder.erard(&["--dip", "3mm", "--out", "flat.toml"], 1);
+    let folder = folder("unmet");
+    let output = folder.erard(&["--dip", "3mm", "--out", "flat.toml"]);
+    assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(message.contains("dip 3 mm is not met: the nearest is") && message.contains("front_punching"), "{message}");
     let flat = Instrument::load(&folder.0.join("flat.toml")).unwrap();
@@ -186,7 +139,7 @@ fn what_cannot_be_met_is_said_and_the_nearest_written() {
 #[cfg(unix)]
 #[test]
 fn interrupted_it_leaves_nothing() {
-    let folder = Folder::new("interrupted");
+    let folder = folder("interrupted");
     // A goal that takes long to be found out of reach.
     let goals = ["--norms", "--repetition-rise", "20mm", "--out", "new/grand.toml"];
     let mut child = folder.command(&goals).stdout(std::process::Stdio::piped()).spawn().unwrap();
@@ -195,10 +148,10 @@ fn interrupted_it_leaves_nothing() {
         assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(kill.success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
     assert!(output.stdout.is_empty());
-    assert_eq!(folder.contents(), Vec::new());
+    assert_eq!(folder.names(), Vec::<String>::new());
 }

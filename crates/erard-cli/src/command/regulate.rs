@@ -133,7 +133,7 @@ impl Regulate {
         output.stage("regulate.json", |w| report.write_json(w))?;
         output.commit()?;
 
-        println!(
+        say!(
             "{} - regulated in {} {}, {} simulations, {:.1} s",
             instrument.name,
             regulated.rounds,
@@ -141,10 +141,9 @@ impl Regulate {
             regulated.simulations,
             regulated.elapsed_s
         );
-        println!();
-        print!("{}", Shown(&regulated));
-        println!();
-        println!("Written to {}: {name}, regulate.json", folder.display());
+        say!();
+        say!("{}", Shown(&regulated));
+        say!("Written to {}: {name}, regulate.json", folder.display());
         match report.misses() {
             misses if misses.is_empty() => Ok(()),
             misses => Err(Failure::Unmet(misses.join("\n       "))),
