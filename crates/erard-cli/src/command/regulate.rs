@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::regulation::{Report, Shown, parse_value};
+use crate::say;
 
 /// What stands below the options.
 const AFTER: &str = "\
