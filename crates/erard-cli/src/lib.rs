@@ -12,6 +12,7 @@ pub mod measure;
 pub mod output;
 pub mod page;
 pub mod progress;
+pub mod regulation;
 pub mod summary;
 pub mod svg;
 pub mod table;

@@ -7,6 +7,7 @@ mod kinematics;
 mod measure;
 mod options;
 mod press;
+mod regulate;
 
 use std::process::ExitCode;
 
@@ -32,13 +33,16 @@ enum Sub {
     Kinematics(Box<kinematics::Kinematics>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
+    /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
+    Regulate(Box<regulate::Regulate>),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
     Compare(compare::Compare),
 }
 
-/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else.
+/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
+/// (goals of `regulate` that cannot be met, among it).
 pub fn run() -> ExitCode {
     let command = Command::parse();
     listen_for_interrupts();
@@ -47,6 +51,7 @@ pub fn run() -> ExitCode {
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Measure(measure) => measure.run(),
+        Sub::Regulate(regulate) => regulate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
     };

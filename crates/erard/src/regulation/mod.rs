@@ -8,4 +8,4 @@ mod bench;
 mod distances;
 
 pub use anatomy::AnatomyError;
-pub use distances::{Distances, MeasureError, Protocol, measure};
+pub use distances::{Distances, MOVED_M, MeasureError, Protocol, Trial, measure};
