@@ -178,7 +178,7 @@ fn what_is_wrong_is_named() {
         (&["upright"][..], "no built-in instrument `upright`"),
         (&["missing.toml"], "missing.toml"),
         (&["concert-grand", "broken.toml"], "broken.toml:"),
-        (&["no-hammer.toml"], "names no hammer"),
+        (&["no-hammer.toml"], "names no `hammer`"),
         (&["deaf.toml"], "let_off"),
         (&["--nonsense"], "--nonsense"),
         (&["a"; 13], "12 at most"),

@@ -439,7 +439,7 @@ fn what_cannot_be_measured_is_said() {
     let mut no_hammer = grand();
     no_hammer.roles.hammer = None;
     let error = measure(&no_hammer, &mut |_| true).unwrap_err().to_string();
-    assert!(error.contains("names no hammer"), "{error}");
+    assert!(error.contains("names no `hammer`"), "{error}");
     let mut floating = grand();
     floating.gravity_m_s2 = 0.0;
     assert!(measure(&floating, &mut |_| true).is_err());

@@ -80,11 +80,7 @@ pub fn inertia(
         before_m = pose.key;
         let rates = Rates::new(instrument, &parts, pose);
         pedal_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.all));
-        dampers_down_kg.push(rates.mass(
-            m.as_ref(),
-            levers.key_front,
-            &rates.with_damper(instrument, &parts, m.as_ref()),
-        ));
+        dampers_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.with_damper(&parts, m.as_ref())));
     }
     // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
     let half =
@@ -123,16 +119,11 @@ impl Rates {
     }
 
     /// The damper follows where its contact with the key is closed.
-    fn with_damper(&self, instrument: &Instrument, parts: &Parts, m: &dyn Mechanism) -> Vec<f64> {
+    fn with_damper(&self, parts: &Parts, m: &dyn Mechanism) -> Vec<f64> {
         let mut all = self.all.clone();
-        if let Some(zone) = parts.damper_lift.filter(|&zone| m.gap(zone) > 0.0) {
+        if let Some((zone, damper)) = parts.damper.filter(|&(zone, _)| m.gap(zone) > 0.0) {
             let row = m.gap_row(zone);
-            let touched = &instrument.zones[zone];
-            if let Some(damper) =
-                [touched.disc_body, touched.curve_body].into_iter().flatten().find(|b| *b != parts.key)
-            {
-                all[damper] = -row[parts.key] / row[damper];
-            }
+            all[damper] = -row[parts.key] / row[damper];
         }
         all
     }

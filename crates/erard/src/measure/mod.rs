@@ -39,6 +39,9 @@ pub enum MeasureError {
     /// A part is not there.
     #[error("this is no piano action that a technician could measure: {0}")]
     NotAnAction(String),
+    /// No grand action.
+    #[error(transparent)]
+    Anatomy(#[from] regulation::AnatomyError),
     /// No three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),

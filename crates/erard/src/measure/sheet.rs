@@ -283,7 +283,7 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
         job(&mut r.inertia, |going| inertia(instrument, begins, going)),
         job(&mut r.scale, |_| on_the_scale(instrument, &parts, begins)),
     ];
-    if parts.damper_lift.is_some() {
+    if parts.damper.is_some() {
         jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, begins, going)));
         jobs.push(job(&mut r.hysteresis_damped, |going| slow_loop(instrument, deep, going)));
     }

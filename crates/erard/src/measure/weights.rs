@@ -125,7 +125,7 @@ pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, M
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     let let_off_begins_m = let_off_begins(&lifted, &parts, going)?;
-    let dampers_down = match parts.damper_lift {
+    let dampers_down = match parts.damper {
         Some(_) => Some(on_the_key(instrument, let_off_begins_m, going)?),
         None => None,
     };
