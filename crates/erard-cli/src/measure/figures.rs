@@ -40,13 +40,18 @@ fn colour(index: usize) -> &'static str {
     PALETTE[index % PALETTE.len()]
 }
 
-/// What a curve is called: alone it needs no owner.
-fn label(measured: &[Measured], one: &Measured, what: &str) -> String {
+/// What a curve is called: alone it needs no owner, beside others its owner's letter.
+fn label(measured: &[Measured], index: usize, what: &str) -> String {
     match (measured.len(), what) {
         (1, _) => what.to_owned(),
-        (_, "") => one.label.clone(),
-        _ => format!("{}, {what}", one.label),
+        (_, "") => letter(index),
+        _ => format!("{}, {what}", letter(index)),
     }
+}
+
+/// A, B, C: names are too long for a legend.
+fn letter(index: usize) -> String {
+    char::from(b'A' + (index % 26) as u8).to_string()
 }
 
 fn titled(measured: &[Measured], quantity: &str) -> String {
@@ -54,6 +59,22 @@ fn titled(measured: &[Measured], quantity: &str) -> String {
         [one] => format!("{}: {quantity}", one.label),
         _ => format!("{}{}", quantity[..1].to_uppercase(), &quantity[1..]),
     }
+}
+
+/// The line below the title: what is shown, or, of several actions, which letter is which.
+fn subtitled(measured: &[Measured], what: &str) -> String {
+    /// Characters that fit into the figure's width.
+    const FIT: usize = 120;
+    if measured.len() < 2 {
+        return what.to_owned();
+    }
+    let each = FIT / measured.len() - 4;
+    let names = measured.iter().enumerate().map(|(index, one)| {
+        let short: String = one.label.chars().take(each).collect();
+        let cut = if short == one.label { "" } else { "…" };
+        format!("{} {short}{cut}", letter(index))
+    });
+    names.collect::<Vec<_>>().join(";  ")
 }
 
 fn figure<'a>(
@@ -117,7 +138,7 @@ fn hysteresis(measured: &[Measured]) -> String {
         let pedal = &one.sheet.hysteresis;
         let colour = colour(index);
         let mut push = |what: &str, x, y: &[f64], dash| {
-            let label = if what.is_empty() { String::new() } else { label(measured, one, what) };
+            let label = if what.is_empty() { String::new() } else { label(measured, index, what) };
             curves.push(Curve { label, x, y: Cow::Owned(y.to_vec()), colour, dash });
         };
         push("pedal down", &pedal.down_key_mm[..], &pedal.down_force_N, Dash::Solid);
@@ -133,14 +154,14 @@ fn hysteresis(measured: &[Measured]) -> String {
     let whole = curves.clone();
     let panels =
         vec![panel("force", "N", 300.0, Some((0.0, close)), curves), panel("to the bottom", "N", 130.0, None, whole)];
-    let subtitle =
+    let what =
         "so slow that weights, felts, springs and friction are left; the ripple is the hammer swinging on its felts";
     let markers = match measured {
         [one] => vec![Marker { x: one.sheet.let_off_begins_mm, label: "let-off begins".into() }],
         _ => Vec::new(),
     };
     let title = titled(measured, "slow loop");
-    figure_svg(&figure(title, subtitle, "key front, down (mm)", (0.0, far.max(0.1)), panels, markers))
+    figure_svg(&figure(title, &subtitled(measured, what), "key front, down (mm)", (0.0, far.max(0.1)), panels, markers))
 }
 
 fn inertia(measured: &[Measured]) -> String {
@@ -148,7 +169,7 @@ fn inertia(measured: &[Measured]) -> String {
     for (index, one) in measured.iter().enumerate() {
         let numbers = &one.sheet.inertia;
         let mut push = |what: &str, y: &'_ Vec<f64>, dash| {
-            let label = label(measured, one, what);
+            let label = label(measured, index, what);
             curves.push(Curve { label, x: &numbers.key_mm, y: Cow::Owned(y.clone()), colour: colour(index), dash });
         };
         if one.sheet.dampers_down.is_some() {
@@ -159,9 +180,16 @@ fn inertia(measured: &[Measured]) -> String {
     let far = largest(measured.iter().flat_map(|one| &one.sheet.inertia.key_mm));
     let high = 1.15 * largest(measured.iter().flat_map(|one| &one.sheet.inertia.dampers_down_kg));
     let panels = vec![panel("effective inertia", "kg", 300.0, Some((0.0, high.max(0.01))), curves)];
-    let subtitle = "mass at the key front with the same kinetic energy, from rest to where let-off begins";
+    let what = "mass at the key front with the same kinetic energy, from rest to where let-off begins";
     let title = titled(measured, "inertia through the stroke");
-    figure_svg(&figure(title, subtitle, "key front, down (mm)", (0.0, far.max(0.1)), panels, Vec::new()))
+    figure_svg(&figure(
+        title,
+        &subtitled(measured, what),
+        "key front, down (mm)",
+        (0.0, far.max(0.1)),
+        panels,
+        Vec::new(),
+    ))
 }
 
 fn range(measured: &[Measured]) -> String {
@@ -171,7 +199,7 @@ fn range(measured: &[Measured]) -> String {
         let each = measured.iter().zip(&forces).enumerate();
         each.map(|(index, (one, x))| {
             let y = one.sheet.dynamic_range.iter().map(|l| value(l).unwrap_or(f64::NAN)).collect();
-            Curve { label: label(measured, one, ""), x, y: Cow::Owned(y), colour: colour(index), dash: Dash::Solid }
+            Curve { label: label(measured, index, ""), x, y: Cow::Owned(y), colour: colour(index), dash: Dash::Solid }
         })
         .collect()
     };
@@ -181,7 +209,14 @@ fn range(measured: &[Measured]) -> String {
     ];
     let far = largest(forces.iter().flatten());
     let title = titled(measured, "hammer speed against a constant force");
-    figure_svg(&figure(title, MIDI_MAP, "force on the key front (N)", (0.0, far), panels, Vec::new()))
+    figure_svg(&figure(
+        title,
+        &subtitled(measured, MIDI_MAP),
+        "force on the key front (N)",
+        (0.0, far),
+        panels,
+        Vec::new(),
+    ))
 }
 
 fn timing(measured: &[Measured]) -> String {
@@ -205,7 +240,7 @@ fn timing(measured: &[Measured]) -> String {
         for (touch, dash) in touches {
             let rows = sounded(one, touch);
             let speeds = rows.iter().filter_map(|row| row.hammer_speed_m_s).collect();
-            series.push(Strokes { label: label(measured, one, touch), colour: colour(index), dash, speeds, rows });
+            series.push(Strokes { label: label(measured, index, touch), colour: colour(index), dash, speeds, rows });
         }
     }
     let curves = |value: fn(&TimingRow) -> Option<f64>| -> Vec<Curve<'_>> {
@@ -225,6 +260,13 @@ fn timing(measured: &[Measured]) -> String {
     ];
     let far = largest(series.iter().flat_map(|one| &one.speeds));
     let title = titled(measured, "timing");
-    let subtitle = "after key start; hammer ahead of key bottom; from let-off to the string. pp, p, mf, f, ff";
-    figure_svg(&figure(title, subtitle, "hammer speed (m/s)", (0.0, 1.04 * far.max(0.1)), panels, Vec::new()))
+    let what = "after key start; hammer ahead of key bottom; from let-off to the string. pp, p, mf, f, ff";
+    figure_svg(&figure(
+        title,
+        &subtitled(measured, what),
+        "hammer speed (m/s)",
+        (0.0, 1.04 * far.max(0.1)),
+        panels,
+        Vec::new(),
+    ))
 }
