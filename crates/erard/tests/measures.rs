@@ -114,7 +114,7 @@ fn keep_the_blow(instrument: &mut Instrument, model: &Instrument) {
 }
 
 fn effective_kg(instrument: &Instrument, w: &Weights) -> f64 {
-    inertia(instrument, w.let_off_begins_m, &go).unwrap().half_way.total_kg()
+    inertia(instrument, w.free_way.end_m, &go).unwrap().half_way.total_kg()
 }
 
 /// Weights tried one by one and the force of a slow loop are two ways to the same down-weight and up-weight.
@@ -288,7 +288,7 @@ fn dampers_down_are_heavier() {
     let grand = grand();
     let w = grand_weighed();
     let with = w.dampers_down.as_ref().unwrap();
-    let at = w.let_off_begins_m - 0.3e-3;
+    let at = w.free_way.end_m - 0.3e-3;
     let force = |key: &erard::measure::weights::KeyWeights| key.slow.down.force(at).unwrap() / grand.gravity_m_s2 * 1e3;
     // Its pin's friction, 1 mN m, works against the way down.
     let weight = (34e-3 * 36e-3 * grand.gravity_m_s2 + 1e-3) / 65e-3 * 235.0 / 265.0 / grand.gravity_m_s2 * 1e3;
@@ -444,4 +444,19 @@ fn what_cannot_be_measured_is_said() {
     floating.gravity_m_s2 = 0.0;
     assert!(measure(&floating, &mut |_| true).is_err());
     assert!(measure(&grand(), &mut |_| false).unwrap_err().is_interruption());
+}
+
+/// An action that blocks, its let-off button and drop screw turned out of reach, is measured all the same: up to where the hammer
+/// meets the string, and let-off, drop and aftertouch are red flags.
+#[test]
+fn a_blocking_action_has_a_sheet() {
+    let mut blocking = without_damper(&grand());
+    lower_let_off(&mut blocking, -10e-3);
+    let sheet = measure(&blocking, &mut |_| true).unwrap();
+    assert_eq!(sheet.let_off_begins_mm, None);
+    assert!(sheet.let_off_mm.unwrap() <= 0.0 && sheet.aftertouch_mm.is_none());
+    for key in ["let_off_mm", "drop_mm", "aftertouch_mm"] {
+        assert!(sheet.flags.iter().any(|flag| flag.key == key), "{key}: {:?}", sheet.flags);
+    }
+    near("down-weight", sheet.down_weight_g.unwrap(), down(grand_weighed()), SCALE_G);
 }

@@ -157,7 +157,9 @@ fn hysteresis(measured: &[Measured]) -> String {
     let what =
         "so slow that weights, felts, springs and friction are left; the ripple is the hammer swinging on its felts";
     let markers = match measured {
-        [one] => vec![Marker { x: one.sheet.let_off_begins_mm, label: "let-off begins".into() }],
+        [one] => {
+            one.sheet.let_off_begins_mm.map(|x| Marker { x, label: "let-off begins".into() }).into_iter().collect()
+        }
         _ => Vec::new(),
     };
     let title = titled(measured, "slow loop");

@@ -55,18 +55,14 @@ impl Shares {
     }
 }
 
-/// Effective inertia from rest to where let-off begins.
+/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins.
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn inertia(
-    instrument: &Instrument,
-    let_off_begins_m: f64,
-    going: Interrupt<'_>,
-) -> Result<InertiaCurve, MeasureError> {
+pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<InertiaCurve, MeasureError> {
     let parts = Parts::of(instrument)?;
     let levers = derive(instrument)?.levers;
-    let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, let_off_begins_m, POINTS).poses;
+    let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;
     let mut m = mechanism(instrument, Settings::new(STEP_S))?;
     equilibrium::settle(m.as_mut(), &Input::Free)?;
     let rest_m = m.site_position();

@@ -203,7 +203,7 @@ pub const GROUPS: [Group; 6] = [
             line("dip_mm", "dip", "mm", 1, |s| s.dip_mm, between(9.5, 11.0, REGULATION)),
             line("blow_mm", "blow", "mm", 1, |s| s.blow_mm, between(44.0, 49.0, REGULATION)),
             line("lost_motion_mm", "lost motion", "mm", 1, |s| s.lost_motion_mm, None),
-            line("let_off_begins_mm", "key where let-off begins", "mm", 1, |s| Some(s.let_off_begins_mm), None),
+            line("let_off_begins_mm", "key where let-off begins", "mm", 1, |s| s.let_off_begins_mm, None),
             line("let_off_mm", "let-off", "mm", 1, |s| s.let_off_mm, between(1.0, 2.0, REGULATION_HALF)),
             line("drop_mm", "drop", "mm", 1, |s| s.drop_mm, between(1.0, 2.0, REGULATION_HALF)),
             line(

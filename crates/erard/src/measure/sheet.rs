@@ -10,7 +10,9 @@ use super::range::{Loudness, Softest, midi_velocity, softest, speed_against_forc
 use super::repetition::{PRESS_N, Repetition, repetition};
 use super::slow_loop::{SlowLoop, SlowWay, slow_loop};
 use super::timing::{Timing, timing};
-use super::weights::{HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, let_off_begins, on_the_key, on_the_scale};
+use super::weights::{
+    FreeWay, HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, free_way, on_the_key, on_the_scale,
+};
 use super::{MeasureError, range};
 use crate::instrument::Instrument;
 use crate::regulation::{self, Distances, Protocol};
@@ -65,7 +67,7 @@ pub struct Sheet {
     /// Key travel before the hammer moves, mm.
     pub lost_motion_mm: Option<f64>,
     /// Key travel at which jack or lever meets its stop, mm.
-    pub let_off_begins_mm: f64,
+    pub let_off_begins_mm: Option<f64>,
     /// Hammer to string where a slow press lets it fall, mm.
     pub let_off_mm: Option<f64>,
     /// How far it then falls, mm.
@@ -259,13 +261,13 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
     let lifted = pedal_down(instrument, &parts);
     // What everything else is measured against comes first: a tenth of the work.
     const FIRST: f64 = 0.1;
-    let (mut begins, mut distances) = (None, None);
+    let (mut way, mut distances) = (None, None);
     let first = vec![
-        job(&mut begins, |going| let_off_begins(&lifted, &parts, going)),
+        job(&mut way, |going| free_way(&lifted, &parts, going)),
         job(&mut distances, |going| Ok(regulation::measure(instrument, &Protocol::default(), &mut || going())?)),
     ];
     do_all(first, &mut |share| progress(FIRST * share))?;
-    let (Some(begins), Some(distances)) = (begins, distances) else { return Err(MeasureError::Lost) };
+    let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };
     let Some(dip) = distances.dip_m else {
         return Err(MeasureError::NotAnAction("pressed firmly, the key meets no bottom".into()));
     };
@@ -273,27 +275,27 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
     let mut r = Results::default();
     let deep = dip + INTO_PUNCHING_M;
     let mut jobs = vec![
-        job(&mut r.touch, |going| on_the_key(&lifted, begins, going)),
+        job(&mut r.touch, |going| on_the_key(&lifted, way.end_m, going)),
         job(&mut r.softest, |going| softest(instrument, going)),
         job(&mut r.loudness, |going| speed_against_force(instrument, going)),
         job(&mut r.hysteresis, |going| slow_loop(&lifted, deep, going)),
         job(&mut r.full, |going| repetition(instrument, HOME_M, going)),
         job(&mut r.half, |going| repetition(instrument, 0.5 * dip, going)),
         job(&mut r.timing, |going| timing(instrument, going)),
-        job(&mut r.inertia, |going| inertia(instrument, begins, going)),
-        job(&mut r.scale, |_| on_the_scale(instrument, &parts, begins)),
+        job(&mut r.inertia, |going| inertia(instrument, way.end_m, going)),
+        job(&mut r.scale, |_| on_the_scale(instrument, &parts, way.end_m)),
     ];
     if parts.damper.is_some() {
-        jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, begins, going)));
+        jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, way.end_m, going)));
         jobs.push(job(&mut r.hysteresis_damped, |going| slow_loop(instrument, deep, going)));
     }
     do_all(jobs, &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
-    r.sheet(instrument, begins, &distances).ok_or(MeasureError::Lost)
+    r.sheet(instrument, way, &distances).ok_or(MeasureError::Lost)
 }
 
 impl Results {
     /// The sheet; `None` if a job left nothing behind.
-    fn sheet(self, instrument: &Instrument, begins_m: f64, distances: &Distances) -> Option<Sheet> {
+    fn sheet(self, instrument: &Instrument, way: FreeWay, distances: &Distances) -> Option<Sheet> {
         let (touch, (parts, ratio), curve) = (self.touch?, self.scale?, self.inertia?);
         let (full, half, soft, hysteresis) = (self.full?, self.half?, self.softest?, self.hysteresis?);
         let tried = TouchNumbers::from(touch.by_weights);
@@ -317,7 +319,7 @@ impl Results {
             dip_mm: mm(distances.dip_m),
             blow_mm: mm(distances.blow_m),
             lost_motion_mm: mm(distances.lost_motion_m),
-            let_off_begins_mm: begins_m * MM_PER_M,
+            let_off_begins_mm: mm(way.let_off.then_some(way.end_m)),
             let_off_mm: mm(distances.let_off_m),
             drop_mm: mm(distances.drop_m),
             aftertouch_mm: mm(distances.aftertouch_m),
@@ -335,7 +337,7 @@ impl Results {
             softest_force_N: soft.map(|s| s.force_n),
             softest_let_off_speed_m_s: soft.map(|s| s.let_off_speed_m_s),
             softest_fall_speed_m_s: soft.map(|s| s.fall_speed_m_s),
-            let_off_resistance_N: let_off_resistance(&hysteresis, begins_m, distances),
+            let_off_resistance_N: way.let_off.then(|| let_off_resistance(&hysteresis, way.end_m, distances)).flatten(),
             loop_loss_mJ: hysteresis.lost_j() * 1e3,
             dynamic_range: self.loudness?,
             midi_map: range::MIDI_MAP,
