@@ -22,7 +22,7 @@ fn regulated(instrument: &Instrument, specification: &Specification) -> Regulate
     regulate(instrument, specification, &Protocol::default(), &mut |_| true).unwrap()
 }
 
-/// A regulated grand mis-set: let-off 5 mm or more, no drop, dip 8 mm, a spring too weak to lift the hammer, a check too far to
+/// A regulated grand mis-set: let-off 5 mm or more, no drop to speak of, dip 8 mm, a spring too weak to lift the hammer, a check too far to
 /// catch it.
 fn mis_set() -> Instrument {
     let mut instrument = regulated(&grand(), &Goal::norms()).instrument;
@@ -50,7 +50,7 @@ fn blows_at_eight_hertz(instrument: &Instrument) -> usize {
 fn a_mis_set_action_is_put_right() {
     let wrong = mis_set();
     let before = measure(&wrong, &Protocol::default(), &mut || true).unwrap();
-    assert!(before.let_off_m.unwrap() > 5e-3 && before.drop_m == Some(0.0), "{before:?}");
+    assert!(before.let_off_m.unwrap() > 5e-3 && before.drop_m.unwrap() < 0.3e-3, "{before:?}");
     assert!((before.dip_m.unwrap() - 8e-3).abs() < 0.1e-3, "{before:?}");
     let mut nearer = wrong.clone();
     turn_on(&mut nearer, &[("back_check", 2.5)]);
