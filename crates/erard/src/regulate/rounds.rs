@@ -20,8 +20,12 @@ const MOST_TRIES_TO_KEEP: u32 = 6;
 const WORKING_SHARE: f64 = 0.3;
 /// Rounds that an end of the work is guessed at, for the share that progress shows.
 const USUAL_ROUNDS: f64 = 4.0;
-/// How far the drop screw is turned out of the way at once, m.
+/// How far the drop screw is turned out of the way at once, m, and how many times at most.
 const OUT_OF_THE_WAY_M: f64 = 0.3e-3;
+/// See [`OUT_OF_THE_WAY_M`].
+const MOST_OUT_OF_THE_WAY: u32 = 5;
+/// A drop that tells that the drop screw is out of the way, m: more than twice the usual one.
+const FAR_DROP_M: f64 = 3.5e-3;
 
 /// How far the work has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,8 +150,8 @@ pub fn regulate(
         for n in 0..tasks.len() {
             let share = (f64::from(rounds - 1) + n as f64 / tasks.len() as f64) / USUAL_ROUNDS;
             status.set(Status { round: rounds, goal: Some(tasks[n].goal), share: share.min(0.97), simulations: 0 });
-            if rounds == 1 && tasks[n].goal == Goal::LetOff {
-                clear_the_drop_screw(&mut shop)?;
+            if rounds == 1 && tasks[n].goal == Goal::LetOff && !is_met(&tasks[n], &mut shop)? {
+                clear_the_drop_screw(&tasks, &mut shop)?;
             }
             work(&mut tasks, n, MOST_TRIES, &mut shop)?;
         }
@@ -228,6 +232,11 @@ fn tasks(instrument: &Instrument, specification: &Specification) -> Result<Vec<T
     Ok(tasks)
 }
 
+fn is_met(task: &Task, shop: &mut Workshop<'_>) -> Result<bool, RegulateError> {
+    let value = shop.value(task.goal)?;
+    Ok(value.is_some_and(|value| (value - task.target).abs() <= task.goal.tolerance(task.target)))
+}
+
 /// How far all goals are off beyond their tolerances, in tolerances; infinitely for one that does not happen.
 fn total_error(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<f64, RegulateError> {
     let mut total = 0.0;
@@ -238,22 +247,26 @@ fn total_error(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<f64, RegulateE
     Ok(total)
 }
 
-/// A lever that is not stopped before key bottom carries the hammer on after the jack has gone, and let-off cannot be seen:
-/// the drop screw is turned until the hammer drops.
-fn clear_the_drop_screw(shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
+/// A repetition lever that is not stopped in time carries the hammer on after the jack has gone, and let-off cannot be seen: as on
+/// the bench, the drop screw is turned out of the way until the hammer drops far. Where the drop is not to be set afterwards, it
+/// is turned only as far as the hammer drops at all.
+fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let Some(screw) = shop.instrument.screw("drop") else { return Ok(()) };
     let Some(known) = known_screw("drop") else { return Ok(()) };
-    let drawn = shop.setting(screw);
+    let is_set_afterwards = tasks.iter().any(|task| task.goal == Goal::Drop);
+    let enough = if is_set_afterwards { FAR_DROP_M } else { f64::MIN_POSITIVE };
+    let began_at = shop.setting(screw);
     let sense = known.sense(&shop.instrument.screws[screw]);
     let [from, to] = known.limits(&shop.instrument, &shop.instrument.screws[screw]);
-    while shop.value(Goal::Drop)? == Some(0.0) {
-        let next = shop.setting(screw) + sense * OUT_OF_THE_WAY_M;
-        if !(from..=to).contains(&next) {
-            // It was not the drop screw.
-            shop.turn(screw, drawn);
-            break;
+    for _ in 0..MOST_OUT_OF_THE_WAY {
+        if shop.value(Goal::Drop)?.is_some_and(|drop| drop >= enough) {
+            return Ok(());
         }
-        shop.turn(screw, next);
+        shop.turn(screw, (shop.setting(screw) + sense * OUT_OF_THE_WAY_M).clamp(from, to));
+    }
+    if !is_set_afterwards && shop.value(Goal::Drop)? == Some(0.0) {
+        // It was not the drop screw that kept the hammer up.
+        shop.turn(screw, began_at);
     }
     Ok(())
 }
@@ -308,9 +321,8 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
             }
         }
     }
-    let value = shop.value(goal)?;
-    let met = value.is_some_and(|value| (value - target).abs() <= tolerance);
-    tasks[n].nearest = value.filter(|_| !met);
+    let met = is_met(&tasks[n], shop)?;
+    tasks[n].nearest = shop.value(goal)?.filter(|_| !met);
     tasks[n].miss = match (met, tried.is_empty()) {
         (true, _) => None,
         (false, true) => Some(Miss::EndOfRange(ends)),
