@@ -12,6 +12,7 @@ pub mod measure;
 pub mod mechanism;
 pub mod one_dof;
 mod recorder;
+pub mod regulate;
 pub mod regulation;
 pub mod run;
 pub mod simulation;

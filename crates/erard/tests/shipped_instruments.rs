@@ -210,6 +210,7 @@ fn screws_are_drawn_at_zero_and_turn_what_they_say() {
             "jack_position",
             "lever_height",
             "back_check",
+            "back_check_angle",
             "front_punching",
             "back_rail_cloth",
             "string_height",
@@ -235,6 +236,16 @@ fn screws_are_drawn_at_zero_and_turn_what_they_say() {
     assert!(!grand.turn(spring, f64::NAN));
     assert!((grand.springs[0].torque_n_m + 0.0365).abs() < 1e-12, "and is then left alone");
     assert!(!grand.turn(grand.screws.len(), 0.0));
+
+    let lean = grand.screw("back_check_angle").expect("a back check that leans");
+    assert!(grand.turn(lean, 2_f64.to_radians()));
+    let bend = grand.screw("back_check").expect("and that bends");
+    assert!(grand.turn(bend, 1e-3));
+    let check = &grand.zones[zone(&grand, "check")];
+    let Curve::Line { point_m, normal } = check.curve else { panic!("a line") };
+    // Its face stood at 70 degrees: the normal pointed 160 degrees from the back, and now 162.
+    assert!((normal[1].atan2(normal[0]).to_degrees() - 162.0).abs() < 5e-3, "{normal:?}");
+    assert!((point_m[0] - 0.2486).abs() < 1e-12, "turned about its own point, then moved");
 
     for (index, screw) in drawn.screws.iter().enumerate() {
         let mut turned = drawn.clone();

@@ -12,6 +12,7 @@ use crate::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
 use crate::failure::Failure;
 use crate::figure::png_from_svg;
 use crate::output::Output;
+use crate::say;
 
 /// Draws the action in one pose, as SVG and PNG.
 #[derive(Debug, Args)]
@@ -71,7 +72,7 @@ impl Draw {
         output.stage("action.svg", |w| w.write_all(svg.as_bytes()))?;
         output.stage("action.png", |w| w.write_all(&png))?;
         for path in output.commit()? {
-            println!("{}", path.display());
+            say!("{}", path.display());
         }
         Ok(())
     }

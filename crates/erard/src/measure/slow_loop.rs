@@ -26,8 +26,8 @@ pub struct SlowLoop {
     pub down: SlowWay,
     /// The way up, in the order of time: from the turning point to rest.
     pub up: SlowWay,
-    /// Travel of the key front at which the first of the zones asked about touched on the way down, m.
-    pub first_touch_m: Option<f64>,
+    /// Travel of the key front at which each zone first touched on the way down, m, in the instrument's order.
+    pub first_touch_m: Vec<Option<f64>>,
     /// Steps that did not converge.
     pub unconverged_steps: u64,
 }
@@ -43,16 +43,11 @@ pub struct SlowWay {
     pub head_m: Vec<f64>,
 }
 
-/// Moves a soft finger slowly to `depth_m` below the key's rest, and back. `touching`: zones whose first touch is noted.
+/// Moves a soft finger slowly to `depth_m` below the key's rest, and back.
 ///
 /// # Errors
 /// Of the simulation, and when interrupted.
-pub fn slow_loop(
-    instrument: &Instrument,
-    depth_m: f64,
-    touching: &[usize],
-    going: Interrupt<'_>,
-) -> Result<SlowLoop, MeasureError> {
+pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) -> Result<SlowLoop, MeasureError> {
     // The smoothest start and stop: velocity and acceleration begin and end at nothing.
     let ease = |s: f64| {
         let s = s.clamp(0.0, 1.0);
@@ -78,13 +73,31 @@ pub fn slow_loop(
         }
     };
     let touched = run.time_s.partition_point(|&t| t <= WAY_S);
-    let first = (0..touched).find(|&row| touching.iter().any(|&zone| run.zones[zone].normal_n[row] > 0.0));
+    let first_touch = |forces: &[f64]| (0..touched).find(|&row| forces[row] > 0.0).map(|row| run.key_m[row]);
     Ok(SlowLoop {
         down: way(0.0, WAY_S),
         up: way(WAY_S + TURN_S, f64::INFINITY),
-        first_touch_m: first.map(|row| run.key_m[row]),
+        first_touch_m: run.zones.iter().map(|zone| first_touch(&zone.normal_n)).collect(),
         unconverged_steps: run.work.unconverged_steps,
     })
+}
+
+impl SlowLoop {
+    /// Key travel at which the first of some zones touched on the way down, m.
+    #[must_use]
+    pub fn first_touch_of(&self, zones: &[usize]) -> Option<f64> {
+        zones.iter().filter_map(|&zone| self.first_touch_m[zone]).min_by(f64::total_cmp)
+    }
+
+    /// Work that the loop takes, J: the area between the way down and the way up.
+    #[must_use]
+    pub fn lost_j(&self) -> f64 {
+        let work = |way: &SlowWay| {
+            let rows = way.key_m.windows(2).zip(way.force_n.windows(2));
+            rows.map(|(key, force)| 0.5 * (force[0] + force[1]) * (key[1] - key[0])).sum::<f64>()
+        };
+        work(&self.down) + work(&self.up)
+    }
 }
 
 impl SlowWay {

@@ -13,13 +13,16 @@ use crate::mechanism::{Mechanism, mechanism};
 use crate::simulation::SimulationError;
 
 /// Step, s.
-const STEP_S: f64 = 100e-6;
+const STEP_S: f64 = 200e-6;
 /// A key that has not arrived after this time does not sink or rise, s: a twentieth of a gram too much takes half of it.
-const PATIENCE_S: f64 = 3.0;
+const PATIENCE_S: f64 = 6.0;
 /// A key that has stood still for so long will not start again, s.
 const STUCK_S: f64 = 0.1;
-/// A key that is faster than this is caught, m/s: sinking slowly, a dip takes a second.
-const CAUGHT_M_S: f64 = 0.01;
+/// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the energy to carry
+/// a twentieth of a gram too little over two millimetres.
+const CAUGHT_M_S: f64 = 0.003;
+/// A key that has arrived is caught there, too, and must go on by itself by so much, m.
+const FURTHER_M: f64 = 2e-5;
 /// The finger takes so long to bring the key to where it is let go, s.
 const APPROACH_S: f64 = 0.4;
 /// Search stops when heavy enough and too light are this close, N: a fiftieth of a gram.
@@ -85,16 +88,21 @@ fn moves(
     if from_m > 0.0 {
         hold_at(m.as_mut(), rest_m, from_m)?;
     }
-    let (mut still_s, mut before_m) = (0.0, m.site_position());
+    let way = (to_m - from_m).signum();
+    let (mut still_s, mut before_m, mut arrived) = (0.0, m.site_position(), false);
     for n in 0..(PATIENCE_S / STEP_S) as u64 {
         if n % 4096 == 0 && !going() {
             return Err(SimulationError::Interrupted.into());
         }
         step(m.as_mut(), &Input::Force(force_n), n as f64 * STEP_S)?;
         let at_m = m.site_position();
-        let travel_m = at_m - rest_m;
-        if if to_m > from_m { travel_m >= to_m } else { travel_m <= to_m } {
+        let beyond_m = way * (at_m - rest_m - to_m);
+        if arrived && beyond_m >= FURTHER_M {
             return Ok(true);
+        }
+        if !arrived && beyond_m >= 0.0 {
+            arrived = true;
+            m.stop();
         }
         let speed = (at_m - before_m) / STEP_S;
         before_m = at_m;

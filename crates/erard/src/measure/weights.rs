@@ -22,8 +22,10 @@ use linkage::three_lever::{DiscLevers, LeverTrain, StrokePose};
 pub const HOME_M: f64 = 0.5e-3;
 /// Before let-off, for the up-weight, m of key travel: the button is not touched yet.
 const BEFORE_LET_OFF_M: f64 = 0.3e-3;
-/// How far the loop goes that shows where let-off begins, in dips of an ordinary piano, m.
-const DEEP_M: f64 = 0.010;
+/// A way that is shorter is none, m.
+const SHORTEST_WAY_M: f64 = 2.0 * HOME_M;
+/// How far a slow press goes that shows where the free way ends, m: a deep dip.
+const DEEP_M: f64 = 0.012;
 /// Grams per kilogram.
 const G_PER_KG: f64 = 1e3;
 
@@ -88,8 +90,8 @@ pub struct StrikeRatio {
 /// All the weights of an action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
-    /// Key travel at which jack or lever meets its stop in a slow press: let-off begins, m.
-    pub let_off_begins_m: f64,
+    /// The way that they are found on.
+    pub free_way: FreeWay,
     /// With the pedal down, as the trade measures: the damper is out of the key's reach.
     pub pedal_down: KeyWeights,
     /// With the damper on the string; `None` where the key lifts none.
@@ -123,57 +125,69 @@ impl PartWeights {
 /// See [`MeasureError`].
 pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, MeasureError> {
     let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    let free_way = free_way(&lifted, &parts, going)?;
+    let dampers_down = match parts.damper {
+        Some(_) => Some(on_the_key(instrument, free_way.end_m, going)?),
+        None => None,
+    };
+    let pedal_down = on_the_key(&lifted, free_way.end_m, going)?;
+    let (parts, strike_ratio) = on_the_scale(instrument, &parts, free_way.end_m)?;
+    Ok(Weights { free_way, pedal_down, dampers_down, parts, strike_ratio })
+}
+
+/// The way of the key on which its weights are found: from rest to where something ends it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeWay {
+    /// Key travel at its end, m.
+    pub end_m: f64,
+    /// Whether let-off ends it, as it should: not the hammer against the string or the key on its punching.
+    pub let_off: bool,
+}
+
+/// Presses the key slowly until jack or lever meets its stop; in an action that is out of order, until the hammer blocks against
+/// the string or the key is down.
+///
+/// # Errors
+/// When there is no such way, or the run fails.
+pub fn free_way(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<FreeWay, MeasureError> {
+    let press = slow_loop(instrument, DEEP_M, going)?;
+    let roles = &instrument.roles;
+    let others: Vec<usize> = roles.string.into_iter().chain(roles.key_bottom).collect();
+    let (let_off, other) = (press.first_touch_of(&parts.let_off_stops), press.first_touch_of(&others));
+    let is_first = let_off.is_some_and(|let_off| other.is_none_or(|other| let_off <= other));
+    let end_m = if is_first { let_off } else { other };
+    match end_m {
+        Some(end_m) if end_m > SHORTEST_WAY_M => Ok(FreeWay { end_m, let_off: is_first }),
+        Some(end_m) => Err(MeasureError::NotAnAction(format!(
+            "pressed slowly, the key goes {:.1} mm before let-off, string or punching end its free way",
+            end_m * 1e3
+        ))),
+        None => Err(MeasureError::NotAnAction(format!(
+            "pressed slowly by {} mm, nothing lets the hammer off, and neither does it meet the string nor the key its punching",
+            DEEP_M * 1e3
+        ))),
+    }
+}
+
+/// Down-weight and up-weight of an action as it stands, its damper as it hangs.
+///
+/// # Errors
+/// Where there is no gravity, and those of the runs.
+pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<KeyWeights, MeasureError> {
     if instrument.gravity_m_s2 <= 0.0 {
         return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
     }
-    let derived = derive(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
-    let let_off_begins_m = let_off_begins(&lifted, &parts, going)?;
-    let dampers_down = match parts.damper_lift {
-        Some(_) => Some(on_the_key(instrument, let_off_begins_m, going)?),
-        None => None,
-    };
-    let train = derived.levers.assemble().map_err(DeriveError::from)?;
-    Ok(Weights {
-        let_off_begins_m,
-        pedal_down: on_the_key(&lifted, let_off_begins_m, going)?,
-        dampers_down,
-        parts: on_the_scale(instrument, &parts, &derived.levers, &train),
-        strike_ratio: by_geometry(&derived.levers, &train, let_off_begins_m)?,
-    })
-}
-
-/// Key travel at which a slow press meets the first of the stops that let the hammer off, m.
-///
-/// # Errors
-/// When none is met within an ordinary dip, or the run fails.
-pub fn let_off_begins(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<f64, MeasureError> {
-    let press = slow_loop(instrument, DEEP_M, &parts.let_off_stops, going)?;
-    press.first_touch_m.filter(|at| *at > 2.0 * HOME_M).ok_or_else(|| {
-        let stops: Vec<&str> = parts.let_off_stops.iter().map(|&z| instrument.zones[z].label.as_str()).collect();
-        MeasureError::NotAnAction(format!(
-            "pressed slowly by {} mm the hammer is not let off: no contact of {}",
-            DEEP_M * 1e3,
-            stops.join(", ")
-        ))
-    })
-}
-
-fn on_the_key(
-    instrument: &Instrument,
-    let_off_begins_m: f64,
-    going: Interrupt<'_>,
-) -> Result<KeyWeights, MeasureError> {
-    let turn_m = let_off_begins_m - BEFORE_LET_OFF_M;
+    let turn_m = way_m - BEFORE_LET_OFF_M;
     let gram_n = instrument.gravity_m_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
     // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
-    let slow = slow_loop(instrument, let_off_begins_m, &[], going)?;
+    let slow = slow_loop(instrument, way_m, going)?;
     let extreme = |forces: &mut dyn Iterator<Item = (f64, f64)>, better: fn(f64, f64) -> f64| {
         forces.map(|(_, force)| force).reduce(better)
     };
     let by_loop = Touch {
-        down_weight_g: grams(extreme(&mut slow.down.smoothed(HOME_M, turn_m), f64::max)),
+        down_weight_g: grams(extreme(&mut slow.down.smoothed(0.0, turn_m), f64::max)),
         up_weight_g: grams(extreme(&mut slow.up.smoothed(HOME_M, turn_m), f64::min)),
     };
     let by_weights = Touch {
@@ -183,8 +197,18 @@ fn on_the_key(
     Ok(KeyWeights { by_weights, by_loop, slow })
 }
 
-/// Weighs the parts as they come off the action: from masses, centres of mass and where they touch at rest.
-fn on_the_scale(instrument: &Instrument, parts: &Parts, levers: &DiscLevers, train: &LeverTrain) -> PartWeights {
+/// Weighs the parts as they come off the action, from masses, centres of mass and where they touch at rest; and the strike-weight
+/// ratio by the geometry.
+///
+/// # Errors
+/// When no three levers are found in it.
+pub fn on_the_scale(
+    instrument: &Instrument,
+    parts: &Parts,
+    way_m: f64,
+) -> Result<(PartWeights, StrikeRatio), MeasureError> {
+    let levers = derive(instrument)?.levers;
+    let train = levers.assemble().map_err(DeriveError::from)?;
     let bodies = &instrument.bodies;
     let key = &bodies[parts.key];
     let hammer = &bodies[parts.hammer];
@@ -207,18 +231,19 @@ fn on_the_scale(instrument: &Instrument, parts: &Parts, levers: &DiscLevers, tra
         }
         whippen_moment += bodies[body].mass_kg * x;
     }
-    PartWeights {
+    let weights = PartWeights {
         front_weight_g: -G_PER_KG * key.mass_kg * drawn(key, key.center_of_mass_m) / key_front_m,
         // In the hammer's own frame, which lies along the shank: the shank is level on the scale.
         strike_weight_g: G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_head_m[0],
         whippen_weight_g: G_PER_KG * whippen_moment / (capstan[0] - levers.whippen_pivot[0]),
         key_ratio: capstan[0] / key_front_m,
-    }
+    };
+    Ok((weights, by_geometry(&levers, &train, way_m)?))
 }
 
-fn by_geometry(levers: &DiscLevers, train: &LeverTrain, let_off_begins_m: f64) -> Result<StrikeRatio, MeasureError> {
+fn by_geometry(levers: &DiscLevers, train: &LeverTrain, way_m: f64) -> Result<StrikeRatio, MeasureError> {
     let ratio = |pose: &StrokePose| pose.hammer_ratio * levers.head[0] / levers.key_front;
-    match &train.stroke(0.0, let_off_begins_m, 2).poses[..] {
+    match &train.stroke(0.0, way_m, 2).poses[..] {
         [rest, half, end] => Ok(StrikeRatio { at_rest: ratio(rest), half_way: ratio(half), at_let_off: ratio(end) }),
         _ => Err(MeasureError::NotAnAction("its levers do not reach as far as let-off".into())),
     }

@@ -64,12 +64,14 @@ pub struct Distances {
     /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m. `None` where it
     /// is not caught.
     pub check_m: Option<f64>,
-    /// Repetition rise: how far the strike point rises, from where it was caught, when the key is let up slowly until the back
-    /// check lets go, and is held there, m.
+    /// Repetition rise: how far the strike point has risen, from where it was caught to where it comes to rest, when the key is
+    /// let up slowly until the back check lets go, and is held there, m. Not positive where the spring cannot lift the hammer.
     pub repetition_rise_m: Option<f64>,
     /// Strength of the repetition spring, by what it does: the largest speed of the strike point during that rise, m/s.
     /// Technicians judge it by eye: a brisk rise that can be followed, without a jump.
     pub spring_m_s: Option<f64>,
+    /// Steps of the trials that reached an iteration limit.
+    pub unconverged_steps: u64,
 }
 
 /// A part has moved, to a technician's eye, when it is this far from its rest, m.
@@ -111,7 +113,42 @@ pub enum MeasureError {
     Interrupted,
 }
 
-/// Measures all distances: three trials (lifted hammer, slow key, medium blow). `go_on` is asked now and then whether to.
+/// What is done with the action to measure it. Each trial starts from rest and gives some of the distances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trial {
+    /// Pressed slowly, held at let-off, pressed on to the bottom.
+    SlowKey,
+    /// The hammer lifted off jack and lever, which are looked at.
+    LiftedHammer,
+    /// Struck at about mf, checked, let up slowly from the check.
+    MediumBlow,
+}
+
+impl Trial {
+    /// All of them.
+    pub const ALL: [Trial; 3] = [Trial::SlowKey, Trial::LiftedHammer, Trial::MediumBlow];
+
+    /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are added.
+    ///
+    /// # Errors
+    /// See [`MeasureError`].
+    pub fn run(
+        self,
+        instrument: &Instrument,
+        protocol: &Protocol,
+        distances: &mut Distances,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<(), MeasureError> {
+        let anatomy = Anatomy::find(instrument)?;
+        match self {
+            Trial::SlowKey => slow_key(instrument, anatomy, protocol, distances, go_on),
+            Trial::LiftedHammer => lifted_hammer(instrument, anatomy, protocol, distances),
+            Trial::MediumBlow => medium_blow(instrument, anatomy, protocol, distances, go_on),
+        }
+    }
+}
+
+/// Measures all distances: three trials. `go_on` is asked now and then whether to.
 ///
 /// # Errors
 /// See [`MeasureError`]. A distance that cannot be taken is no error: it is `None`.
@@ -121,20 +158,20 @@ pub fn measure(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Distances, MeasureError> {
     let mut distances = Distances::default();
-    slow_key(instrument, protocol, &mut distances, go_on)?;
-    lifted_hammer(instrument, protocol, &mut distances)?;
-    medium_blow(instrument, protocol, &mut distances, go_on)?;
+    for trial in Trial::ALL {
+        trial.run(instrument, protocol, &mut distances, go_on)?;
+    }
     Ok(distances)
 }
 
 /// The slow key: blow, lost motion, jack position, let-off, drop, aftertouch, dip, damper timing.
-pub(crate) fn slow_key(
+fn slow_key(
     instrument: &Instrument,
+    anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
     go_on: GoOn<'_>,
 ) -> Result<(), MeasureError> {
-    let anatomy = Anatomy::find(instrument)?;
     let mut bench = Bench::at_rest(instrument, anatomy, protocol.slow_step_s)?;
     let rest_m = bench.view().below_string_m;
     let damper_height =
@@ -202,12 +239,13 @@ pub(crate) fn slow_key(
         )?;
         distances.aftertouch_m = dip_m.map(|dip| dip - nearest_key_m);
     } else {
-        distances.drop_m = Some(0.0);
+        (distances.drop_m, distances.aftertouch_m) = (Some(0.0), None);
     }
     distances.let_off_m = Some(nearest_m);
     distances.lost_motion_m = lost;
     distances.dip_m = dip_m;
     distances.damper_start = damper.zip(dip_m).map(|(start, dip)| start / dip);
+    distances.unconverged_steps += bench.unconverged;
     Ok(())
 }
 
@@ -231,12 +269,13 @@ fn jack_position(instrument: &Instrument, anatomy: &Anatomy, bench: &Bench<'_>) 
 }
 
 /// The step between jack and repetition lever, with the hammer lifted off both.
-pub(crate) fn lifted_hammer(
+fn lifted_hammer(
     instrument: &Instrument,
+    anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
 ) -> Result<(), MeasureError> {
-    let anatomy = Anatomy::find(instrument)?;
+    distances.lever_height_m = None;
     let Some(lever_knuckle) = anatomy.lever_knuckle else { return Ok(()) };
     // A knuckle without leather touches neither: the hammer lies on its rest, as far out of the way as it gets.
     let mut lifted = instrument.clone();
@@ -260,15 +299,29 @@ pub(crate) fn lifted_hammer(
 }
 
 /// The medium blow: check distance, repetition rise, strength of the repetition spring.
-pub(crate) fn medium_blow(
+fn medium_blow(
     instrument: &Instrument,
+    anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
     go_on: GoOn<'_>,
 ) -> Result<(), MeasureError> {
-    let anatomy = Anatomy::find(instrument)?;
+    (distances.check_m, distances.repetition_rise_m, distances.spring_m_s) = (None, None, None);
     let Some(check) = anatomy.check else { return Ok(()) };
     let mut bench = Bench::at_rest(instrument, anatomy, protocol.blow_step_s)?;
+    blow_and_let_up(&mut bench, anatomy, check, protocol, distances, go_on)?;
+    distances.unconverged_steps += bench.unconverged;
+    Ok(())
+}
+
+fn blow_and_let_up(
+    bench: &mut Bench<'_>,
+    anatomy: Anatomy,
+    check: usize,
+    protocol: &Protocol,
+    distances: &mut Distances,
+    go_on: GoOn<'_>,
+) -> Result<(), MeasureError> {
     let (mut struck, mut still) = (false, Still::new(STILL_M_S, STILL_S));
     bench.press(
         protocol.blow_n,
@@ -288,19 +341,16 @@ pub(crate) fn medium_blow(
     if !free {
         return Ok(());
     }
-    let (mut nearest_m, mut fastest_m_s, mut still) =
-        (bench.view().below_string_m, 0.0_f64, Still::new(STILL_M_S, STILL_S));
+    let (mut fastest_m_s, mut still) = (0.0_f64, Still::new(STILL_M_S, STILL_S));
     bench.hold(
         RISE_S,
         &mut |bench| {
-            let view = bench.view();
-            nearest_m = nearest_m.min(view.below_string_m);
-            fastest_m_s = fastest_m_s.max(view.rise_m_s);
+            fastest_m_s = fastest_m_s.max(bench.view().rise_m_s);
             still.seen(bench)
         },
         go_on,
     )?;
-    distances.repetition_rise_m = Some(caught_m - nearest_m);
+    distances.repetition_rise_m = Some(caught_m - bench.view().below_string_m);
     distances.spring_m_s = Some(fastest_m_s);
     Ok(())
 }
