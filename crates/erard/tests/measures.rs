@@ -139,7 +139,7 @@ fn the_concert_grand_is_within_the_norms() {
     within("up-weight", up(w), 20.0, 30.0);
     within("friction weight", touch.friction_weight_g().unwrap(), 8.0, 14.0);
     within("balance weight", balance(w), 34.0, 40.0);
-    let (weights, kinematics) = (w.strike_weight_ratio().unwrap(), w.strike_ratio.half_way);
+    let (weights, kinematics) = (w.strike_weight_ratio().unwrap(), w.strike_ratio.where_weighed);
     within("R by weights", weights, 5.0, 6.1);
     within("R by kinematics", kinematics, 5.0, 6.1);
     near("R by weights over R by kinematics", weights / kinematics, 1.0, 0.02);
@@ -238,11 +238,11 @@ fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
     near("strike weight", after.parts.strike_weight_g - before.parts.strike_weight_g, 1.0, 1e-9);
     let raised = balance(&after) - balance(&before);
     near("balance weight, R by weights", raised, before.strike_weight_ratio().unwrap(), SCALE_G);
-    near("balance weight, R by kinematics", raised, before.strike_ratio.half_way, SCALE_G);
+    near("balance weight, R by kinematics", raised, before.strike_ratio.where_weighed, SCALE_G);
 
     let (before, after) = heavier(&grand);
     let raised = balance(&after) - balance(&before);
-    let ratio = before.strike_ratio.half_way;
+    let ratio = before.strike_ratio.where_weighed;
     // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times what the knuckle slides of the key's way.
     let rubs = 9.7 * (138.0 / 21.0) * 0.25 * (0.87 / 5.54);
     println!("with friction {raised:.3}, R {ratio:.3}, at most {rubs:.3} of friction on the way down");

@@ -173,7 +173,7 @@ pub const GROUPS: [Group; 6] = [
             ),
             line(
                 "strike_weight_ratio_kinematics",
-                "  R by the geometry, half-way",
+                "  R by the geometry, where weighed",
                 "",
                 2,
                 |s| Some(s.strike_weight_ratio_kinematics),
@@ -185,6 +185,14 @@ pub const GROUPS: [Group; 6] = [
                 "",
                 2,
                 |s| Some(s.strike_weight_ratio_kinematics_at_rest),
+                None,
+            ),
+            line(
+                "strike_weight_ratio_kinematics_half_way",
+                "  half-way",
+                "",
+                2,
+                |s| Some(s.strike_weight_ratio_kinematics_half_way),
                 None,
             ),
             line(
@@ -299,7 +307,12 @@ impl Line {
     pub fn is_out(&self, sheet: &Sheet) -> bool {
         let Some(norm) = self.norm else { return false };
         match (self.value)(sheet) {
-            Some(value) => norm.low.is_some_and(|low| value < low) || norm.high.is_some_and(|high| value > high),
+            Some(value) => {
+                // As it is read: digits that no technician sees raise no flag.
+                let scale = 10_f64.powi(self.decimals as i32);
+                let read = (value * scale).round() / scale;
+                norm.low.is_some_and(|low| read < low) || norm.high.is_some_and(|high| read > high)
+            }
             None => true,
         }
     }
