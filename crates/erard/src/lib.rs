@@ -11,6 +11,7 @@ pub mod kinematics;
 pub mod mechanism;
 pub mod one_dof;
 mod recorder;
+pub mod reproduce;
 pub mod run;
 pub mod simulation;
 pub mod stroke;
