@@ -7,6 +7,7 @@ use erard::compare::CompareError;
 use erard::instrument::FileError;
 use erard::kinematics::DeriveError;
 use erard::one_dof::OneDofError;
+use erard::reproduce::ReproduceError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
@@ -29,6 +30,9 @@ pub enum Failure {
     /// A comparison cannot be made.
     #[error(transparent)]
     Compare(#[from] CompareError),
+    /// Something cannot be reproduced.
+    #[error(transparent)]
+    Reproduce(#[from] ReproduceError),
     /// An instrument has no three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
@@ -65,7 +69,11 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Internal(_) => 1,
             Failure::Simulation(SimulationError::Interrupted)
-            | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted)) => 130,
+            | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted))
+            | Failure::Reproduce(
+                ReproduceError::Simulation(SimulationError::Interrupted)
+                | ReproduceError::Compare(CompareError::Simulation(SimulationError::Interrupted)),
+            ) => 130,
             _ => 2,
         })
     }

@@ -6,6 +6,7 @@ mod draw;
 mod kinematics;
 mod options;
 mod press;
+mod reproduce;
 
 use std::process::ExitCode;
 
@@ -33,6 +34,8 @@ enum Sub {
     Check(check::Check),
     /// Holds a measured stroke against the models
     Compare(compare::Compare),
+    /// Computes the papers' figures and claims anew and shows which hold.
+    Reproduce(reproduce::Reproduce),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else.
@@ -45,6 +48,7 @@ pub fn run() -> ExitCode {
         Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
+        Sub::Reproduce(reproduce) => reproduce.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

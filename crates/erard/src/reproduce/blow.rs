@@ -181,9 +181,5 @@ pub fn halvings(first: f64, count: i32) -> Vec<f64> {
 
 /// Passes progress on; an error if the work is to end.
 pub fn tell(progress: &mut Progress, share: f64) -> Result<(), ReproduceError> {
-    if progress(share.clamp(0.0, 1.0)) {
-        Ok(())
-    } else {
-        Err(crate::simulation::SimulationError::Interrupted.into())
-    }
+    if progress(share.clamp(0.0, 1.0)) { Ok(()) } else { Err(crate::simulation::SimulationError::Interrupted.into()) }
 }

@@ -77,7 +77,9 @@ fn held_note(instrument: &Instrument) -> Result<(Claim, Table), ReproduceError> 
         table.row([body.name.clone(), "0, exactly".into(), format!("{drift:e}"), yes(drift == 0.0)]);
     }
     let measured = match run.events.check_s {
-        Some(check) => format!("caught at {:.1} ms; largest drift of any body from 1 s to 10 s: see the table", check * 1e3),
+        Some(check) => {
+            format!("caught at {:.1} ms; largest drift of any body from 1 s to 10 s: see the table", check * 1e3)
+        }
         None => "the hammer is not caught".into(),
     };
     Ok((Claim::new("textbook", "8. The held note does not drift", measured, still), table))

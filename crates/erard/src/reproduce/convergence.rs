@@ -51,12 +51,14 @@ fn climb(
 pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let laws_in_all = 1.0 + WIDTHS.len() as f64;
     let mut laws = Vec::new();
-    let (first, truth) = climb(instrument, "set-valued".into(), FrictionLaw::SetValued, None, &mut |s| progress(s / laws_in_all))?;
+    let (first, truth) =
+        climb(instrument, "set-valued".into(), FrictionLaw::SetValued, None, &mut |s| progress(s / laws_in_all))?;
     laws.push(first);
     for (i, width) in WIDTHS.into_iter().enumerate() {
         let from = (i as f64 + 1.0) / laws_in_all;
         let label = format!("tanh, {width} rad/s");
-        let (law, _) = climb(instrument, label, regularised(width), Some(&truth), &mut |s| progress(from + s / laws_in_all))?;
+        let (law, _) =
+            climb(instrument, label, regularised(width), Some(&truth), &mut |s| progress(from + s / laws_in_all))?;
         laws.push(law);
     }
     let mut section = Section {
@@ -74,12 +76,15 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let colours = [1, 2, 3, 5];
     section.charts.push(Chart {
         title: "Work and precision".into(),
-        caption: "Error of the hammer speed over the work of the run; each point a step, half as long as the one to its left".into(),
+        caption:
+            "Error of the hammer speed over the work of the run; each point a step, half as long as the one to its left"
+                .into(),
         x_label: "Newton iterations of the run".into(),
         x_log: true,
         panels: vec![ChartPanel {
             y_label: "hammer speed, relative error".into(),
             y_log: true,
+            y_range: None,
             curves: laws
                 .iter()
                 .zip(colours)

@@ -23,7 +23,16 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     };
     let mut table = Table::new(
         "Where the work of a stroke goes at 50 us, theta 1/2, mJ",
-        &["stroke", "work put in", "pivots, dry", "pivots, viscous", "felts", "Coulomb", "stored at the end", "residual"],
+        &[
+            "stroke",
+            "work put in",
+            "pivots, dry",
+            "pivots, viscous",
+            "felts",
+            "Coulomb",
+            "stored at the end",
+            "residual",
+        ],
     );
     let mut smallest = f64::INFINITY;
     let mut worst = [0.0_f64; STEPS.len()];
@@ -70,6 +79,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         panels: vec![ChartPanel {
             y_label: "residual".into(),
             y_log: true,
+            y_range: None,
             curves: vec![
                 ChartCurve {
                     label: "largest residual".into(),

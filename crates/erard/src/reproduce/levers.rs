@@ -56,10 +56,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
 }
 
 fn figures(design: &Design, cases: &[(&str, Case, Digest)], section: &mut Section) {
-    let poses: Vec<Vec<StrokePose>> = cases
-        .iter()
-        .map(|(_, case, _)| case.stroke(0.0, case.let_off_key_m.unwrap_or(0.010), POSES).poses)
-        .collect();
+    let poses: Vec<Vec<StrokePose>> =
+        cases.iter().map(|(_, case, _)| case.stroke(0.0, case.let_off_key_m.unwrap_or(0.010), POSES).poses).collect();
     let curves = |value: fn(&StrokePose) -> f64| {
         let marks = [Mark::Line, Mark::Dashed, Mark::Dotted];
         cases
@@ -75,7 +73,12 @@ fn figures(design: &Design, cases: &[(&str, Case, Digest)], section: &mut Sectio
             })
             .collect()
     };
-    let panel = |y_label: &str, value| ChartPanel { y_label: y_label.into(), y_log: false, curves: curves(value) };
+    let panel = |y_label: &str, value| ChartPanel {
+        y_label: y_label.into(),
+        y_log: false,
+        y_range: None,
+        curves: curves(value),
+    };
     let x_label = "key front, down (mm)".to_owned();
     section.charts.push(Chart {
         title: "[H] fig. 3: sliding at the contacts".into(),
@@ -118,7 +121,12 @@ fn conclusions(cases: &[(&str, Case, Digest)], section: &mut Section) {
     section.claims.push(Claim::new(
         "[H] fig. 3",
         "the capstan slides little, the knuckle much more",
-        format!("{:.2} mm and {:.2} mm to and fro, {:.1} times", d.capstan_way_m * 1e3, d.knuckle_way_m * 1e3, d.knuckle_way_m / d.capstan_way_m),
+        format!(
+            "{:.2} mm and {:.2} mm to and fro, {:.1} times",
+            d.capstan_way_m * 1e3,
+            d.knuckle_way_m * 1e3,
+            d.knuckle_way_m / d.capstan_way_m
+        ),
         d.knuckle_way_m > 2.0 * d.capstan_way_m,
     ));
     let at_let_off = |d: &Digest| d.let_off.map_or(f64::NAN, |s| s.leverage);

@@ -123,6 +123,8 @@ pub struct ChartPanel {
     pub y_label: String,
     /// Whether the ordinate is logarithmic.
     pub y_log: bool,
+    /// Its range, where the curves' own would hide what is meant.
+    pub y_range: Option<(f64, f64)>,
     /// The curves.
     pub curves: Vec<ChartCurve>,
 }

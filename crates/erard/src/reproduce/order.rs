@@ -30,7 +30,16 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let (mut speed_curves, mut contact_curves) = (Vec::new(), Vec::new());
     let mut table = Table::new(
         "Errors at each step",
-        &["played", "theta", "step, us", "speed, relative", "ratio", "instant, us", "ratio", "Newton iterations per step"],
+        &[
+            "played",
+            "theta",
+            "step, us",
+            "speed, relative",
+            "ratio",
+            "instant, us",
+            "ratio",
+            "Newton iterations per step",
+        ],
     );
     let steps = halvings(LADDER.0, LADDER.1);
     for (index, (play, until)) in cases.into_iter().enumerate() {
@@ -40,7 +49,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             let settings = Settings { theta, ..Settings::new(LADDER.0) };
             let finest = steps[steps.len() - 1] / REFERENCE;
             let exact = blow(instrument, play, Settings { step: finest, ..settings }, until)?;
-            let rungs = ladder(instrument, play, settings, &steps, &exact, until, &mut |share| progress((part + share) / 4.0))?;
+            let rungs =
+                ladder(instrument, play, settings, &steps, &exact, until, &mut |share| progress((part + share) / 4.0))?;
             let label = format!("{}, theta {theta}", play.label());
             for (i, r) in rungs.iter().enumerate() {
                 let ratio = |f: fn(&Rung) -> f64| {
@@ -94,8 +104,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         x_label: "step (us)".into(),
         x_log: true,
         panels: vec![
-            ChartPanel { y_label: "hammer speed, relative".into(), y_log: true, curves: speed_curves },
-            ChartPanel { y_label: "contact instant (us)".into(), y_log: true, curves: contact_curves },
+            ChartPanel { y_label: "hammer speed, relative".into(), y_log: true, y_range: None, curves: speed_curves },
+            ChartPanel { y_label: "contact instant (us)".into(), y_log: true, y_range: None, curves: contact_curves },
         ],
     });
     section.tables.push(table);

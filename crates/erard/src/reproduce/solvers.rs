@@ -13,7 +13,14 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     plays.extend([0.8, 2.0, 5.0, 8.0, 20.0, 35.0].map(Play::Force));
     let mut table = Table::new(
         "One second of each, 50 us, theta 1/2",
-        &["played", "speed, active set (m/s)", "speed, Gauss-Seidel (m/s)", "apart, relative", "active sets a step", "sweeps a step"],
+        &[
+            "played",
+            "speed, active set (m/s)",
+            "speed, Gauss-Seidel (m/s)",
+            "apart, relative",
+            "active sets a step",
+            "sweeps a step",
+        ],
     );
     let (mut worst, mut late) = (0.0_f64, 0);
     for (i, play) in plays.iter().enumerate() {

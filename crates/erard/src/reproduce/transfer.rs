@@ -152,7 +152,8 @@ impl Response {
             .collect();
         let n = points.len() as f64;
         let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
-        points.iter().map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / points.iter().map(|(x, _)| (x - mx).powi(2)).sum::<f64>()
+        points.iter().map(|(x, y)| (x - mx) * (y - my)).sum::<f64>()
+            / points.iter().map(|(x, _)| (x - mx).powi(2)).sum::<f64>()
     }
 
     /// Frequencies at which two responses differ by more than 3 dB: the lowest, the highest, and their share of the band.
@@ -240,10 +241,9 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         parted == PLACES_M.len(),
     ));
     section.tables.push(table);
-    for (inverse, title, unit) in [
-        (false, "From force to displacement", "|y/F| (um/N)"),
-        (true, "From displacement to force", "|F/y| (N/mm)"),
-    ] {
+    for (inverse, title, unit) in
+        [(false, "From force to displacement", "|y/F| (um/N)"), (true, "From displacement to force", "|F/y| (N/mm)")]
+    {
         let panels = PLACES_M
             .iter()
             .zip(six.iter().zip(&one))
@@ -258,6 +258,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                 ChartPanel {
                     y_label: format!("{} mm: {unit}", place * 1e3),
                     y_log: true,
+                    y_range: None,
                     curves: vec![
                         curve(a, "six bodies", 1, Mark::Line),
                         curve(b, "one degree of freedom", 0, Mark::Dashed),
