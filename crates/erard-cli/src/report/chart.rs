@@ -55,7 +55,7 @@ impl Axis {
         let decades = (self.high - self.low).ceil().max(1.0);
         let mut ticks = Vec::new();
         let every = (decades / most as f64).ceil().max(1.0) as i32;
-        let multiples: &[f64] = if decades <= 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let multiples: &[f64] = if decades <= 3.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         for power in (self.low.floor() as i32..=self.high.ceil() as i32).filter(|p| p % every == 0) {
             for multiple in multiples {
                 let value = multiple * 10f64.powi(power);

@@ -38,8 +38,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     ));
     let moves: [(&str, &[Move]); 3] = [
         ("(i) as it is", &[]),
-        ("(ii) capstan 10 mm toward the player", &[Move::Capstan(-0.010)]),
-        ("(iii) knuckle 3 mm toward the hammer's pivot", &[Move::Knuckle(-0.003)]),
+        ("(ii) capstan −10 mm", &[Move::Capstan(-0.010)]),
+        ("(iii) knuckle −3 mm", &[Move::Knuckle(-0.003)]),
     ];
     let mut cases: Vec<(&str, Case, Digest)> = Vec::new();
     for (name, moves) in moves {

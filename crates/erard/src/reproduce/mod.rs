@@ -183,17 +183,17 @@ pub fn subjects() -> Vec<Subject> {
     let subject = |name, title, weight, run| Subject { name, title, weight, run };
     vec![
         subject("paper1-drives", "Force-driven and motion-driven, six bodies and one", 3.0, drives::section),
-        subject("paper1-transfer", "From force to displacement and back", 8.0, transfer::section),
+        subject("paper1-transfer", "From force to displacement and back", 1.0, transfer::section),
         subject("paper2-felt", "The felt law", 1.0, friction::felt),
-        subject("paper2-rest", "Rest under dry and under regularised friction", 20.0, friction::rest),
-        subject("paper2-convergence", "Convergence and cost, set-valued and regularised", 40.0, convergence::section),
+        subject("paper2-rest", "Rest under dry and under regularised friction", 14.0, friction::rest),
+        subject("paper2-convergence", "Convergence and cost, set-valued and regularised", 18.0, convergence::section),
         subject("paper2-finger", "The finger's softness", 2.0, friction::finger),
         subject("paper2-run-time", "Run time against real time", 2.0, friction::run_time),
-        subject("paper3-levers", "Kinematics of the three levers", 5.0, levers::section),
-        subject("scheme-order", "Order of the scheme", 40.0, order::section),
-        subject("scheme-energy", "Energy ledger", 5.0, energy::section),
-        subject("scheme-solvers", "Agreement of the solvers", 5.0, solvers::section),
-        subject("conformance", "Textbook problems with known answers", 30.0, conformance_rows::section),
+        subject("paper3-levers", "Kinematics of the three levers", 0.5, levers::section),
+        subject("scheme-order", "Order of the scheme", 6.0, order::section),
+        subject("scheme-energy", "Energy ledger", 1.5, energy::section),
+        subject("scheme-solvers", "Agreement of the solvers", 1.5, solvers::section),
+        subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]
 }

@@ -156,6 +156,12 @@ impl Response {
             / points.iter().map(|(x, _)| (x - mx).powi(2)).sum::<f64>()
     }
 
+    /// The mass that moves at the top of the slope band, as felt at the key's front, kg: 1 / (w^2 |H|).
+    fn mass(&self) -> f64 {
+        let n = self.frequency.partition_point(|f| *f < SLOPE_HZ.1).min(self.frequency.len() - 1);
+        1.0 / ((TAU * self.frequency[n]).powi(2) * self.admittance[n].norm())
+    }
+
     /// Frequencies at which two responses differ by more than 3 dB: the lowest, the highest, and their share of the band.
     fn parts_from(&self, other: &Response) -> Option<(f64, f64, f64)> {
         let apart: Vec<f64> = self
@@ -192,8 +198,19 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         ..Section::default()
     };
     let mut table = Table::new(
-        "Slopes at high frequency, and where the models part by more than 3 dB",
-        &["key", "six bodies, y/F", "one, y/F", "six bodies, F/y", "one, F/y", "part from", "to", "share of the bins"],
+        "Slopes at high frequency, where the models part by more than 3 dB, and the mass that moves at 1500 Hz, as felt at the key's front",
+        &[
+            "key",
+            "six bodies, y/F",
+            "one, y/F",
+            "six bodies, F/y",
+            "one, F/y",
+            "part from",
+            "to",
+            "share of the bins",
+            "six bodies move",
+            "one moves",
+        ],
     );
     let mut slopes = Vec::new();
     let mut parted = 0;
@@ -213,6 +230,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             hz(apart.map(|a| a.0)),
             hz(apart.map(|a| a.1)),
             apart.map_or("0 %".into(), |a| format!("{:.0} %", 100.0 * a.2)),
+            format!("{:.0} g", 1e3 * a.mass()),
+            format!("{:.0} g", 1e3 * b.mass()),
         ]);
     }
     let worst = slopes.iter().fold(0.0_f64, |m, s| m.max((s + 40.0).abs()));
