@@ -24,17 +24,16 @@ fn claims_hold() {
     }
 }
 
-/// [T12] figure 3: of the papers' own claims all hold, with the one-degree-of-freedom model fitted. Unfitted it bounces off the key
-/// bottom with the hammer's inertia, which in the real thing has left: that claim fails, and is shown to fail.
+/// [T12] figure 3, right: motion-driven, one degree of freedom misses what the whole mechanism has, derived or fitted. (How closely
+/// it follows when force-driven depends on the instrument's numbers; the report says.)
 #[test]
-fn figure_three_of_the_first_paper() {
+fn motion_driven_reveals() {
     let claims = section("paper1-drives").claims;
-    let (papers, own): (Vec<_>, Vec<_>) = claims.into_iter().partition(|c| c.source.starts_with("[T12]"));
-    assert_eq!((papers.len(), own.len()), (6, 2));
-    for claim in papers {
+    let right: Vec<_> = claims.iter().filter(|c| c.source.ends_with("right")).collect();
+    assert_eq!((claims.len(), right.len()), (8, 2));
+    for claim in right {
         assert!(claim.holds, "{}: {}", claim.says, claim.measured);
     }
-    assert!(own.iter().all(|c| !c.holds));
 }
 
 /// Every subject ends when it is told to, with the error that becomes exit code 130.
