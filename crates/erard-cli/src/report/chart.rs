@@ -150,8 +150,8 @@ fn draw_panel(out: &mut String, panel: &ChartPanel, x: &Axis, top: f64, id: &str
         );
     }
     let _ = write!(out, "<g clip-path=\"url(#{id})\">");
-    for curve in &panel.curves {
-        draw_curve(out, curve, x, &y, (LEFT, width), bottom);
+    for (index, curve) in panel.curves.iter().enumerate() {
+        draw_curve(out, curve, index, x, &y, (LEFT, width), bottom);
     }
     let _ = write!(
         out,
@@ -177,13 +177,7 @@ fn draw_panel(out: &mut String, panel: &ChartPanel, x: &Axis, top: f64, id: &str
             y = number(line),
         );
         if curve.mark == Mark::Points {
-            let _ = write!(
-                out,
-                "<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>",
-                number(left + 11.0),
-                number(line),
-                colour(curve)
-            );
+            point(out, index, left + 11.0, line, colour(curve));
         }
         let _ = write!(
             out,
@@ -195,13 +189,18 @@ fn draw_panel(out: &mut String, panel: &ChartPanel, x: &Axis, top: f64, id: &str
     }
 }
 
-fn draw_curve(out: &mut String, curve: &ChartCurve, x: &Axis, y: &Axis, (left, width): (f64, f64), bottom: f64) {
+fn draw_curve(
+    out: &mut String,
+    curve: &ChartCurve,
+    index: usize,
+    x: &Axis,
+    y: &Axis,
+    (left, width): (f64, f64),
+    bottom: f64,
+) {
     let xs: Vec<f64> = curve.x.iter().map(|v| x.share(*v)).collect();
     let ys: Vec<f64> = curve.y.iter().map(|v| y.share(*v)).collect();
-    let pixel = |(a, b): (f64, f64)| {
-        let tenth = |v: f64| number((v.clamp(-1e5, 1e5) * 10.0).round() / 10.0);
-        (tenth(left + a * width), tenth(bottom - b * PANEL))
-    };
+    let pixel = |(a, b): (f64, f64)| (number(tenth(left + a * width)), number(tenth(bottom - b * PANEL)));
     // Thinning needs abscissae that ascend; a loop (force over compression) or a falling row is drawn as it is.
     let runs = if xs.is_sorted() {
         decimate(&xs, &ys, (0.0, 1.0), (1.5 * width) as usize)
@@ -227,12 +226,33 @@ fn draw_curve(out: &mut String, curve: &ChartCurve, x: &Axis, y: &Axis, (left, w
         }
         out.push_str("\"/>");
         if curve.mark == Mark::Points {
-            for point in run {
-                let (a, b) = pixel(*point);
-                let _ = write!(out, "<circle cx=\"{a}\" cy=\"{b}\" r=\"3\" fill=\"{}\"/>", colour(curve));
+            for (a, b) in run.iter().filter(|(a, b)| (0.0..=1.0).contains(a) && (0.0..=1.0).contains(b)) {
+                point(out, index, left + a * width, bottom - b * PANEL, colour(curve));
             }
         }
     }
+}
+
+/// A point; its shape tells curves apart in grey print too.
+fn point(out: &mut String, index: usize, x: f64, y: f64, colour: &str) {
+    let at = |dx: f64, dy: f64| format!("{},{}", number(tenth(x + dx)), number(tenth(y + dy)));
+    let _ = match index % 4 {
+        0 => write!(out, "<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{colour}\"/>", number(tenth(x)), number(tenth(y))),
+        shape => {
+            let corners: &[(f64, f64)] = match shape {
+                1 => &[(-2.8, -2.8), (2.8, -2.8), (2.8, 2.8), (-2.8, 2.8)],
+                2 => &[(0.0, -3.8), (3.6, 2.8), (-3.6, 2.8)],
+                _ => &[(0.0, -4.0), (3.4, 0.0), (0.0, 4.0), (-3.4, 0.0)],
+            };
+            let points: Vec<String> = corners.iter().map(|(dx, dy)| at(*dx, *dy)).collect();
+            write!(out, "<polygon points=\"{}\" fill=\"{colour}\"/>", points.join(" "))
+        }
+    };
+}
+
+/// To a tenth of a pixel, and never absurdly far outside.
+fn tenth(v: f64) -> f64 {
+    (v.clamp(-1e5, 1e5) * 10.0).round() / 10.0
 }
 
 fn colour(curve: &ChartCurve) -> &'static str {

@@ -38,8 +38,20 @@ impl Play {
         duration_s: f64,
         record_every: u64,
     ) -> Result<Run, ReproduceError> {
+        self.run_told(instrument, settings, duration_s, record_every, &mut |_| true)
+    }
+
+    /// The same for runs that take seconds, with progress.
+    pub fn run_told(
+        self,
+        instrument: &Instrument,
+        settings: Settings<f64>,
+        duration_s: f64,
+        record_every: u64,
+        progress: &mut Progress,
+    ) -> Result<Run, ReproduceError> {
         let setup = Setup { settings, start_s: 0.0, duration_s, record_every: Some(record_every) };
-        let go = |drive: &Drive| Ok(simulate(instrument, drive, &setup, &mut |_| true)?);
+        let mut go = |drive: &Drive| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
         let missing = |name: &str| ReproduceError::Instrument(format!("the built-in stroke {name} cannot be read"));
         match self {
             Play::Free => go(&Drive::Free),

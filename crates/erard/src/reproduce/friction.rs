@@ -42,7 +42,7 @@ pub(super) fn felt(instrument: &Instrument, _: &mut Progress) -> Result<Section,
             x: hit.compression.iter().map(|g| g * 1e3).collect(),
             y: hit.force,
             colour: i + 1,
-            mark: Mark::Line,
+            mark: [Mark::Line, Mark::Dashed, Mark::Dotted][i],
         });
     }
     let told = lost.iter().map(|l| format!("{:.1} %", 100.0 * l)).collect::<Vec<_>>().join(", ");
@@ -134,13 +134,10 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
     let exact = blow(instrument, Play::Stroke("mf", Touch::Pressed), Settings::new(3.125e-6 / 4.0), 0.06)?;
     for (i, (name, friction)) in laws.iter().enumerate() {
         let from = i as f64 / laws.len() as f64;
-        let mut told = |share: f64| tell(progress, from + share / laws.len() as f64);
-        told(0.0)?;
+        let mut told = |share: f64| progress(from + share / laws.len() as f64);
         let settings = Settings { friction: *friction, ..Settings::new(50e-6) };
-        let rest = Play::Free.run(instrument, settings, 60.0, 1000)?;
-        told(0.6)?;
-        let note = Play::Force(12.0).run(instrument, settings, 10.0, 200)?;
-        told(0.8)?;
+        let rest = Play::Free.run_told(instrument, settings, 60.0, 1000, &mut |s| told(0.7 * s))?;
+        let note = Play::Force(12.0).run_told(instrument, settings, 10.0, 200, &mut |s| told(0.7 + 0.2 * s))?;
         let drift = rest.bodies.iter().map(|b| departure(&b.angle_rad, 0)).fold(0.0, f64::max);
         let first = note.time_s.partition_point(|&t| t < 1.0);
         let caught = departure(&note.bodies[hammer].angle_rad, first);
@@ -166,7 +163,7 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
             x: note.time_s[first..].to_vec(),
             y: note.hammer_head_m[first..].iter().map(|y| (y - start) * 1e3).collect(),
             colour: [1, 2, 3, 5][i % 4],
-            mark: if i == 0 { Mark::Line } else { Mark::Dashed },
+            mark: [Mark::Line, Mark::Dashed, Mark::Dotted, Mark::Dashed][i % 4],
         });
     }
     let list = |x: &[f64]| x.iter().map(|d| format!("{d:.1e}")).collect::<Vec<_>>().join(", ");
