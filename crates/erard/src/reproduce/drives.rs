@@ -39,7 +39,7 @@ impl Noise {
 const STEP_S: f64 = 50e-6;
 const ROW_STEPS: u64 = (1.0 / (RATE_HZ * STEP_S)) as u64;
 
-/// A stroke as sensors would have seen it on the six-body model, run with a finer step.
+/// A soft finger's stroke as sensors between finger and key would have seen it on the six-body model, run with a finer step.
 struct Reference {
     nuance: &'static str,
     force: ForceSeries,
@@ -56,7 +56,7 @@ impl Reference {
     fn new(instrument: &Instrument, nuance: &'static str) -> Result<Self, ReproduceError> {
         let every = (SAMPLE_S / REFERENCE_STEP_S).round() as u64;
         let settings = Settings::new(REFERENCE_STEP_S);
-        let run = Play::Stroke(nuance, Touch::Pressed).run(instrument, settings, DURATION_S, every)?;
+        let run = Play::Motion(nuance, Touch::Pressed).run(instrument, settings, DURATION_S, every)?;
         let mut noise = Noise(0x9E37_79B9_7F4A_7C15);
         let force = run.force_n.iter().map(|f| (f + FORCE_NOISE_N * noise.next()).max(0.0)).collect();
         let position = run.key_m.iter().map(|y| y + POSITION_NOISE_M * noise.next()).collect();
@@ -173,7 +173,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let mut section = Section {
         text: vec![
             format!(
-                "The measured series of [T12] are not published. A run of the six-body model with a step of {} us, sampled every {} ms, with \
+                "The measured series of [T12] are not published. A run of the six-body model under a moving soft finger, with a step of {} us, sampled every {} ms, with \
                  sensor noise of {FORCE_NOISE_N} N and {} um added, stands in for them, here and in every figure below. That the six-body \
                  model comes near it is therefore a check of the procedure, of noise and of the step, not of the model; what the \
                  one-degree-of-freedom model misses is the papers' point and does not depend on that.",
