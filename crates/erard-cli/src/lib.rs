@@ -13,6 +13,7 @@ pub mod output;
 pub mod page;
 pub mod progress;
 pub mod regulation;
+pub mod report;
 pub mod summary;
 pub mod svg;
 pub mod table;

@@ -24,6 +24,7 @@ mod model;
 pub mod osnsp;
 mod pose;
 mod real;
+pub mod rigid;
 mod settings;
 mod state;
 mod step;

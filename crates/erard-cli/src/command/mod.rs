@@ -8,6 +8,7 @@ mod measure;
 mod options;
 mod press;
 mod regulate;
+mod reproduce;
 
 use std::process::ExitCode;
 
@@ -39,6 +40,8 @@ enum Sub {
     Check(check::Check),
     /// Holds a measured stroke against the models
     Compare(compare::Compare),
+    /// Computes the papers' figures and claims anew and shows which hold.
+    Reproduce(reproduce::Reproduce),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
@@ -54,6 +57,7 @@ pub fn run() -> ExitCode {
         Sub::Regulate(regulate) => regulate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
+        Sub::Reproduce(reproduce) => reproduce.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
