@@ -11,6 +11,7 @@ pub mod kinematics;
 pub mod output;
 pub mod page;
 pub mod progress;
+pub mod reference;
 pub mod summary;
 pub mod svg;
 pub mod table;

@@ -180,3 +180,16 @@ fn one_pose() {
     let png = std::fs::read(folder.0.join("erard-out/action.png")).unwrap();
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
 }
+
+/// An event is drawn at the instant that the summary tells, with the arrow of the contact that makes it.
+#[test]
+fn the_pose_of_an_event() {
+    let folder = Folder::new("event");
+    folder.good(&["press", "--out", "run"]);
+    let strike_s = json(&folder, "run/summary.json")["hammer_contact_s"].as_f64().unwrap();
+    folder.good(&["draw", "--at", "hammer-contact", "--forces", "--out", "struck"]);
+    let struck = folder.read("struck/action.svg");
+    // The first row after it, in steps of 50 us.
+    let at = format!("{:.1} ms, hammer contact", (strike_s / 50e-6).ceil() * 0.05);
+    assert!(struck.contains(&at), "{at}");
+}

@@ -1,0 +1,191 @@
+//! What a reader does who follows a chapter: files written, commands run, in a folder that looks like the project's.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use super::blocks::{Block, Format, Kind, without_numbers};
+use super::common::Folder;
+
+/// A chapter being followed.
+pub struct Session {
+    folder: Folder,
+    /// What the last command printed.
+    printed: Option<String>,
+    /// The file and text that the last `find` found.
+    found: Option<(String, String)>,
+}
+
+impl Session {
+    /// An empty folder but for the project's data files.
+    pub fn new(page: &str) -> Self {
+        let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for data in ["instruments", "linkages", "strokes"] {
+            fs::create_dir(folder.0.join(data)).unwrap();
+            for entry in fs::read_dir(root.join(data)).unwrap() {
+                let from = entry.unwrap().path();
+                fs::copy(&from, folder.0.join(data).join(from.file_name().unwrap())).unwrap();
+            }
+        }
+        Session { folder, printed: None, found: None }
+    }
+
+    /// Does what a block asks for. For an output block: what it should hold.
+    pub fn play(&mut self, block: &Block) -> Result<Option<String>, String> {
+        let text = &block.text;
+        match &block.kind {
+            Kind::Run => self.run(text, 0)?,
+            Kind::Fails => self.run(text, 2)?,
+            Kind::NoRun | Kind::Text => {}
+            Kind::Excerpt(format) => parse(*format, text)?,
+            Kind::File(name) => self.folder.file(name, text),
+            // The middle of a line may be meant.
+            Kind::Find(name) => self.find(name, text.trim_end_matches('\n'))?,
+            Kind::Replace(name) => self.replace(name, text.trim_end_matches('\n'))?,
+            Kind::Output => return self.output(text).map(Some),
+        }
+        Ok(None)
+    }
+
+    /// Runs commands, a line each; the last one ends with this code, the others with 0.
+    fn run(&mut self, text: &str, code: i32) -> Result<(), String> {
+        let text = text.replace("\\\n", " ");
+        let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
+        for (i, line) in lines.iter().enumerate() {
+            let expected = if i + 1 == lines.len() { code } else { 0 };
+            self.command(line, expected).map_err(|fault| format!("`{line}`: {fault}"))?;
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, line: &str, expected: i32) -> Result<(), String> {
+        let words = words(line)?;
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let arguments = match words[..] {
+            ["erard", ref arguments @ ..] | ["cargo", "run", "--release", "--", ref arguments @ ..] => arguments,
+            ["cp", from, to] => {
+                let path = |name| self.folder.0.join(name);
+                return fs::copy(path(from), path(to)).map(|_| ()).map_err(|e| e.to_string());
+            }
+            _ => return Err("only `erard`, `cargo run --release --` and `cp` are run; mark the block no_run".into()),
+        };
+        let output = Command::new(env!("CARGO_BIN_EXE_erard"))
+            .current_dir(&self.folder.0)
+            .args(arguments)
+            .output()
+            .map_err(|e| e.to_string())?;
+        let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        if output.status.code() != Some(expected) {
+            return Err(format!("ended with {}, expected {expected}: {err}", output.status));
+        }
+        // What went wrong is said on stderr, all else on stdout.
+        self.printed = Some(if expected == 0 { out.into_owned() } else { err.into_owned() });
+        Ok(())
+    }
+
+    /// Holds an output block against what was printed; gives what was printed.
+    fn output(&self, text: &str) -> Result<String, String> {
+        let printed = self.printed.as_ref().ok_or("an output stands before the first command")?;
+        // How fast it was depends on the machine.
+        let lines: Vec<&str> = printed.lines().filter(|l| !l.contains("real-time factor")).collect();
+        let printed = lines.join("\n").trim_end().to_owned() + "\n";
+        let writing = std::env::var("ERARD_BOOK").is_ok_and(|v| v == "write");
+        let plain = |text: &str| text.lines().map(without_numbers).collect::<Vec<_>>();
+        if writing || plain(text) == plain(&printed) {
+            return Ok(printed);
+        }
+        Err(format!("this output is not what is printed now (beside numbers):\n{printed}"))
+    }
+
+    fn find(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let times = self.folder.read(name).matches(text).count();
+        if times != 1 {
+            return Err(format!("{name} holds this {times} times, not once"));
+        }
+        self.found = Some((name.into(), text.into()));
+        Ok(())
+    }
+
+    fn replace(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let (file, found) = self.found.take().ok_or("nothing was found before")?;
+        if file != name {
+            return Err(format!("what was found stands in {file}"));
+        }
+        let whole = self.folder.read(name);
+        self.folder.file(name, &whole.replacen(&found, text, 1));
+        Ok(())
+    }
+
+    /// Takes a picture that the commands have drawn into the book: `pictures/X/Y` is the folder's `X/Y`.
+    pub fn keep(&self, picture: &str, source: &Path) -> Result<(), String> {
+        let (drawn, kept) = self.paths(picture, source)?;
+        fs::create_dir_all(kept.parent().expect("below the book")).map_err(|e| e.to_string())?;
+        fs::copy(drawn, kept).map(|_| ()).map_err(|e| e.to_string())
+    }
+
+    /// Whether a picture was drawn by the commands and still has the same words: an instrument may have changed a little
+    /// since, the program not.
+    pub fn compare(&self, picture: &str, source: &Path) -> Result<(), String> {
+        let (drawn, kept) = self.paths(picture, source)?;
+        let read = |path: &Path| fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()));
+        if captions(&read(&drawn)?) == captions(&read(&kept)?) {
+            return Ok(());
+        }
+        Err(format!("book/src/{picture} is not what its command draws now: ERARD_BOOK=write draws the pictures anew"))
+    }
+
+    fn paths(&self, picture: &str, source: &Path) -> Result<(std::path::PathBuf, std::path::PathBuf), String> {
+        let drawn = picture.strip_prefix("pictures/").map(|p| self.folder.0.join(p));
+        match drawn {
+            Some(drawn) if drawn.is_file() => Ok((drawn, source.join(picture))),
+            _ => Err(format!("book/src/{picture}: no command of its chapter draws it")),
+        }
+    }
+}
+
+/// The words in an SVG, sorted, without those that hold numbers.
+fn captions(svg: &str) -> Vec<&str> {
+    let mut words: Vec<&str> = svg
+        .split('>')
+        .filter_map(|piece| {
+            piece.split_once('<').filter(|(_, tag)| tag.starts_with("/text") || tag.starts_with("/tspan"))
+        })
+        .flat_map(|(text, _)| text.split_whitespace())
+        .filter(|word| word.chars().all(|c| c.is_alphabetic() || "-,".contains(c)) && *word != "N")
+        .collect();
+    words.sort_unstable();
+    words
+}
+
+fn parse(format: Format, text: &str) -> Result<(), String> {
+    match format {
+        Format::Toml => toml::from_str::<toml::Table>(text).map(|_| ()).map_err(|e| e.to_string()),
+        Format::Json => serde_json::from_str::<serde_json::Value>(text).map(|_| ()).map_err(|e| e.to_string()),
+        Format::Csv => {
+            let mut reader = csv::Reader::from_reader(text.as_bytes());
+            reader.records().try_for_each(|row| row.map(|_| ()).map_err(|e| e.to_string()))
+        }
+    }
+}
+
+/// Splits a line at blanks, except in double or single quotes.
+fn words(line: &str) -> Result<Vec<String>, String> {
+    let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
+    for c in line.chars() {
+        match (c, quote) {
+            (c, Some(q)) if c == q => quote = None,
+            (c, Some(_)) => word.get_or_insert_default().push(c),
+            ('"' | '\'', None) => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            ('#', None) if word.is_none() => break,
+            ('|' | '>' | '<' | '&' | ';' | '$' | '*' | '`', None) => return Err(format!("no shell is run: `{c}`")),
+            (c, None) if c.is_whitespace() => words.extend(word.take()),
+            (c, None) => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    if quote.is_some() { Err("a quote is not closed".into()) } else { Ok(words) }
+}
