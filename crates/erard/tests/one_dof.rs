@@ -79,7 +79,7 @@ fn inertia_and_moment_from_first_principles() {
     }
     assert!((inertia / one.inertia_kg_m2 - 1.0).abs() < 1e-12, "{inertia} {}", one.inertia_kg_m2);
 
-    let model = assemble::<6, 14>(&grand).unwrap();
+    let model = assemble::<f64, 6, 14>(&grand).unwrap();
     let energy = |turn: f64| {
         let angle = core::array::from_fn(|i| rest.angles()[i] + turn * r[i]);
         let e = Energies::of(&model, &State::<f64, 6, 14>::at_rest(angle));
