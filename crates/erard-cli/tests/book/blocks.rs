@@ -32,6 +32,8 @@ pub enum Kind {
     Find(String),
     /// `toml,replace=NAME`: what the reader puts where the last `find` was.
     Replace(String),
+    /// No fence but a comment, `<!-- holds: A < B -->`: a claim of the text beside it, about numbers that commands wrote.
+    Claim,
 }
 
 /// A format of data.
@@ -65,7 +67,12 @@ pub fn read(text: &str) -> Result<Vec<Block>, String> {
                 block.push_str(line);
                 block.push('\n');
             }
-            (None, false) => {}
+            (None, false) => {
+                if let Some(claim) = line.strip_prefix("<!-- holds:") {
+                    let claim = claim.strip_suffix("-->").ok_or(format!("{number}: a claim ends on its line"))?;
+                    blocks.push(Block { line: number, text: claim.trim().into(), kind: Kind::Claim });
+                }
+            }
         }
     }
     if open { Err("a fence is not closed".into()) } else { Ok(blocks) }

@@ -4,17 +4,11 @@ use super::{Page, source};
 
 /// Targets of all links and pictures outside code, in order.
 pub fn targets(text: &str) -> Vec<String> {
-    let mut found = Vec::new();
-    for line in prose(text) {
-        // Inline code may hold brackets too.
-        let plain: String = line.split('`').step_by(2).collect::<Vec<_>>().join("_");
-        for piece in plain.split("](").skip(1) {
-            if let Some((target, _)) = piece.split_once(')') {
-                found.push(target.split_whitespace().next().unwrap_or_default().to_owned());
-            }
-        }
-    }
-    found
+    // Inline code may hold brackets too, and lines end anywhere.
+    let prose = prose(text).collect::<Vec<_>>().join("\n");
+    let plain = prose.split('`').step_by(2).collect::<Vec<_>>().join("_");
+    let after = plain.split("](").skip(1).filter_map(|piece| piece.split_once(')'));
+    after.map(|(target, _)| target.split_whitespace().next().unwrap_or_default().to_owned()).collect()
 }
 
 /// Pictures of a chapter, as paths below `book/src`.

@@ -43,6 +43,7 @@ impl Session {
             // The middle of a line may be meant.
             Kind::Find(name) => self.find(name, text.trim_end_matches('\n'))?,
             Kind::Replace(name) => self.replace(name, text.trim_end_matches('\n'))?,
+            Kind::Claim => self.claim(text)?,
             Kind::Output => return self.output(text).map(Some),
         }
         Ok(None)
@@ -115,6 +116,30 @@ impl Session {
         let whole = self.folder.read(name);
         self.folder.file(name, &whole.replacen(&found, text, 1));
         Ok(())
+    }
+
+    /// Holds a claim: `A < B`, `A > B`, `A != B`, or `A ~ B` (to a millionth). A and B are numbers, or places in JSON files: `run/summary.json#/steps`.
+    fn claim(&self, text: &str) -> Result<(), String> {
+        let [a, sign, b] = text.split_whitespace().collect::<Vec<_>>()[..] else {
+            return Err(format!("`{text}` is no claim"));
+        };
+        let (x, y) = (self.value(a)?, self.value(b)?);
+        let holds = match sign {
+            "<" => x < y,
+            ">" => x > y,
+            "!=" => x != y,
+            "~" => (x - y).abs() <= 1e-6 * x.abs().max(y.abs()),
+            _ => return Err(format!("`{sign}` is no comparison")),
+        };
+        if holds { Ok(()) } else { Err(format!("the text claims {text}, but these are {x} and {y}")) }
+    }
+
+    fn value(&self, name: &str) -> Result<f64, String> {
+        let Some((file, place)) = name.split_once('#') else {
+            return name.parse().map_err(|_| format!("`{name}` is neither a number nor a place in a file"));
+        };
+        let json: serde_json::Value = serde_json::from_str(&self.folder.read(file)).map_err(|e| e.to_string())?;
+        json.pointer(place).and_then(serde_json::Value::as_f64).ok_or(format!("{name} is no number"))
     }
 
     /// Takes a picture that the commands have drawn into the book: `pictures/X/Y` is the folder's `X/Y`.
