@@ -118,7 +118,8 @@ impl Session {
         Ok(())
     }
 
-    /// Holds a claim: `A < B`, `A > B`, `A != B`, or `A ~ B` (to a millionth). A and B are numbers, or places in JSON files: `run/summary.json#/steps`.
+    /// Holds a claim: `A < B`, `A > B`, `A = B`, `A != B`, or `A ~ B` (to a millionth). A and B are numbers, places in JSON
+    /// files (`run/summary.json#/steps`) or in tables (`run/run.csv#key_m@0.5`: the column's first row from 0.5 s on).
     fn claim(&self, text: &str) -> Result<(), String> {
         let [a, sign, b] = text.split_whitespace().collect::<Vec<_>>()[..] else {
             return Err(format!("`{text}` is no claim"));
@@ -127,6 +128,7 @@ impl Session {
         let holds = match sign {
             "<" => x < y,
             ">" => x > y,
+            "=" => x == y,
             "!=" => x != y,
             "~" => (x - y).abs() <= 1e-6 * x.abs().max(y.abs()),
             _ => return Err(format!("`{sign}` is no comparison")),
@@ -138,8 +140,17 @@ impl Session {
         let Some((file, place)) = name.split_once('#') else {
             return name.parse().map_err(|_| format!("`{name}` is neither a number nor a place in a file"));
         };
-        let json: serde_json::Value = serde_json::from_str(&self.folder.read(file)).map_err(|e| e.to_string())?;
-        json.pointer(place).and_then(serde_json::Value::as_f64).ok_or(format!("{name} is no number"))
+        let missing = || format!("{name} is no number");
+        let text = self.folder.read(file);
+        if let Some((column, time)) = place.split_once('@') {
+            let time: f64 = time.parse().map_err(|_| missing())?;
+            let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+            let index = lines.next().and_then(|header| header.iter().position(|c| *c == column)).ok_or_else(missing)?;
+            let row = lines.find(|row| row[0].parse().is_ok_and(|t: f64| t >= time)).ok_or_else(missing)?;
+            return row[index].parse().map_err(|_| missing());
+        }
+        let json: serde_json::Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
+        json.pointer(place).and_then(serde_json::Value::as_f64).ok_or_else(missing)
     }
 
     /// Takes a picture that the commands have drawn into the book: `pictures/X/Y` is the folder's `X/Y`.
@@ -213,4 +224,33 @@ fn words(line: &str) -> Result<Vec<String>, String> {
     }
     words.extend(word);
     if quote.is_some() { Err("a quote is not closed".into()) } else { Ok(words) }
+}
+
+#[test]
+fn what_is_not_so_is_found() {
+    let mut session = Session::new("not so");
+    session.folder.file("a.csv", "time_s,x\n0,1\n1,2\n");
+    session.folder.file("a.json", "{ \"b\": [3, null] }");
+    for (claim, holds) in [
+        ("a.csv#x@1 = 2", true),
+        ("a.csv#x@0.5 > a.csv#x@0", true),
+        ("a.json#/b/0 ~ 3.0000001", true),
+        ("a.csv#x@1 = 1", false),
+        ("a.csv#y@1 = 1", false),
+        ("a.csv#x@2 > 0", false),
+        ("a.json#/b/0 < 3", false),
+        ("a.json#/b/1 != 0", false),
+    ] {
+        assert_eq!(session.claim(claim).is_ok(), holds, "{claim}");
+    }
+    // It is no stroke: neither force nor position.
+    assert!(session.run("erard check a.csv", 0).is_err());
+    assert!(session.run("erard check a.csv", 2).is_ok());
+    assert!(session.output("something else\n").is_err());
+    for line in ["ls", "erard check a.csv | head", "cp 'a.csv b.csv"] {
+        assert!(session.run(line, 0).is_err(), "{line}");
+    }
+    assert!(session.find("a.csv", "1").is_err(), "there are two");
+    assert!(session.find("a.csv", "x\n0").is_ok() && session.replace("a.csv", "y\n0").is_ok());
+    assert_eq!(session.folder.read("a.csv"), "time_s,y\n0,1\n1,2\n");
 }
