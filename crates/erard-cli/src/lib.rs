@@ -3,6 +3,7 @@
 //! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
 //! write them down.
 
+pub mod cli_reference;
 pub mod command;
 pub mod drawing;
 pub mod failure;
@@ -11,7 +12,6 @@ pub mod kinematics;
 pub mod output;
 pub mod page;
 pub mod progress;
-pub mod reference;
 pub mod summary;
 pub mod svg;
 pub mod table;

@@ -118,7 +118,7 @@ fn links_and_pictures_lead_somewhere() {
 fn the_command_line_reference_is_the_generated_one() {
     let page = fs::read_to_string(source().join("cli.md")).expect("the reference is there");
     assert!(
-        page == erard_cli::reference::markdown(),
+        page == erard_cli::cli_reference::markdown(),
         "run `cargo run --release -p erard-cli --example cli_reference > book/src/cli.md`"
     );
 }
