@@ -3,6 +3,7 @@
 //! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
 //! write them down.
 
+pub mod cli_reference;
 pub mod command;
 pub mod drawing;
 pub mod failure;

@@ -202,3 +202,16 @@ fn a_second_press_from_half_way_sounds() {
         assert!(top > 4.8e-3, "{wait}: the key comes up to {top}");
     }
 }
+
+/// Where a zone pushes, its place is known: the normal is a unit vector (to single precision), also in the first row of a
+/// contact that began within the step after it.
+#[test]
+fn what_pushes_has_a_place() {
+    let run = press(&grand(), 5.0);
+    for zone in &run.zones {
+        for (row, _) in zone.normal_n.iter().enumerate().filter(|(_, force)| **force > 0.0) {
+            let [_, _, nx, ny] = zone.contact[row];
+            assert!((nx.hypot(ny) - 1.0).abs() < 1e-6, "{} at {} s", zone.name, run.time_s[row]);
+        }
+    }
+}
