@@ -12,13 +12,17 @@ use super::{Impulses, SolveReport, System};
 use crate::Scalar;
 use crate::linear::{factor, product, solve as solve_factored};
 
-/// Guesses before the exact dense solver takes over; usual problems need one or two, and what cycles does so from the start.
+/// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
 const GUESSES: u32 = 8;
+/// Guesses that then correct only the first refuted law, which ends most cycles, before the exact dense solver takes over.
+const SINGLE_GUESSES: u32 = 24;
 
 /// Where a law stands: 0 sticks, +1 and -1 slide with p = +bound and -bound.
 struct Guess<T, const B: usize, const N: usize> {
     pivot: [T; B],
     sliding: [T; N],
+    /// Sliding laws whose bound falls to zero within the step, because the felt is left: p = 0, whatever the velocity.
+    open: [bool; N],
 }
 
 /// Solves to `tolerance` on the laws' velocities; `limit` bounds the fallback.
@@ -30,8 +34,8 @@ pub fn solve<T: Scalar, const B: usize, const N: usize>(
     limit: u32,
 ) -> ([T; B], SolveReport) {
     let mut guess = first_guess(system, impulses);
-    for iterations in 1..=GUESSES {
-        let (w, changed) = try_guess(system, &mut guess, impulses, tolerance);
+    for iterations in 1..=GUESSES + SINGLE_GUESSES {
+        let (w, changed) = try_guess(system, &mut guess, impulses, tolerance, iterations > GUESSES);
         if !changed {
             return (w, SolveReport { converged: true, iterations });
         }
@@ -49,7 +53,7 @@ fn fall_back<T: Scalar, const B: usize, const N: usize>(
 ) -> ([T; B], SolveReport) {
     let mut dense = Dense::new(system, impulses);
     let mut report = solve_dense(&dense.problem, &mut dense.impulse, tolerance, limit);
-    report.iterations += GUESSES;
+    report.iterations += GUESSES + SINGLE_GUESSES;
     (dense.finish(impulses), report)
 }
 
@@ -68,7 +72,7 @@ fn first_guess<T: Scalar, const B: usize, const N: usize>(
             T::ZERO
         }
     };
-    let mut guess = Guess { pivot: [T::ZERO; B], sliding: [T::ZERO; N] };
+    let mut guess = Guess { pivot: [T::ZERO; B], sliding: [T::ZERO; N], open: [false; N] };
     for i in 0..B {
         guess.pivot[i] = side(impulses.pivot[i], system.pivot_bound[i]);
     }
@@ -79,13 +83,14 @@ fn first_guess<T: Scalar, const B: usize, const N: usize>(
     guess
 }
 
-/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it.
+/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it; `single`: in one place only.
 #[inline(always)]
 fn try_guess<T: Scalar, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     tolerance: T,
+    single: bool,
 ) -> ([T; B], bool) {
     let mut a = system.a;
     let mut w = system.b;
@@ -105,7 +110,7 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
     w = solve_factored(&a, &inverse_d, &w);
     let mut changed = false;
     if system.count > 0 {
-        changed = slide(system, guess, impulses, &a, &inverse_d, &mut w, tolerance);
+        changed = slide(system, guess, impulses, &a, &inverse_d, &mut w, tolerance, single);
     }
     for i in 0..B {
         if guess.pivot[i] == T::ZERO {
@@ -116,11 +121,14 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
             impulses.pivot[i] = p;
             // Rounding in the bound must not turn a pivot that holds at its limit back and forth.
             let bound = system.pivot_bound[i] * (T::ONE + T::from_f64(8.0) * T::EPSILON);
-            if bound < p.abs() {
+            if bound < p.abs() && !(single && changed) {
                 guess.pivot[i] = if T::ZERO < p { T::ONE } else { -T::ONE };
                 changed = true;
             }
         } else if tolerance < guess.pivot[i] * w[i] && T::ZERO < system.pivot_bound[i] {
+            if single && changed {
+                continue;
+            }
             guess.pivot[i] = T::ZERO;
             changed = true;
         }
@@ -130,6 +138,7 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
 
 /// Sliding laws, condensed: adds their share to the velocities `w`, and corrects their guesses.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 fn slide<T: Scalar, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
@@ -138,6 +147,7 @@ fn slide<T: Scalar, const B: usize, const N: usize>(
     inverse_d: &[T; B],
     w: &mut [T; B],
     tolerance: T,
+    single: bool,
 ) -> bool {
     let n = system.count;
     let mut columns = [[T::ZERO; B]; N];
@@ -157,7 +167,10 @@ fn slide<T: Scalar, const B: usize, const N: usize>(
     for k in 0..n {
         let law = &system.sliding[k];
         let s = guess.sliding[k];
-        if s == T::ZERO {
+        if guess.open[k] {
+            matrix[k][k] = T::ONE;
+            diagonal[k] = T::ONE;
+        } else if s == T::ZERO {
             // Sticking: row . (w + sum columns p) = target.
             rhs[k] = law.target - product(&law.row, w);
             for j in 0..n {
@@ -183,31 +196,47 @@ fn slide<T: Scalar, const B: usize, const N: usize>(
     let mut changed = false;
     for k in 0..n {
         let law = &system.sliding[k];
-        let mut side = guess.sliding[k];
         let u = product(&law.row, w) - law.target;
+        impulses.sliding[k] = p[k];
         if law.rigid {
-            if dependent[k] && tolerance < u.abs() {
+            if dependent[k] && tolerance < u.abs() && !(single && changed) {
                 give_way(system, guess, k, u);
                 changed = true;
             }
-        } else {
-            let bound = (law.bound + product(&law.slope, w)).max(T::ZERO);
-            if side == T::ZERO {
-                if bound * (T::ONE + T::from_f64(8.0) * T::EPSILON) < p[k].abs() {
-                    side = if T::ZERO < p[k] { T::ONE } else { -T::ONE };
-                    p[k] = side * bound;
-                } else if dependent[k] && tolerance < u.abs() {
-                    side = if T::ZERO < u { -T::ONE } else { T::ONE };
-                }
-            } else if tolerance < side * u || side * p[k] < T::ZERO {
-                side = T::ZERO;
-            }
+            continue;
         }
-        changed |= side != guess.sliding[k];
-        guess.sliding[k] = side;
-        impulses.sliding[k] = p[k];
+        let bound = law.bound + product(&law.slope, w);
+        let (side, open) = corrected(guess.sliding[k], guess.open[k], p[k], u, bound, dependent[k], tolerance);
+        if (side != guess.sliding[k] || open != guess.open[k]) && !(single && changed) {
+            (guess.sliding[k], guess.open[k]) = (side, open);
+            changed = true;
+        }
     }
     changed
+}
+
+/// Where a sliding contact stands after a guess gave it impulse p, velocity u and bound; the same again if that agrees.
+#[inline(always)]
+fn corrected<T: Scalar>(side: T, open: bool, p: T, u: T, bound: T, dependent: bool, tolerance: T) -> (T, bool) {
+    let against = if T::ZERO < u { -T::ONE } else { T::ONE };
+    if open {
+        // Pressed after all: it slides against its velocity.
+        return if T::ZERO < bound { (against, false) } else { (T::ZERO, true) };
+    }
+    if bound <= T::ZERO {
+        return (T::ZERO, true);
+    }
+    if side == T::ZERO {
+        if bound * (T::ONE + T::from_f64(8.0) * T::EPSILON) < p.abs() {
+            return (if T::ZERO < p { T::ONE } else { -T::ONE }, false);
+        }
+        if dependent && tolerance < u.abs() {
+            return (against, false);
+        }
+    } else if tolerance < side * u {
+        return (T::ZERO, false);
+    }
+    (side, false)
 }
 
 /// An imposed velocity that the sticking laws do not admit: the one that stands most in its way slides, against the motion.
