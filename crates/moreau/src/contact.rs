@@ -1,7 +1,7 @@
 //! Contact zones: geometry of a disc against a curve, and the felt between them.
 
-use crate::linear::product;
 use crate::model::{Curve, Exponent, Felt, Zone};
+use crate::path::Path;
 use crate::pose::Pose;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Mask, Real};
@@ -12,13 +12,34 @@ const CLOSING_SPEED: f64 = 20.0;
 /// 1/sqrt(3): the two-point Gauss nodes on [-1, 1].
 const GAUSS_POINT: f64 = 0.577_350_269_189_625_8;
 
+/// The step's lengths of time that a zone needs, s, and how near it must be to be looked at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Timing<T> {
+    /// h.
+    pub step: T,
+    /// theta h: from the step's start to the theta point.
+    pub h_theta: T,
+    theta: T,
+    /// From the theta point to a Gauss point.
+    node: T,
+    /// Compression that can be gained within the step, m.
+    pub reach: T,
+}
+
+impl<T: Real> Timing<T> {
+    pub fn new(h: T, theta: T) -> Self {
+        let node = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
+        Timing { step: h, h_theta: h * theta, theta, node, reach: node * T::from_f64(CLOSING_SPEED) }
+    }
+}
+
 /// A zone during one step.
 #[derive(Debug, Clone, Copy)]
-pub struct Contact<T, const B: usize> {
-    /// Whether the felt is touched; the other fields (but `gap` and `force`) hold only then.
-    pub active: bool,
-    /// Too far apart to be touched during the step.
-    pub(crate) out_of_reach: bool,
+pub struct Contact<T: Real, const B: usize> {
+    /// Whether the felt is touched; the other fields hold only then.
+    pub active: T::Mask,
+    /// Near enough to be touched during the step.
+    pub(crate) in_reach: T::Mask,
     /// Compression g at the theta point, m; negative apart.
     pub gap: T,
     /// dg/dt, m/s.
@@ -37,16 +58,16 @@ pub struct Contact<T, const B: usize> {
     ahead: T,
     /// What [`Contact::remainder`] needs of the felt.
     bend: Bend<T>,
-    /// Row G in relative velocities: dg/dt = G w.
+    /// Row G in relative velocities, for the joints of the zone's path: dg/dt = G w.
     pub(crate) row: [T; B],
 }
 
 impl<T: Real, const B: usize> Contact<T, B> {
     pub(crate) fn apart() -> Self {
-        let (z, o) = (T::ZERO, [T::ZERO; 2]);
+        let (z, o, no) = (T::ZERO, [T::ZERO; 2], T::Mask::splat(false));
         Contact {
-            active: false,
-            out_of_reach: false,
+            active: no,
+            in_reach: no,
             gap: z,
             rate: z,
             normal: o,
@@ -60,97 +81,112 @@ impl<T: Real, const B: usize> Contact<T, B> {
         }
     }
 
-    /// Evaluates geometry at the theta point, and the felt where it is touched during the step.
+    /// Evaluates geometry at the theta point, and the felt where it is touched during the step. `candidates`: the lanes that may
+    /// be in reach.
     ///
     /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
     /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
     /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
     /// step's end, and the scheme is backward Euler.
     #[inline(always)]
-    pub(crate) fn evaluate(&mut self, zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>, w: &[T; B], h: T, theta: T) {
+    pub(crate) fn evaluate(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        pose: &Pose<T, B>,
+        w: &[T; B],
+        timing: &Timing<T>,
+        candidates: T::Mask,
+    ) {
         let center = pose.point(zone.disc_body, zone.center);
         let (distance, normal) = distance_to_curve(zone, pose, center);
-        self.gap = zone.radius - distance;
-        self.active = false;
-        self.force = T::ZERO;
-        let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
-        if !(-reach * T::from_f64(CLOSING_SPEED)).le(self.gap).any() {
-            self.out_of_reach = true;
+        let gap = zone.radius - distance;
+        self.active = T::Mask::splat(false);
+        self.in_reach = candidates.and((-timing.reach).le(gap));
+        if !self.in_reach.any() {
             return;
         }
-        self.out_of_reach = false;
-        self.row = pose.turning_row(carried, center, normal);
-        self.rate = product(&self.row, w);
-        let offset = reach * self.rate;
-        self.bend.deepest = self.gap + offset.abs();
-        if !T::ZERO.lt(self.bend.deepest).any() {
+        self.gap = gap;
+        pose.turning_row(path, center, normal, &mut self.row);
+        let rate = path.product(&self.row, w);
+        self.rate = rate;
+        let offset = timing.node * rate;
+        let deepest = gap + offset.abs();
+        self.bend.deepest = deepest;
+        self.active = self.in_reach.and(T::ZERO.lt(deepest));
+        if !self.active.any() {
             return;
         }
-        self.active = true;
         self.normal = normal;
         self.point = sub(center, scale(normal, distance));
-        self.press(zone, offset, reach, h * theta);
+        self.press(zone, offset, timing);
     }
 
     /// The felt's mean force over the step and its tangent, at the present compression and rate.
     #[inline(always)]
-    fn press(&mut self, zone: &Zone<T>, offset: T, reach: T, h_theta: T) {
+    fn press(&mut self, zone: &Zone<T>, offset: T, timing: &Timing<T>) {
         let half = T::from_f64(0.5);
         let a = felt_law(&zone.felt, (self.gap + offset).max(T::ZERO), self.rate);
         let b = felt_law(&zone.felt, (self.gap - offset).max(T::ZERO), self.rate);
-        self.force = half * (a.force + b.force);
+        let only_active = |x: T| T::select(self.active, x, T::ZERO);
+        self.force = only_active(half * (a.force + b.force));
         self.damping_force = half * (a.damping_force + b.damping_force);
-        let slope = (h_theta + reach) * a.stiffness + (h_theta - reach) * b.stiffness;
-        self.tangent = (half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO);
+        let slope = (timing.h_theta + timing.node) * a.stiffness + (timing.h_theta - timing.node) * b.stiffness;
+        self.tangent = only_active((half * timing.h_theta * (a.damping + b.damping + slope)).max(T::ZERO));
         self.bend.slope = a.stiffness.abs().max(b.stiffness.abs());
         self.bend.damping = a.damping.max(b.damping);
         self.bend.slack = a.slack.min(b.slack);
     }
 
-    /// Follows the change of the relative velocities that [`Contact::remainder`] has seen, without looking at the geometry again.
+    /// Takes the force along with the last change of the relative velocities that [`Contact::remainder`] has seen, without
+    /// looking at the geometry again: what acted in the step.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, zone: &Zone<T>, h: T, theta: T) {
-        if !self.active {
+    pub(crate) fn follow(&mut self, zone: &Zone<T>, timing: &Timing<T>) {
+        if !self.active.any() {
             return;
         }
         self.rate += self.ahead;
-        self.gap += theta * h * self.ahead;
-        let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
-        self.press(zone, reach * self.rate, reach, h * theta);
+        self.gap += timing.h_theta * self.ahead;
+        self.press(zone, timing.node * self.rate, timing);
+        self.ahead = T::ZERO;
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
     #[inline(always)]
-    pub(crate) fn remainder(&mut self, zone: &Zone<T>, change: &[T; B], h: T, theta: T) -> T {
-        if self.out_of_reach {
-            return T::ZERO;
-        }
-        self.ahead = theta * product(&self.row, change);
+    pub(crate) fn remainder(&mut self, zone: &Zone<T>, path: &Path<T, B>, change: &[T; B], timing: &Timing<T>) -> T {
+        self.ahead = timing.theta * path.product(&self.row, change);
         let rate = self.ahead.abs();
-        let gap = (theta * h + (T::ONE - theta) * h * T::from_f64(GAUSS_POINT)) * rate;
+        let gap = (timing.h_theta + timing.node) * rate;
         let deepest = self.bend.deepest + gap;
-        if !T::ZERO.lt(deepest).any() {
+        let touched = self.in_reach.and(T::ZERO.lt(deepest));
+        if !touched.any() {
             return T::ZERO;
         }
-        let half = T::from_f64(0.5);
+        let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
         let (elastic, _, curvature) = zone.felt.elastic(deepest.max(T::ZERO));
-        let damping = zone.felt.damping * deepest * deepest;
-        if !self.active {
-            return elastic + damping * (self.rate.abs() + rate);
+        let own_rate = self.rate.abs();
+        // Not touched before: all of it.
+        let onset = |()| elastic + zone.felt.damping * deepest * deepest * (own_rate + rate);
+        if !self.active.any() {
+            return T::select(touched, onset(()), T::ZERO);
         }
         // To second order; where the clamp at zero may have come or gone, to first.
-        let second = half * (curvature + T::from_f64(2.0) * zone.felt.damping * self.rate.abs()) * gap * gap
-            + T::from_f64(2.0) * zone.felt.damping * deepest * gap * rate;
+        let second = half * (curvature + two * zone.felt.damping * own_rate) * gap * gap
+            + two * zone.felt.damping * deepest * gap * rate;
         let first = self.bend.slope * gap + self.bend.damping * rate;
-        T::select(first.lt(self.bend.slack), second, first.max(second))
+        let bent = T::select(first.lt(self.bend.slack), second, first.max(second));
+        if self.active.all() {
+            return bent;
+        }
+        T::select(touched, T::select(self.active, bent, onset(())), T::ZERO)
     }
 
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
     /// turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row(&self, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
-        pose.turning_row(carried, self.point, [-self.normal[1], self.normal[0]])
+    pub(crate) fn slip_row(&self, path: &Path<T, B>, pose: &Pose<T, B>, row: &mut [T; B]) {
+        pose.turning_row(path, self.point, [-self.normal[1], self.normal[0]], row);
     }
 }
 
@@ -159,8 +195,12 @@ impl<T: Real, const B: usize> Contact<T, B> {
 fn distance_to_curve<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
     match zone.curve {
         Curve::Line { point, normal } => {
+            let offset = dot(point, normal);
+            if zone.curve_body >= B {
+                return (dot(center, normal) - offset, normal);
+            }
             let n = pose.rotate(zone.curve_body, normal);
-            (dot(sub(center, pose.point(zone.curve_body, point)), n), n)
+            (dot(sub(center, pose.pivot(zone.curve_body)), n) - offset, n)
         }
         Curve::Segment { from, direction, length, rounding } => {
             let t = pose.rotate(zone.curve_body, direction);
@@ -276,12 +316,14 @@ pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>)
     zone.radius - distance
 }
 
-/// The row G of a zone at a pose in relative velocities: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)), exact although
-/// the contact point moves. `carried` is +1 for joints that carry the curve only, -1 for the disc only.
-pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
+/// The row G of a zone at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with
+/// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
+pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>) -> [T; B] {
     let center = pose.point(zone.disc_body, zone.center);
     let (_, normal) = distance_to_curve(zone, pose, center);
-    pose.turning_row(carried, center, normal)
+    let mut row = [T::ZERO; B];
+    pose.turning_row(path, center, normal, &mut row);
+    path.spread(&row)
 }
 
 #[cfg(test)]
@@ -310,7 +352,8 @@ mod tests {
                 let q = [0.3, -0.7, 1.9, 0.4];
                 let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
                 let mut contact = Contact::apart();
-                contact.evaluate(&zone, &model.carried[0], &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
+                let timing = Timing::new(1e-3, 0.5);
+                contact.evaluate(&zone, &model.paths[0], &Pose::of(&model, &q), &[0.0; 4], &timing, true);
                 assert!(contact.active);
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {

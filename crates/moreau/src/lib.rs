@@ -22,11 +22,13 @@ mod ledger;
 mod linear;
 mod model;
 pub mod osnsp;
+mod path;
 mod pose;
 mod real;
 mod settings;
 mod state;
 mod step;
+mod survey;
 mod vector;
 mod zones;
 

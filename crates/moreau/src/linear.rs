@@ -48,6 +48,19 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
     y
 }
 
+/// Row i of a symmetric matrix, of which the lower triangle is given, times x.
+#[inline(always)]
+pub(crate) fn symmetric_product<T: Real, const B: usize>(a: &[[T; B]; B], i: usize, x: &[T; B]) -> T {
+    let mut sum = T::ZERO;
+    for j in 0..i {
+        sum += a[i][j] * x[j];
+    }
+    for j in i..B {
+        sum += a[j][i] * x[j];
+    }
+    sum
+}
+
 /// a . b.
 #[inline(always)]
 pub(crate) fn product<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {

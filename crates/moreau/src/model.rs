@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use crate::vector::{Vector, add, dot, scale};
+use crate::path::Path;
+use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Real, Scalar};
 
 /// The index that stands for the ground.
@@ -170,9 +171,9 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) weight: [T; B],
     pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
-    /// For every zone: +1 for joints that carry the curve only, -1 for the disc only; for the site: 1 for its joints.
-    pub(crate) carried: [[T; B]; Z],
-    pub(crate) site_carried: [T; B],
+    /// The joints that a zone's compression and the driven point depend on.
+    pub(crate) paths: [Path<T, B>; Z],
+    pub(crate) site_path: Path<T, B>,
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -250,8 +251,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
             zones: [vacant(); Z],
-            carried: [[T::ZERO; B]; Z],
-            site_carried: [T::ZERO; B],
+            paths: [Path::empty(); Z],
+            site_path: Path::empty(),
             zone_count: zones.len(),
             sliding_zones: [0; Z],
             sliding_count: 0,
@@ -319,10 +320,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
-            let (curve, disc) = (model.joints_carrying(zone.curve_body), model.joints_carrying(zone.disc_body));
-            for k in 0..B {
-                model.carried[i][k] = curve[k] - disc[k];
-            }
+            model.paths[i] = model.path_of(zone);
             if zone.friction.is_some() {
                 model.sliding_zones[model.sliding_count] = i;
                 model.sliding_count += 1;
@@ -336,7 +334,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             if !finite(&numbers) {
                 return Err(ModelError::BadNumber);
             }
-            model.site_carried = model.joints_carrying(s.body);
+            model.site_path = model.path_to(s.body, s.point);
         }
         if !gravity.finite() {
             return Err(ModelError::BadNumber);
@@ -344,15 +342,63 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         Ok(model)
     }
 
-    /// 1 for every joint between a body and the ground, 0 for the others.
-    pub(crate) fn joints_carrying(&self, body: usize) -> [T; B] {
-        let mut carrying = [T::ZERO; B];
+    fn carries(&self, joint: usize, body: usize) -> bool {
         let mut i = body;
-        while i < B {
-            carrying[i] = T::ONE;
+        while i < B && i != joint {
             i = self.parent[i];
         }
-        carrying
+        i == joint
+    }
+
+    /// The joints between a point of a body and the ground.
+    pub(crate) fn path_to(&self, body: usize, point: Vector<T>) -> Path<T, B> {
+        let mut path = Path::empty();
+        for j in 0..B {
+            if self.carries(j, body) {
+                path.push(j, T::ONE, self.extent(body, point, j));
+            }
+        }
+        path
+    }
+
+    /// The joints that a zone's compression depends on, and their longest levers about the disc's centre.
+    fn path_of(&self, zone: &Zone<T>) -> Path<T, B> {
+        let mut path = Path::empty();
+        for j in 0..B {
+            match (self.carries(j, zone.curve_body), self.carries(j, zone.disc_body)) {
+                (false, true) => path.push(j, -T::ONE, self.extent(zone.disc_body, zone.center, j)),
+                (true, false) => path.push(j, T::ONE, self.distance(j, zone)),
+                _ => {}
+            }
+        }
+        path
+    }
+
+    /// The farthest that a point of a body can be from the pivot of a joint that carries it, m: all links stretched.
+    fn extent(&self, body: usize, point: Vector<T>, joint: usize) -> T {
+        let (mut sum, mut i) = (length(point), body);
+        while i < B && i != joint {
+            sum += length(self.pivot[i]);
+            i = self.parent[i];
+        }
+        sum
+    }
+
+    /// The farthest that a zone's disc can be from the pivot of a joint that carries its curve, m.
+    fn distance(&self, joint: usize, zone: &Zone<T>) -> T {
+        // A point in the frame of the ground, and how far what hangs on it reaches.
+        let anchor = |body: usize, point: Vector<T>| {
+            let (mut at, mut reach, mut i) = (point, T::ZERO, body);
+            while i < B {
+                reach += length(at);
+                at = self.pivot[i];
+                i = self.parent[i];
+            }
+            (at, reach)
+        };
+        let (disc, disc_reach) = anchor(zone.disc_body, zone.center);
+        let (pivot, pivot_reach) = anchor(self.parent[joint], self.pivot[joint]);
+        length(sub(disc, pivot)) + disc_reach + pivot_reach
     }
 
     /// Number of zones in use.
@@ -374,6 +420,10 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
     pub fn site(&self) -> Option<&Site<T>> {
         self.site.as_ref()
     }
+}
+
+fn length<T: Real>(a: Vector<T>) -> T {
+    dot(a, a).sqrt()
 }
 
 fn finite<T: Scalar>(numbers: &[T]) -> bool {

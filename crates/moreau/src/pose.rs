@@ -4,7 +4,8 @@ use crate::contact::{gap_of, gap_row_of};
 use crate::joints::row_to_angles;
 use crate::model::{GROUND, Model};
 use crate::real::sin_cos;
-use crate::vector::{Vector, add, cross};
+use crate::path::Path;
+use crate::vector::{Vector, add, cross, sub};
 use crate::{Real, Scalar};
 
 /// Rotations and pivots of all bodies at one configuration.
@@ -28,17 +29,14 @@ impl<T: Real, const B: usize> Pose<T, B> {
     /// Places every body for the given absolute angles, parents first.
     #[inline(always)]
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
+        sin_cos(angle, &mut self.sin, &mut self.cos);
         for i in 0..B {
-            (self.sin[i], self.cos[i]) = sin_cos(angle[i]);
+            [self.pivot_x[i], self.pivot_y[i]] = model.pivot[i];
         }
-        for i in 0..B {
+        for &i in &model.hinged[..model.hinged_count] {
             let parent = model.parent[i];
-            if parent < B {
-                self.arm[i] = self.rotate(parent, model.pivot[i]);
-                [self.pivot_x[i], self.pivot_y[i]] = add(self.pivot(parent), self.arm[i]);
-            } else {
-                [self.pivot_x[i], self.pivot_y[i]] = model.pivot[i];
-            }
+            self.arm[i] = self.rotate(parent, model.pivot[i]);
+            [self.pivot_x[i], self.pivot_y[i]] = add(self.pivot(parent), self.arm[i]);
         }
     }
 
@@ -65,16 +63,12 @@ impl<T: Real, const B: usize> Pose<T, B> {
         [self.pivot_x[body], self.pivot_y[body]]
     }
 
-    /// The row that maps relative velocities to `n . velocity(x)`: every joint that carries x turns it about its pivot.
-    /// `carried` is +1 or -1 for those joints and 0 for the others, so that all are treated alike, without a branch.
+    /// The row that maps relative velocities to `n . velocity(x)`, for the joints of a path: each turns x about its pivot.
     #[inline(always)]
-    pub(crate) fn turning_row(&self, carried: &[T; B], x: Vector<T>, n: Vector<T>) -> [T; B] {
-        let at_x = cross(x, n);
-        let mut row = *carried;
-        for i in 0..B {
-            row[i] = row[i] * (at_x - (self.pivot_x[i] * n[1] - self.pivot_y[i] * n[0]));
+    pub(crate) fn turning_row(&self, path: &Path<T, B>, x: Vector<T>, n: Vector<T>, row: &mut [T; B]) {
+        for (k, j) in path.joints() {
+            row[k] = path.sign(k) * cross(sub(x, self.pivot(j)), n);
         }
-        row
     }
 }
 
@@ -94,7 +88,10 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         point: Vector<T>,
         n: Vector<T>,
     ) -> [T; B] {
-        let mut row = self.turning_row(&model.joints_carrying(body), self.point(body, point), n);
+        let path = model.path_to(body, point);
+        let mut row = [T::ZERO; B];
+        self.turning_row(&path, self.point(body, point), n, &mut row);
+        let mut row = path.spread(&row);
         row_to_angles(model, &mut row);
         row
     }
@@ -106,7 +103,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
 
     /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
     pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = gap_row_of(&model.zones[zone], &model.carried[zone], self);
+        let mut row = gap_row_of(&model.zones[zone], &model.paths[zone], self);
         row_to_angles(model, &mut row);
         row
     }

@@ -1,14 +1,17 @@
 //! Where a mechanism is now, what drives it in a step, and the step's working memory.
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Timing};
+use crate::laws::Law;
+use crate::osnsp::active_set::{Condensed, Guess};
 use crate::osnsp::{Impulses, System};
 use crate::pose::Pose;
+use crate::survey::Survey;
 use crate::vector::dot;
-use crate::{Model, Real, Scalar};
+use crate::{Mask, Model, Real, Scalar, Settings};
 
 /// Where a mechanism is: everything that the next step depends on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct State<T, const B: usize, const Z: usize> {
+pub struct State<T: Real, const B: usize, const Z: usize> {
     /// Absolute angles q, rad.
     pub angle: [T; B],
     /// Absolute angular velocities v, rad/s.
@@ -21,13 +24,26 @@ pub struct State<T, const B: usize, const Z: usize> {
     pub tangential: [T; Z],
     /// Force of a rigid drive over the last step, N.
     pub rigid_force: T,
+    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first guess.
+    pub(crate) side: [T; Z],
+    /// The zones that may be touched.
+    pub(crate) survey: Survey<T, B, Z>,
 }
 
 impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// At rest at the given absolute angles.
     pub fn at_rest(angle: [T; B]) -> Self {
         let z = T::ZERO;
-        State { angle, velocity: [z; B], trend: [z; B], pivot_friction: [z; B], tangential: [z; Z], rigid_force: z }
+        State {
+            angle,
+            velocity: [z; B],
+            trend: [z; B],
+            pivot_friction: [z; B],
+            tangential: [z; Z],
+            rigid_force: z,
+            side: [z; Z],
+            survey: Survey::none(),
+        }
     }
 }
 
@@ -55,11 +71,11 @@ pub enum Input<T> {
 
 /// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
 #[derive(Debug, Clone)]
-pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
+pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The pose at which the last Newton iteration evaluated the forces.
     pub pose: Pose<T, B>,
-    /// The zones there.
-    pub contacts: [Contact<T, B>; Z],
+    /// The zones there; those that may have been touched only.
+    pub(crate) contacts: [Contact<T, B>; Z],
     /// Absolute angular velocities at t0 + theta h.
     pub velocity: [T; B],
     /// Relative ones.
@@ -81,9 +97,14 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub(crate) site_row: [T; B],
     pub(crate) system: System<T, B, N>,
     pub(crate) impulses: Impulses<T, B, N>,
-    /// Forces of the set-valued laws, kept from iteration to iteration.
+    pub(crate) guess: Guess<T, B, N>,
+    pub(crate) condensed: Condensed<T, B, N>,
+    /// What the sliding laws stand for.
+    pub(crate) laws: [Law; N],
+    /// Forces and sides of the set-valued laws, kept from iteration to iteration.
     pub(crate) pivot_friction: [T; B],
     pub(crate) tangential: [T; Z],
+    pub(crate) side: [T; Z],
     pub(crate) rigid_force: T,
 }
 
@@ -108,21 +129,21 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             site_row: [z; B],
             system: System::new(),
             impulses: Impulses::new(),
+            guess: Guess::new(),
+            condensed: Condensed::new(),
+            laws: [Law::Rigid; N],
             pivot_friction: [z; B],
             tangential: [z; Z],
+            side: [z; Z],
             rigid_force: z,
         }
     }
-}
 
-impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N> {
-    /// Before a step: warm-starts the laws, forgets the zones' slip rows.
-    #[inline(always)]
-    pub(crate) fn begin(&mut self, state: &State<T, B, Z>) {
-        self.has_slip_row = [false; Z];
-        self.pivot_friction = state.pivot_friction;
-        self.tangential = state.tangential;
-        self.rigid_force = state.rigid_force;
+    /// A zone as it acted during the last step; `None` if it was not touched.
+    pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T, B>> {
+        let mut contact = self.contacts[zone];
+        contact.follow(&model.zones[zone], &Timing::new(settings.step, settings.theta));
+        contact.active.any().then_some(contact)
     }
 }
 
