@@ -33,11 +33,9 @@ impl<T: Real> Timing<T> {
     }
 }
 
-/// A zone during one step.
+/// A zone that is touched during one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T: Real, const B: usize> {
-    /// Whether the felt is touched; the other fields hold only then.
-    pub active: T::Mask,
     /// Near enough to be touched during the step.
     pub(crate) in_reach: T::Mask,
     /// Compression g at the theta point, m; negative apart.
@@ -66,7 +64,6 @@ impl<T: Real, const B: usize> Contact<T, B> {
     pub(crate) fn apart() -> Self {
         let (z, o, no) = (T::ZERO, [T::ZERO; 2], T::Mask::splat(false));
         Contact {
-            active: no,
             in_reach: no,
             gap: z,
             rate: z,
@@ -76,13 +73,13 @@ impl<T: Real, const B: usize> Contact<T, B> {
             damping_force: z,
             tangent: z,
             ahead: z,
-            bend: Bend { deepest: z, slope: z, damping: z, slack: z },
+            bend: Bend { deepest: z, linear: z, quadratic: z, slack: z },
             row: [z; B],
         }
     }
 
-    /// Evaluates geometry at the theta point, and the felt where it is touched during the step. `candidates`: the lanes that may
-    /// be in reach.
+    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; says where it is. `candidates`:
+    /// the lanes that may be in reach.
     ///
     /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
     /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
@@ -97,95 +94,106 @@ impl<T: Real, const B: usize> Contact<T, B> {
         w: &[T; B],
         timing: &Timing<T>,
         candidates: T::Mask,
-    ) {
+    ) -> T::Mask {
         let center = pose.point(zone.disc_body, zone.center);
         let (distance, normal) = distance_to_curve(zone, pose, center);
         let gap = zone.radius - distance;
-        self.active = T::Mask::splat(false);
-        self.in_reach = candidates.and((-timing.reach).le(gap));
-        if !self.in_reach.any() {
-            return;
+        let in_reach = candidates.and((-timing.reach).le(gap));
+        self.in_reach = in_reach;
+        if !in_reach.any() {
+            return in_reach;
         }
         self.gap = gap;
         pose.turning_row(path, center, normal, &mut self.row);
         let rate = path.product(&self.row, w);
         self.rate = rate;
+        self.normal = normal;
         let offset = timing.node * rate;
         let deepest = gap + offset.abs();
         self.bend.deepest = deepest;
-        self.active = self.in_reach.and(T::ZERO.lt(deepest));
-        if !self.active.any() {
-            return;
+        let active = in_reach.and(T::ZERO.lt(deepest));
+        if active.any() {
+            self.press(&zone.felt, gap, rate, timing, active);
         }
-        self.normal = normal;
-        self.point = sub(center, scale(normal, distance));
-        self.press(zone, offset, timing);
+        active
     }
 
-    /// The felt's mean force over the step and its tangent, at the present compression and rate.
+    /// The felt's mean force over the step and its tangent, at a compression and rate.
     #[inline(always)]
-    fn press(&mut self, zone: &Zone<T>, offset: T, timing: &Timing<T>) {
-        let half = T::from_f64(0.5);
-        let a = felt_law(&zone.felt, (self.gap + offset).max(T::ZERO), self.rate);
-        let b = felt_law(&zone.felt, (self.gap - offset).max(T::ZERO), self.rate);
-        let only_active = |x: T| T::select(self.active, x, T::ZERO);
+    fn press(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
+        let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
+        let offset = timing.node * rate;
+        let (first, second) = (gap + offset, gap - offset);
+        let (first, second) = (first.max(T::ZERO), second.max(T::ZERO));
+        let ([a, b], curvature) = felt.elastic_pair(first, second);
+        let a = felt_law(felt, a, first, rate);
+        let b = felt_law(felt, b, second, rate);
+        let only_active = |x: T| T::select(active, x, T::ZERO);
         self.force = only_active(half * (a.force + b.force));
         self.damping_force = half * (a.damping_force + b.damping_force);
-        let slope = (timing.h_theta + timing.node) * a.stiffness + (timing.h_theta - timing.node) * b.stiffness;
-        self.tangent = only_active((half * timing.h_theta * (a.damping + b.damping + slope)).max(T::ZERO));
-        self.bend.slope = a.stiffness.abs().max(b.stiffness.abs());
-        self.bend.damping = a.damping.max(b.damping);
+        let (h_theta, node) = (timing.h_theta, timing.node);
+        let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
+        self.tangent = only_active((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO));
+        // The gap's change by a change of the rate.
+        let reach = h_theta + node;
+        let bend = half * curvature + felt.damping * rate.abs();
+        self.bend.quadratic = reach * (reach * bend + two * felt.damping * self.bend.deepest);
+        self.bend.linear = reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping);
         self.bend.slack = a.slack.min(b.slack);
     }
 
-    /// Takes the force along with the last change of the relative velocities that [`Contact::remainder`] has seen, without
-    /// looking at the geometry again: what acted in the step.
-    #[inline(always)]
-    pub(crate) fn follow(&mut self, zone: &Zone<T>, timing: &Timing<T>) {
-        if !self.active.any() {
-            return;
-        }
+    /// Completes what a caller may read, at the pose of the last evaluation: takes the force along with the last change of the
+    /// relative velocities that [`Contact::remainder`] has seen, without looking at the geometry again.
+    pub(crate) fn complete(&mut self, zone: &Zone<T>, pose: &Pose<T, B>, timing: &Timing<T>, active: T::Mask) {
+        self.place(zone, pose);
         self.rate += self.ahead;
         self.gap += timing.h_theta * self.ahead;
-        self.press(zone, timing.node * self.rate, timing);
         self.ahead = T::ZERO;
+        self.press(&zone.felt, self.gap, self.rate, timing, active);
+    }
+
+    /// The contact point, on the curve.
+    #[inline(always)]
+    fn place(&mut self, zone: &Zone<T>, pose: &Pose<T, B>) {
+        let center = pose.point(zone.disc_body, zone.center);
+        self.point = sub(center, scale(self.normal, zone.radius - self.gap));
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
     #[inline(always)]
-    pub(crate) fn remainder(&mut self, zone: &Zone<T>, path: &Path<T, B>, change: &[T; B], timing: &Timing<T>) -> T {
+    pub(crate) fn remainder(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        change: &[T; B],
+        timing: &Timing<T>,
+        active: T::Mask,
+    ) -> T {
         self.ahead = timing.theta * path.product(&self.row, change);
         let rate = self.ahead.abs();
-        let gap = (timing.h_theta + timing.node) * rate;
-        let deepest = self.bend.deepest + gap;
-        let touched = self.in_reach.and(T::ZERO.lt(deepest));
-        if !touched.any() {
-            return T::ZERO;
-        }
-        let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
-        let (elastic, _, curvature) = zone.felt.elastic(deepest.max(T::ZERO));
-        let own_rate = self.rate.abs();
-        // Not touched before: all of it.
-        let onset = |()| elastic + zone.felt.damping * deepest * deepest * (own_rate + rate);
-        if !self.active.any() {
-            return T::select(touched, onset(()), T::ZERO);
-        }
         // To second order; where the clamp at zero may have come or gone, to first.
-        let second = half * (curvature + two * zone.felt.damping * own_rate) * gap * gap
-            + two * zone.felt.damping * deepest * gap * rate;
-        let first = self.bend.slope * gap + self.bend.damping * rate;
-        let bent = T::select(first.lt(self.bend.slack), second, first.max(second));
-        if self.active.all() {
+        let (linear, quadratic) = (self.bend.linear * rate, self.bend.quadratic * rate * rate);
+        let bent = T::select(linear.lt(self.bend.slack), quadratic, linear.max(quadratic));
+        if active.all() {
             return bent;
         }
-        T::select(touched, T::select(self.active, bent, onset(())), T::ZERO)
+        // Not touched before: all of it.
+        let deepest = self.bend.deepest + (timing.h_theta + timing.node) * rate;
+        let mut onset = T::ZERO;
+        if self.in_reach.and(T::ZERO.lt(deepest)).any() {
+            let deepest = deepest.max(T::ZERO);
+            let (elastic, _, _) = zone.felt.elastic(deepest);
+            onset = elastic + zone.felt.damping * deepest * deepest * (self.rate.abs() + rate);
+        }
+        T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
     }
 
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
     /// turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row(&self, path: &Path<T, B>, pose: &Pose<T, B>, row: &mut [T; B]) {
+    pub(crate) fn slip_row(&mut self, zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>, row: &mut [T; B]) {
+        self.place(zone, pose);
         pose.turning_row(path, self.point, [-self.normal[1], self.normal[0]], row);
     }
 }
@@ -233,16 +241,16 @@ fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vecto
 struct Bend<T> {
     /// Largest compression during the step, m; negative where there is none.
     deepest: T,
-    /// Largest |dF/dg| and dF/d(dg/dt) of the Gauss points.
-    slope: T,
-    damping: T,
+    /// Largest change of the force with the rate, to first and (what is not in the linearisation) to second order.
+    linear: T,
+    quadratic: T,
     /// Smallest force of a touched Gauss point, N: how far the clamp at zero is.
     slack: T,
 }
 
 /// The felt law and its partial derivatives at one compression and rate.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FeltState<T> {
+struct FeltState<T> {
     pub force: T,
     pub damping_force: T,
     pub stiffness: T,
@@ -251,11 +259,10 @@ pub(crate) struct FeltState<T> {
     pub slack: T,
 }
 
-/// F = max(0, k g^r + b g^2 dg/dt) and dF/dg, dF/d(dg/dt); `gap` must not be negative.
+/// F = max(0, k g^r + b g^2 dg/dt) and dF/dg, dF/d(dg/dt), given k g^r and its slope; `gap` must not be negative.
 #[inline(always)]
-pub(crate) fn felt_law<T: Real>(felt: &Felt<T>, gap: T, rate: T) -> FeltState<T> {
+fn felt_law<T: Real>(felt: &Felt<T>, [elastic, slope]: [T; 2], gap: T, rate: T) -> FeltState<T> {
     let two = T::from_f64(2.0);
-    let (elastic, slope, _) = felt.elastic(gap);
     let bg = felt.damping * gap;
     let damping = bg * gap;
     let force = elastic + damping * rate;
@@ -270,6 +277,18 @@ pub(crate) fn felt_law<T: Real>(felt: &Felt<T>, gap: T, rate: T) -> FeltState<T>
 }
 
 impl<T: Real> Felt<T> {
+    /// k g^r and its slope at two compressions, and the larger curvature of the two; none may be negative.
+    #[inline(always)]
+    fn elastic_pair(&self, a: T, b: T) -> ([[T; 2]; 2], T) {
+        if let Exponent::Two = self.exponent {
+            let two_k = self.stiffness + self.stiffness;
+            let (ka, kb) = (self.stiffness * a, self.stiffness * b);
+            return ([[ka * a, two_k * a], [kb * b, two_k * b]], two_k);
+        }
+        let ((ea, sa, ca), (eb, sb, cb)) = (self.elastic(a), self.elastic(b));
+        ([[ea, sa], [eb, sb]], ca.max(cb))
+    }
+
     /// k g^r and its first and second derivative in g; `gap` must not be negative.
     #[inline(always)]
     fn elastic(&self, gap: T) -> (T, T, T) {
@@ -353,8 +372,7 @@ mod tests {
                 let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
                 let mut contact = Contact::apart();
                 let timing = Timing::new(1e-3, 0.5);
-                contact.evaluate(&zone, &model.paths[0], &Pose::of(&model, &q), &[0.0; 4], &timing, true);
-                assert!(contact.active);
+                assert!(contact.evaluate(&zone, &model.paths[0], &Pose::of(&model, &q), &[0.0; 4], &timing, true));
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;
@@ -374,12 +392,13 @@ mod tests {
         for exponent in [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three, Exponent::Other(1.7)] {
             let felt = Felt { stiffness: 3e3, exponent, damping: 2e3 };
             let (g, v, e) = (0.02, -0.01, 1e-7);
-            let at = felt_law(&felt, g, v);
-            let dg = (felt_law(&felt, g + e, v).force - felt_law(&felt, g - e, v).force) / (2.0 * e);
-            let dv = (felt_law(&felt, g, v + e).force - felt_law(&felt, g, v - e).force) / (2.0 * e);
+            let law = |g: f64, v: f64| felt_law(&felt, felt.elastic_pair(g, g).0[0], g, v);
+            let at = law(g, v);
+            let dg = (law(g + e, v).force - law(g - e, v).force) / (2.0 * e);
+            let dv = (law(g, v + e).force - law(g, v - e).force) / (2.0 * e);
             assert!((at.stiffness - dg).abs() < 1e-6 * dg.abs(), "{exponent:?}");
             assert!((at.damping - dv).abs() < 1e-6 * dv.abs(), "{exponent:?}");
-            assert_eq!(felt_law(&felt, g, -1e3).force, 0.0);
+            assert_eq!(law(g, -1e3).force, 0.0);
         }
     }
 }

@@ -3,10 +3,9 @@
 use crate::contact::Timing;
 use crate::joints::{relative, row_to_joints};
 use crate::model::Model;
-use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
-use crate::{Mask, Real, Scalar};
+use crate::{Real, Scalar};
 
 /// M(q_*) and M w0 in relative velocities, and the driven point's row, at the predicted pose.
 ///
@@ -18,47 +17,57 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     v0: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let mut mass = [[T::ZERO; B]; B];
-    let mut momentum = [T::ZERO; B];
+    let Scratch { mass, momentum, pose, .. } = &mut *scratch;
+    *mass = model.joint_inertia;
+    let mut impulse = [T::ZERO; B];
     for i in 0..B {
-        mass[i][i] = model.inertia[i];
-        momentum[i] = model.inertia[i] * v0[i];
+        impulse[i] = model.inertia[i] * v0[i];
     }
-    let hinged = &model.hinged[..model.hinged_count];
-    for &i in hinged {
-        let moment = scratch.pose.rotate(i, model.moment[i]);
+    for &i in &model.hinged[..model.hinged_count] {
+        let moment = pose.rotate(i, model.moment[i]);
         let mut branch = i;
         while model.parent[branch] < B {
             let ancestor = model.parent[branch];
-            let coupling = dot(scratch.pose.arm[branch], moment);
-            mass[i][ancestor] = coupling;
-            mass[ancestor][i] = coupling;
-            momentum[i] += coupling * v0[ancestor];
-            momentum[ancestor] += coupling * v0[i];
+            let coupling = dot(pose.arm[branch], moment);
+            impulse[i] += coupling * v0[ancestor];
+            impulse[ancestor] += coupling * v0[i];
+            add_coupling(model, mass, i, ancestor, coupling);
             branch = ancestor;
         }
     }
-    for &i in hinged.iter().rev() {
-        let parent = model.parent[i];
-        for j in 0..B {
-            let t = mass[i][j];
-            mass[parent][j] += t;
-        }
-        for j in 0..B {
-            let t = mass[j][i];
-            mass[j][parent] += t;
-        }
-    }
-    row_to_joints(model, &mut momentum);
-    scratch.momentum = momentum;
-    scratch.mass = mass;
+    row_to_joints(model, &mut impulse);
+    *momentum = impulse;
     if let Some(site) = &model.site {
         let x = scratch.pose.point(site.body, site.point);
         scratch.pose.turning_row(&model.site_path, x, site.direction, &mut scratch.site_row);
     }
 }
 
-/// A w1 = b: the linearised step in relative velocities, without the set-valued laws. Of A the lower triangle is in use.
+/// Adds the coupling c v_i v_a of a body and its ancestor to the mass matrix in relative velocities, where v is the sum of w over the
+/// joints that carry a body.
+#[inline(always)]
+fn add_coupling<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    mass: &mut [[T; B]; B],
+    body: usize,
+    ancestor: usize,
+    coupling: T,
+) {
+    let mut j = body;
+    while j < B {
+        let mut k = ancestor;
+        while k < B {
+            mass[j.max(k)][j.min(k)] += coupling;
+            if j == k {
+                mass[j][k] += coupling;
+            }
+            k = model.parent[k];
+        }
+        j = model.parent[j];
+    }
+}
+
+/// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws. Of A the lower triangle is in use.
 ///
 /// A = M + h theta (-dQ/dw) + h^2 theta^2 (-dQ/dq), b = M w0 + h Q + (A - M) w. Terms of the gradient that could make A
 /// indefinite (gravity, centrifugal, geometric stiffness, an unloading felt) are left out or clamped: they are of order h^2
@@ -67,9 +76,7 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
-    settings: &Settings<T>,
     timing: &Timing<T>,
-    near: &[usize],
     input: &Input<T>,
     w: &[T; B],
     q_theta: &[T; B],
@@ -79,7 +86,7 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     let weights = gravity_and_centrifugal(model, scratch);
     let driven = drive(model, input, h_theta, scratch);
     let joint_angle = relative(model, q_theta);
-    let Scratch { system, mass, momentum, joint_velocity, contacts, site_row, drive_force, .. } = &mut *scratch;
+    let Scratch { system, mass, momentum, joint_velocity, site_row, drive_force, .. } = &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
     *a = *mass;
     for i in 0..B {
@@ -89,25 +96,16 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
         b[i] = momentum[i] + h * torque + tangent * w[i];
         a[i][i] += tangent;
     }
-    for &z in near {
-        let contact = &contacts[z];
-        if contact.active.any() {
-            model.paths[z].add_term(a, b, &contact.row, contact.tangent, -h * contact.force, w);
-        }
-    }
     if let Some((force, tangent)) = driven {
         *drive_force = force;
         model.site_path.add_term(a, b, site_row, tangent, h * force, w);
-    }
-    if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
-        regularised_friction(model, timing, near, [pivot_width, sliding_width], w, scratch);
     }
 }
 
 /// Adds dry friction regularised by tanh(u / width), and leaves its forces with the warm start.
 #[cold]
 #[inline(never)]
-fn regularised_friction<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn regularised_friction<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
@@ -126,7 +124,7 @@ fn regularised_friction<T: Scalar, const B: usize, const Z: usize, const N: usiz
     }
     for &z in near {
         let contact = &scratch.contacts[z];
-        if let (true, Some(mu)) = (contact.active, model.zones[z].friction) {
+        if let (true, Some(mu)) = (scratch.active[z], model.zones[z].friction) {
             let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
             let t = (path.product(row, &scratch.joint_velocity) / sliding_width).tanh();
             let limit = mu * contact.force;

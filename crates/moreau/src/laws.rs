@@ -25,9 +25,7 @@ pub(crate) fn begin<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    for contact in &mut scratch.contacts[..model.zone_count] {
-        contact.active = T::Mask::splat(false);
-    }
+    scratch.active = [T::Mask::splat(false); Z];
     scratch.pivot_friction = state.pivot_friction;
     scratch.rigid_force = state.rigid_force;
     for &z in &model.sliding_zones[..model.sliding_count] {
@@ -36,11 +34,11 @@ pub(crate) fn begin<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         scratch.has_slip_row[z] = false;
     }
     for i in 0..B {
-        let forward = settings.solver_tolerance.lt(w0[i]).and(T::ZERO.lt(w[i]));
-        let back = w0[i].lt(-settings.solver_tolerance).and(w[i].lt(T::ZERO));
-        // Without dry friction a pivot never sticks: its bound is zero, and so is the impulse of a sliding law.
-        let free = model.dry[i].le(T::ZERO);
-        scratch.guess.pivot[i] = T::select(forward, -T::ONE, T::select(back.or(free), T::ONE, T::ZERO));
+        // Without dry friction a pivot never sticks: its bound is zero, and so is its impulse.
+        let goes_on = settings.solver_tolerance.lt(w0[i].abs()).and(T::ZERO.lt(w0[i] * w[i]));
+        let moves = goes_on.or(model.dry[i].le(T::ZERO));
+        let against = T::select(T::ZERO.lt(w[i]), -T::ONE, T::ONE);
+        scratch.guess.pivot[i] = T::select(moves, against, T::ZERO);
     }
 }
 
@@ -55,7 +53,7 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let h = settings.step;
-    let Scratch { system, impulses, guess, laws, contacts, slip_row, site_row, .. } = scratch;
+    let Scratch { system, impulses, guess, laws, contacts, active, slip_row, site_row, .. } = scratch;
     let Scratch { pivot_friction, tangential, side, rigid_force, .. } = scratch;
     if settings.friction != FrictionLaw::SetValued {
         system.pivot_bound = [T::ZERO; B];
@@ -73,7 +71,7 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
             let warm = tangential[z];
             tangential[z] = T::ZERO;
             let Some(mu) = model.zones[z].friction else { continue };
-            if !contact.active || contact.force <= T::ZERO || n >= N {
+            if !active[z] || contact.force <= T::ZERO || n >= N {
                 side[z] = T::ZERO;
                 continue;
             }

@@ -163,8 +163,10 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// Spring torque at relative angle 0, and stiffness.
     pub(crate) spring_torque: [T; B],
     pub(crate) spring_stiffness: [T; B],
-    /// Diagonal of the mass matrix: own inertia plus every descendant's mass at its branch's pivot.
+    /// Diagonal of the mass matrix in absolute velocities: own inertia plus every descendant's mass at its branch's pivot.
     pub(crate) inertia: [T; B],
+    /// What that diagonal contributes to the mass matrix in relative velocities; lower triangle.
+    pub(crate) joint_inertia: [[T; B]; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
     /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force change.
@@ -247,6 +249,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_torque: [T::ZERO; B],
             spring_stiffness: [T::ZERO; B],
             inertia: [T::ONE; B],
+            joint_inertia: [[T::ZERO; B]; B],
             moment: [o; B],
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
@@ -289,6 +292,16 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 branch_mass[p] += m;
                 model.inertia[p] += m * dot(bodies[i].pivot, bodies[i].pivot);
                 model.moment[p] = add(model.moment[p], scale(bodies[i].pivot, m));
+            }
+        }
+        for i in 0..B {
+            // A body turns with every joint that carries it.
+            for j in 0..=i {
+                for k in 0..=j {
+                    if model.carries(j, i) && model.carries(k, i) {
+                        model.joint_inertia[j][k] += model.inertia[i];
+                    }
+                }
             }
         }
         for i in 0..bodies.len() {

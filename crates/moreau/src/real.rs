@@ -108,13 +108,15 @@ pub trait Scalar: Real<Mask = bool> + PartialOrd {
 /// fdlibm's `__kernel_sin` and `__kernel_cos`, error below one unit in the last place); elsewhere `libm`.
 #[inline(always)]
 pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
+    // Results are stored at the end, so that the compiler can work on several angles at once.
+    let (mut s, mut c, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
     for i in 0..B {
-        (sin[i], cos[i]) = near_zero(angle[i]);
+        (s[i], c[i]) = near_zero(angle[i]);
     }
-    let mut largest = T::ZERO;
     for i in 0..B {
         largest = largest.max(angle[i].abs());
     }
+    (*sin, *cos) = (s, c);
     // What is not a number is not larger either; its sine is not a number in both branches.
     if T::from_f64(core::f64::consts::FRAC_PI_4).lt(largest).any() {
         far_from_zero(angle, sin, cos);

@@ -74,8 +74,9 @@ pub enum Input<T> {
 pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The pose at which the last Newton iteration evaluated the forces.
     pub pose: Pose<T, B>,
-    /// The zones there; those that may have been touched only.
+    /// The zones there, as far as they are touched during the step.
     pub(crate) contacts: [Contact<T, B>; Z],
+    pub(crate) active: [T::Mask; Z],
     /// Absolute angular velocities at t0 + theta h.
     pub velocity: [T; B],
     /// Relative ones.
@@ -115,6 +116,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
         Scratch {
             pose: Pose::new(),
             contacts: [Contact::apart(); Z],
+            active: [T::Mask::splat(false); Z],
             velocity: [z; B],
             joint_velocity: [z; B],
             momentum: [z; B],
@@ -141,9 +143,12 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
 
     /// A zone as it acted during the last step; `None` if it was not touched.
     pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T, B>> {
-        let mut contact = self.contacts[zone];
-        contact.follow(&model.zones[zone], &Timing::new(settings.step, settings.theta));
-        contact.active.any().then_some(contact)
+        if !self.active[zone].any() {
+            return None;
+        }
+        let (mut contact, timing) = (self.contacts[zone], Timing::new(settings.step, settings.theta));
+        contact.complete(&model.zones[zone], &self.pose, &timing, self.active[zone]);
+        Some(contact)
     }
 }
 

@@ -1,13 +1,13 @@
 //! The inner step: one Moreau-Jean theta step. The equations stand in this crate's README, "The step".
 
 use crate::contact::Timing;
-use crate::forces::{joint_momentum, linearise};
+use crate::forces::{joint_momentum, linearise, regularised_friction};
 use crate::joints::{absolute, relative};
 use crate::laws::{begin, end, keep_forces, one_step_problem};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
-use crate::zones::{evaluate_zones, linear_enough};
+use crate::zones::{add_zones, linear_enough};
 use crate::{Real, Scalar};
 
 /// How a step ended.
@@ -64,8 +64,11 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             state.survey.renew(model, &scratch.pose, &q_theta, timing.reach);
         }
         let near = state.survey.near();
-        evaluate_zones(model, &timing, near, iteration > 0, scratch);
-        linearise(model, settings, &timing, near, input, &w, &q_theta, scratch);
+        linearise(model, &timing, input, &w, &q_theta, scratch);
+        add_zones(model, &timing, near, iteration > 0, &w, scratch);
+        if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
+            regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
+        }
         one_step_problem(model, settings, input, &w0, &w, scratch);
         let (next, solved) = settings.solver.solve(settings, scratch);
         keep_forces(settings, scratch);

@@ -6,24 +6,36 @@ use crate::settings::{FrictionLaw, Settings};
 use crate::state::Scratch;
 use crate::{Mask, Scalar};
 
-/// Geometry and felt of the zones near contact during the step; slip rows once, where a zone with friction first touches.
+/// Geometry and felt of the zones near contact during the step, and their part of A w1 = b; slip rows once, where a zone with
+/// friction first touches.
 #[inline(always)]
-pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn add_zones<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
     again: bool,
+    w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let Scratch { pose, contacts, slip_row, has_slip_row, joint_velocity, .. } = scratch;
+    let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, system, .. } = scratch;
     for &z in near {
         let (zone, path, contact) = (&model.zones[z], &model.paths[z], &mut contacts[z]);
         // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
         let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
-        contact.evaluate(zone, path, pose, joint_velocity, timing, candidates);
-        if zone.friction.is_some() && contact.active.any() && !has_slip_row[z] {
-            contact.slip_row(path, pose, &mut slip_row[z]);
-            has_slip_row[z] = true;
+        active[z] = contact.evaluate(zone, path, pose, joint_velocity, timing, candidates);
+        if active[z].any() {
+            path.add_term(
+                &mut system.a,
+                &mut system.b,
+                &contact.row,
+                contact.tangent,
+                -(timing.step * contact.force),
+                w,
+            );
+            if zone.friction.is_some() && !has_slip_row[z] {
+                contact.slip_row(zone, path, pose, &mut slip_row[z]);
+                has_slip_row[z] = true;
+            }
         }
     }
 }
@@ -52,7 +64,7 @@ pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: 
         if !contact.in_reach.any() {
             continue;
         }
-        let p = h * contact.remainder(zone, path, change, timing);
+        let p = h * contact.remainder(zone, path, change, timing, scratch.active[z]);
         if T::ZERO < p {
             for (k, j) in path.joints() {
                 impulse[j] += p * contact.row[k].abs();
