@@ -19,7 +19,7 @@ pub(crate) struct Timing<T> {
     pub step: T,
     /// theta h: from the step's start to the theta point.
     pub h_theta: T,
-    theta: T,
+    pub theta: T,
     /// From the theta point to a Gauss point.
     node: T,
     /// Compression that can be gained within the step, m.
@@ -30,6 +30,13 @@ impl<T: Real> Timing<T> {
     pub fn new(h: T, theta: T) -> Self {
         let node = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
         Timing { step: h, h_theta: h * theta, theta, node, reach: node * T::from_f64(CLOSING_SPEED) }
+    }
+}
+
+impl<T: Real> Ease<T> {
+    pub fn new() -> Self {
+        let (z, far) = (T::ZERO, T::from_f64(1e30));
+        Ease { slack: far, linear: z, clear: far, reach: z, square: z }
     }
 }
 
@@ -52,8 +59,6 @@ pub struct Contact<T: Real, const B: usize> {
     pub damping_force: T,
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub(crate) tangent: T,
-    /// Change of the rate by the last Newton correction.
-    ahead: T,
     /// What [`Contact::remainder`] needs of the felt.
     bend: Bend<T>,
     /// Row G in relative velocities, for the joints of the zone's path: dg/dt = G w.
@@ -72,7 +77,6 @@ impl<T: Real, const B: usize> Contact<T, B> {
             force: z,
             damping_force: z,
             tangent: z,
-            ahead: z,
             bend: Bend { deepest: z, linear: z, quadratic: z, slack: z },
             row: [z; B],
         }
@@ -124,16 +128,28 @@ impl<T: Real, const B: usize> Contact<T, B> {
         let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
         let offset = timing.node * rate;
         let (first, second) = (gap + offset, gap - offset);
-        let (first, second) = (first.max(T::ZERO), second.max(T::ZERO));
-        let ([a, b], curvature) = felt.elastic_pair(first, second);
-        let a = felt_law(felt, a, first, rate);
-        let b = felt_law(felt, b, second, rate);
+        let (a, b, curvature);
+        let pressed = T::ZERO.lt(first).and(T::ZERO.lt(second));
+        if pressed.all() {
+            let (elastic, bent) = felt.elastic_pair(first, second);
+            (a, b, curvature) = (felt.law(elastic[0], first, rate), felt.law(elastic[1], second, rate), bent);
+        } else {
+            let (first, second) = (first.max(T::ZERO), second.max(T::ZERO));
+            let (elastic, bent) = felt.elastic_pair(first, second);
+            (a, b, curvature) = (felt.law(elastic[0], first, rate), felt.law(elastic[1], second, rate), bent);
+        }
+        // Not clamped at either point: nothing to choose.
+        let (a, b) = if pressed.and(T::ZERO.lt(a.force)).and(T::ZERO.lt(b.force)).all() {
+            (a, b)
+        } else {
+            (a.clamped(first), b.clamped(second))
+        };
         let only_active = |x: T| T::select(active, x, T::ZERO);
-        self.force = only_active(half * (a.force + b.force));
-        self.damping_force = half * (a.damping_force + b.damping_force);
         let (h_theta, node) = (timing.h_theta, timing.node);
         let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
+        self.force = only_active(half * (a.force + b.force));
         self.tangent = only_active((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO));
+        self.damping_force = half * (a.damping_force + b.damping_force);
         // The gap's change by a change of the rate.
         let reach = h_theta + node;
         let bend = half * curvature + felt.damping * rate.abs();
@@ -143,12 +159,20 @@ impl<T: Real, const B: usize> Contact<T, B> {
     }
 
     /// Completes what a caller may read, at the pose of the last evaluation: takes the force along with the last change of the
-    /// relative velocities that [`Contact::remainder`] has seen, without looking at the geometry again.
-    pub(crate) fn complete(&mut self, zone: &Zone<T>, pose: &Pose<T, B>, timing: &Timing<T>, active: T::Mask) {
+    /// relative velocities, without looking at the geometry again.
+    pub(crate) fn complete(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        pose: &Pose<T, B>,
+        change: &[T; B],
+        timing: &Timing<T>,
+        active: T::Mask,
+    ) {
         self.place(zone, pose);
-        self.rate += self.ahead;
-        self.gap += timing.h_theta * self.ahead;
-        self.ahead = T::ZERO;
+        let ahead = timing.theta * path.product(&self.row, change);
+        self.rate += ahead;
+        self.gap += timing.h_theta * ahead;
         self.press(&zone.felt, self.gap, self.rate, timing, active);
     }
 
@@ -161,32 +185,41 @@ impl<T: Real, const B: usize> Contact<T, B> {
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
-    #[inline(always)]
     pub(crate) fn remainder(
-        &mut self,
+        &self,
         zone: &Zone<T>,
         path: &Path<T, B>,
         change: &[T; B],
         timing: &Timing<T>,
         active: T::Mask,
     ) -> T {
-        self.ahead = timing.theta * path.product(&self.row, change);
-        let rate = self.ahead.abs();
+        let rate = (timing.theta * path.product(&self.row, change)).abs();
         // To second order; where the clamp at zero may have come or gone, to first.
         let (linear, quadratic) = (self.bend.linear * rate, self.bend.quadratic * rate * rate);
         let bent = T::select(linear.lt(self.bend.slack), quadratic, linear.max(quadratic));
-        if active.all() {
-            return bent;
-        }
         // Not touched before: all of it.
-        let deepest = self.bend.deepest + (timing.h_theta + timing.node) * rate;
-        let mut onset = T::ZERO;
-        if self.in_reach.and(T::ZERO.lt(deepest)).any() {
-            let deepest = deepest.max(T::ZERO);
-            let (elastic, _, _) = zone.felt.elastic(deepest);
-            onset = elastic + zone.felt.damping * deepest * deepest * (self.rate.abs() + rate);
-        }
+        let deepest = (self.bend.deepest + (timing.h_theta + timing.node) * rate).max(T::ZERO);
+        let (elastic, _, _) = zone.felt.elastic(deepest);
+        let onset = elastic + zone.felt.damping * deepest * deepest * (self.rate.abs() + rate);
         T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
+    }
+
+    /// Adds to the quick bounds of what [`Contact::remainder`] may find.
+    #[inline(always)]
+    pub(crate) fn ease(&self, path: &Path<T, B>, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
+        let lever = path.sum_of_levers(&self.row);
+        if active.all() {
+            ease.slack = ease.slack.min(self.bend.slack);
+            ease.linear = ease.linear.max(lever * self.bend.linear);
+            ease.square += self.bend.quadratic * lever * lever * lever;
+        } else {
+            let far = T::from_f64(1e30);
+            ease.slack = ease.slack.min(T::select(active, self.bend.slack, far));
+            ease.linear = ease.linear.max(T::select(active, lever * self.bend.linear, T::ZERO));
+            ease.square += T::select(active, self.bend.quadratic * lever * lever * lever, T::ZERO);
+            ease.clear = ease.clear.min(T::select(active, far, -self.bend.deepest));
+            ease.reach = ease.reach.max((timing.h_theta + timing.node) * lever);
+        }
     }
 
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
@@ -248,35 +281,58 @@ struct Bend<T> {
     slack: T,
 }
 
+/// Bounds over all zones of what a change x of any joint's velocity (times theta) does.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ease<T> {
+    /// While x times `linear` is below this, no clamp comes or goes...
+    pub slack: T,
+    pub linear: T,
+    /// ... while x times `reach` is below this, no zone is touched for the first time...
+    pub clear: T,
+    pub reach: T,
+    /// ... and what the linearisation leaves out is at most this times x^2 on any joint.
+    pub square: T,
+}
+
 /// The felt law and its partial derivatives at one compression and rate.
 #[derive(Debug, Clone, Copy)]
 struct FeltState<T> {
-    pub force: T,
-    pub damping_force: T,
-    pub stiffness: T,
-    pub damping: T,
+    force: T,
+    damping_force: T,
+    stiffness: T,
+    damping: T,
     /// Force before the clamp's kink; large where the felt is not touched, zero where it is clamped.
-    pub slack: T,
+    slack: T,
 }
 
-/// F = max(0, k g^r + b g^2 dg/dt) and dF/dg, dF/d(dg/dt), given k g^r and its slope; `gap` must not be negative.
-#[inline(always)]
-fn felt_law<T: Real>(felt: &Felt<T>, [elastic, slope]: [T; 2], gap: T, rate: T) -> FeltState<T> {
-    let two = T::from_f64(2.0);
-    let bg = felt.damping * gap;
-    let damping = bg * gap;
-    let force = elastic + damping * rate;
-    let pushing = T::ZERO.lt(force);
-    FeltState {
-        force: T::select(pushing, force, T::ZERO),
-        damping_force: T::select(pushing, damping * rate, -elastic),
-        stiffness: T::select(pushing, slope + two * bg * rate, T::ZERO),
-        damping: T::select(pushing, damping, T::ZERO),
-        slack: T::select(T::ZERO.lt(gap), T::select(pushing, force, T::ZERO), T::from_f64(1e30)),
+impl<T: Real> FeltState<T> {
+    /// Clamped at zero: felt never pulls.
+    #[inline(always)]
+    fn clamped(self, gap: T) -> Self {
+        let pushing = T::ZERO.lt(self.force);
+        let or_zero = |x: T| T::select(pushing, x, T::ZERO);
+        FeltState {
+            force: or_zero(self.force),
+            damping_force: T::select(pushing, self.damping_force, self.damping_force - self.force),
+            stiffness: or_zero(self.stiffness),
+            damping: or_zero(self.damping),
+            slack: T::select(T::ZERO.lt(gap), or_zero(self.force), T::from_f64(1e30)),
+        }
     }
 }
 
 impl<T: Real> Felt<T> {
+    /// k g^r + b g^2 dg/dt and its derivatives, not clamped, given k g^r and its slope; `gap` must not be negative.
+    #[inline(always)]
+    fn law(&self, [elastic, slope]: [T; 2], gap: T, rate: T) -> FeltState<T> {
+        let bg = self.damping * gap;
+        let damping = bg * gap;
+        let damping_force = damping * rate;
+        let force = elastic + damping_force;
+        let stiffness = slope + (bg + bg) * rate;
+        FeltState { force, damping_force, stiffness, damping, slack: force }
+    }
+
     /// k g^r and its slope at two compressions, and the larger curvature of the two; none may be negative.
     #[inline(always)]
     fn elastic_pair(&self, a: T, b: T) -> ([[T; 2]; 2], T) {
@@ -392,7 +448,7 @@ mod tests {
         for exponent in [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three, Exponent::Other(1.7)] {
             let felt = Felt { stiffness: 3e3, exponent, damping: 2e3 };
             let (g, v, e) = (0.02, -0.01, 1e-7);
-            let law = |g: f64, v: f64| felt_law(&felt, felt.elastic_pair(g, g).0[0], g, v);
+            let law = |g: f64, v: f64| felt.law(felt.elastic_pair(g, g).0[0], g, v).clamped(g);
             let at = law(g, v);
             let dg = (law(g + e, v).force - law(g - e, v).force) / (2.0 * e);
             let dv = (law(g, v + e).force - law(g, v - e).force) / (2.0 * e);

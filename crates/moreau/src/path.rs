@@ -55,6 +55,16 @@ impl<T: Real, const B: usize> Path<T, B> {
         sum
     }
 
+    /// The largest |row . w| for |w| of at most 1 in every joint.
+    #[inline(always)]
+    pub fn sum_of_levers(&self, row: &[T; B]) -> T {
+        let mut sum = T::ZERO;
+        for (k, _) in self.joints() {
+            sum += row[k].abs();
+        }
+        sum
+    }
+
     /// The row with an entry for every joint.
     #[inline(always)]
     pub fn spread(&self, row: &[T; B]) -> [T; B] {

@@ -1,6 +1,6 @@
 //! Where a mechanism is now, what drives it in a step, and the step's working memory.
 
-use crate::contact::{Contact, Timing};
+use crate::contact::{Contact, Ease, Timing};
 use crate::laws::Law;
 use crate::osnsp::active_set::{Condensed, Guess};
 use crate::osnsp::{Impulses, System};
@@ -77,6 +77,10 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The zones there, as far as they are touched during the step.
     pub(crate) contacts: [Contact<T, B>; Z],
     pub(crate) active: [T::Mask; Z],
+    /// Quick bounds of what the felts' linearisation leaves out.
+    pub(crate) ease: Ease<T>,
+    /// The last Newton correction of the relative velocities.
+    pub(crate) change: [T; B],
     /// Absolute angular velocities at t0 + theta h.
     pub velocity: [T; B],
     /// Relative ones.
@@ -117,6 +121,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             pose: Pose::new(),
             contacts: [Contact::apart(); Z],
             active: [T::Mask::splat(false); Z],
+            ease: Ease::new(),
+            change: [z; B],
             velocity: [z; B],
             joint_velocity: [z; B],
             momentum: [z; B],
@@ -147,7 +153,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             return None;
         }
         let (mut contact, timing) = (self.contacts[zone], Timing::new(settings.step, settings.theta));
-        contact.complete(&model.zones[zone], &self.pose, &timing, self.active[zone]);
+        let (form, path) = (&model.zones[zone], &model.paths[zone]);
+        contact.complete(form, path, &self.pose, &self.change, &timing, self.active[zone]);
         Some(contact)
     }
 }

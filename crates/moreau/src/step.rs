@@ -80,6 +80,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             report.outcome = Outcome::NonFinite;
             return report;
         }
+        scratch.change = change;
         let settled = linear_enough(model, settings, &timing, near, &change, &next, scratch) || small;
         if settled && solved.converged {
             w = next;

@@ -1,6 +1,6 @@
 //! All contact zones of a step.
 
-use crate::contact::Timing;
+use crate::contact::{Ease, Timing};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::Scratch;
@@ -18,30 +18,33 @@ pub(crate) fn add_zones<T: Scalar, const B: usize, const Z: usize, const N: usiz
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, system, .. } = scratch;
+    let mut ease = Ease::new();
     for &z in near {
         let (zone, path, contact) = (&model.zones[z], &model.paths[z], &mut contacts[z]);
         // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
         let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
-        active[z] = contact.evaluate(zone, path, pose, joint_velocity, timing, candidates);
-        if active[z].any() {
-            path.add_term(
-                &mut system.a,
-                &mut system.b,
-                &contact.row,
-                contact.tangent,
-                -(timing.step * contact.force),
-                w,
-            );
+        let touched = contact.evaluate(zone, path, pose, joint_velocity, timing, candidates);
+        active[z] = touched;
+        if !contact.in_reach.any() {
+            continue;
+        }
+        contact.ease(path, timing, touched, &mut ease);
+        if touched.any() {
+            let p = -(timing.step * contact.force);
+            path.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, p, w);
             if zone.friction.is_some() && !has_slip_row[z] {
                 contact.slip_row(zone, path, pose, &mut slip_row[z]);
                 has_slip_row[z] = true;
             }
         }
     }
+    scratch.ease = ease;
 }
 
 /// Whether the linearisation holds where `change` has taken the velocities, to `next`: for every joint, what the felts' curvature,
 /// weight and centrifugal force may still bring about (what one more Newton iteration would remove) is below the tolerance.
+///
+/// A bound that is the same for all joints settles most steps; the others are looked at zone by zone.
 #[inline(always)]
 pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -52,37 +55,60 @@ pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: 
     next: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> bool {
-    let h = settings.step;
-    let mut impulse = [T::ZERO; B];
+    let h = timing.step;
+    // The regularised law bends too sharply for an estimate.
+    let mut holds = settings.friction == FrictionLaw::SetValued;
+    if T::ZERO < scratch.drive_tangent {
+        let before = T::ZERO < scratch.drive_pull;
+        scratch.drive_pull -= scratch.drive_tangent * model.site_path.product(&scratch.site_row, change) / h;
+        scratch.drive_force = scratch.drive_pull.max(T::ZERO);
+        // The finger may have come or gone.
+        holds &= before == (T::ZERO < scratch.drive_pull);
+    }
+    let (mut impulse, mut allowed, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
     for i in 0..B {
         // Weight and centrifugal force, whose gradients the linearisation leaves out.
+        let size = change[i].abs();
         let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
-        impulse[i] = timing.h_theta * (h * model.weight[i] + spin) * change[i].abs();
+        impulse[i] = timing.h_theta * (h * model.weight[i] + spin) * size;
+        allowed[i] = settings.tolerance * scratch.system.a[i][i] * (T::ONE + next[i].abs());
+        largest = largest.max(size);
     }
+    let x = timing.theta * largest;
+    let ease = &scratch.ease;
+    let bound = h * ease.square * x * x;
+    let mut surely = (x * ease.linear < ease.slack) & (x * ease.reach < ease.clear);
+    for i in 0..B {
+        surely &= impulse[i] + bound <= allowed[i];
+    }
+    if !surely && holds {
+        holds = zone_by_zone(model, timing, near, change, scratch, impulse, &allowed);
+    }
+    holds
+}
+
+#[inline(never)]
+fn zone_by_zone<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    near: &[usize],
+    change: &[T; B],
+    scratch: &Scratch<T, B, Z, N>,
+    mut impulse: [T; B],
+    allowed: &[T; B],
+) -> bool {
     for &z in near {
-        let (zone, path, contact) = (&model.zones[z], &model.paths[z], &mut scratch.contacts[z]);
-        if !contact.in_reach.any() {
-            continue;
-        }
-        let p = h * contact.remainder(zone, path, change, timing, scratch.active[z]);
-        if T::ZERO < p {
+        let (zone, path, contact) = (&model.zones[z], &model.paths[z], &scratch.contacts[z]);
+        if contact.in_reach.any() {
+            let p = timing.step * contact.remainder(zone, path, change, timing, scratch.active[z]);
             for (k, j) in path.joints() {
                 impulse[j] += p * contact.row[k].abs();
             }
         }
     }
     let mut holds = true;
-    if T::ZERO < scratch.drive_tangent {
-        let before = T::ZERO < scratch.drive_pull;
-        scratch.drive_pull -= scratch.drive_tangent * model.site_path.product(&scratch.site_row, change) / h;
-        scratch.drive_force = scratch.drive_pull.max(T::ZERO);
-        // The finger may have come or gone.
-        holds = before == (T::ZERO < scratch.drive_pull);
-    }
-    // The regularised law bends too sharply for an estimate.
-    holds &= settings.friction == FrictionLaw::SetValued;
     for i in 0..B {
-        holds &= impulse[i] <= settings.tolerance * scratch.system.a[i][i] * (T::ONE + next[i].abs());
+        holds &= impulse[i] <= allowed[i];
     }
     holds
 }
