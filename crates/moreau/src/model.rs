@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::joints::Parent;
 use crate::path::Path;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Real, Scalar};
@@ -157,6 +158,9 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// The bodies that are hinged on another body, parents first.
     pub(crate) hinged: [usize; B],
     pub(crate) hinged_count: usize,
+    /// The bodies that others are hinged on, ascending.
+    parents: [Parent<T, B>; B],
+    parent_count: usize,
     pub(crate) pivot: [Vector<T>; B],
     pub(crate) dry: [T; B],
     pub(crate) viscous: [T; B],
@@ -243,6 +247,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             parent: [GROUND; B],
             hinged: [0; B],
             hinged_count: 0,
+            parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
+            parent_count: 0,
             pivot: [o; B],
             dry: [T::ZERO; B],
             viscous: [T::ZERO; B],
@@ -284,6 +290,17 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             model.inertia[i] = body.inertia;
             model.moment[i] = scale(body.center_of_mass, body.mass);
             branch_mass[i] = body.mass;
+        }
+        for body in 0..bodies.len() {
+            let mut parent = Parent { body, children: [T::ZERO; B], own: [T::ZERO; B] };
+            parent.own[body] = T::ONE;
+            for i in body + 1..B {
+                parent.children[i] = if model.parent[i] == body { T::ONE } else { T::ZERO };
+            }
+            if parent.children.iter().any(|&c| c == T::ONE) {
+                model.parents[model.parent_count] = parent;
+                model.parent_count += 1;
+            }
         }
         for i in (0..bodies.len()).rev() {
             let p = bodies[i].parent;
@@ -355,6 +372,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         Ok(model)
     }
 
+    /// Whether a body turns with a joint.
     fn carries(&self, joint: usize, body: usize) -> bool {
         let mut i = body;
         while i < B && i != joint {
@@ -432,6 +450,14 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
     /// Where the mechanism is driven.
     pub fn site(&self) -> Option<&Site<T>> {
         self.site.as_ref()
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
+    /// The bodies that others are hinged on, parents first.
+    #[inline(always)]
+    pub(crate) fn parents(&self) -> &[Parent<T, B>] {
+        &self.parents[..self.parent_count]
     }
 }
 

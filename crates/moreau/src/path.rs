@@ -65,12 +65,12 @@ impl<T: Real, const B: usize> Path<T, B> {
         sum
     }
 
-    /// The row with an entry for every joint.
+    /// A multiple of the row, with an entry for every joint.
     #[inline(always)]
-    pub fn spread(&self, row: &[T; B]) -> [T; B] {
+    pub fn spread(&self, row: &[T; B], factor: T) -> [T; B] {
         let mut dense = [T::ZERO; B];
         for (k, j) in self.joints() {
-            dense[j] = row[k];
+            dense[j] = factor * row[k];
         }
         dense
     }

@@ -91,7 +91,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         let path = model.path_to(body, point);
         let mut row = [T::ZERO; B];
         self.turning_row(&path, self.point(body, point), n, &mut row);
-        let mut row = path.spread(&row);
+        let mut row = path.spread(&row, T::ONE);
         row_to_angles(model, &mut row);
         row
     }

@@ -61,7 +61,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         if iteration == 0 {
             // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
             joint_momentum(model, &state.velocity, scratch);
-            state.survey.renew(model, &scratch.pose, &q_theta, timing.reach);
+            state.survey.renew(model, &scratch.pose, &q_theta, &scratch.joint_velocity, &timing);
         }
         let near = state.survey.near();
         linearise(model, &timing, input, &w, &q_theta, scratch);

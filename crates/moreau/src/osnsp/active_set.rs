@@ -10,7 +10,7 @@ use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
 use super::{Impulses, SolveReport, System};
 use crate::{Real, Scalar};
-use crate::linear::{factor, product, solve as solve_factored, symmetric_product};
+use crate::linear::{back_substitute, factor, product, solve as solve_factored, symmetric_product};
 
 /// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
 const GUESSES: u32 = 8;
@@ -153,7 +153,7 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
 
 /// The first `m` (at most M) joints of `free` move, the others stick: their velocities and the sliding laws' impulses. Corrects the
 /// guesses of the sliding laws.
-#[inline(always)]
+#[inline(never)]
 #[allow(clippy::too_many_arguments)]
 fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
     system: &System<T, B, N>,
@@ -179,8 +179,6 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
             factors[r][r] = T::ONE;
         }
     }
-    let inverse_d = factor(&mut factors);
-    v = solve_factored(&factors, &inverse_d, &v);
     let gather = |row: &[T; B]| {
         let mut reduced = [T::ZERO; M];
         for r in 0..m.min(M) {
@@ -190,9 +188,15 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
     };
     let mut changed = false;
     if system.count == 1 && !system.sliding[0].rigid {
+        // The usual case of several laws, spelt out.
         let law = &system.sliding[0];
         let (row, slope) = (gather(&law.row), gather(&law.slope));
-        let column = solve_factored(&factors, &inverse_d, &row);
+        let mut right = [v, row];
+        let inverse_d = factor(&mut factors, &mut right);
+        let [v_free, mut column] = right;
+        v = v_free;
+        back_substitute(&factors, &inverse_d, &mut v);
+        back_substitute(&factors, &inverse_d, &mut column);
         let side = guess.sliding[0];
         let (mut p, mut dependent) = (T::ZERO, false);
         if guess.open[0] {
@@ -211,8 +215,14 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
         let (side, open) = corrected(side, guess.open[0], p, u, bound, dependent, tolerance);
         changed = side != guess.sliding[0] || open != guess.open[0];
         (guess.sliding[0], guess.open[0]) = (side, open);
-    } else if system.count > 0 {
-        changed = slide(system, guess, impulses, condensed, &factors, &inverse_d, gather, &mut v, tolerance, single);
+    } else {
+        let mut right = [v];
+        let inverse_d = factor(&mut factors, &mut right);
+        v = right[0];
+        back_substitute(&factors, &inverse_d, &mut v);
+        if system.count > 0 {
+            changed = slide(system, guess, impulses, condensed, &factors, &inverse_d, gather, &mut v, tolerance, single);
+        }
     }
     for r in 0..m.min(M) {
         w[free[r]] = v[r];
