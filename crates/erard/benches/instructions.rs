@@ -14,7 +14,12 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let value = |name: &str| {
         let at = arguments.iter().position(|a| a == name)?;
-        Some(arguments.get(at + 1).and_then(|v| v.parse::<u64>().ok()).unwrap_or_else(|| panic!("{name} needs a number")))
+        Some(
+            arguments
+                .get(at + 1)
+                .and_then(|v| v.parse::<u64>().ok())
+                .unwrap_or_else(|| panic!("{name} needs a number")),
+        )
     };
     if let Some(steps) = value("--play") {
         std::hint::black_box(press(&grand(), &Settings::new(STEP_S), steps));

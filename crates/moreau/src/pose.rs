@@ -3,8 +3,8 @@
 use crate::contact::{gap_of, gap_row_of};
 use crate::joints::row_to_angles;
 use crate::model::{GROUND, Model};
-use crate::real::sin_cos;
 use crate::path::Path;
+use crate::real::sin_cos;
 use crate::vector::{Vector, add, cross, sub};
 use crate::{Real, Scalar};
 

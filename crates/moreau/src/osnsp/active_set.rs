@@ -9,8 +9,8 @@
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
 use super::{Impulses, SolveReport, System};
-use crate::{Real, Scalar};
 use crate::linear::{back_substitute, factor, product, solve as solve_factored, symmetric_product};
+use crate::{Real, Scalar};
 
 /// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
 const GUESSES: u32 = 8;
@@ -221,7 +221,8 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
         v = right[0];
         back_substitute(&factors, &inverse_d, &mut v);
         if system.count > 0 {
-            changed = slide(system, guess, impulses, condensed, &factors, &inverse_d, gather, &mut v, tolerance, single);
+            changed =
+                slide(system, guess, impulses, condensed, &factors, &inverse_d, gather, &mut v, tolerance, single);
         }
     }
     for r in 0..m.min(M) {
