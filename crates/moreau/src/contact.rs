@@ -398,7 +398,9 @@ pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, path: &Path<T,
     let (_, normal) = distance_to_curve(zone, pose, center);
     let mut row = [T::ZERO; B];
     pose.turning_row(path, center, normal, &mut row);
-    path.spread(&row, T::ONE)
+    let mut dense = [T::ZERO; B];
+    path.spread(&row, T::ONE, &mut dense);
+    dense
 }
 
 #[cfg(test)]

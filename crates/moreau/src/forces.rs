@@ -3,11 +3,12 @@
 use crate::contact::Timing;
 use crate::joints::{relative, row_to_joints};
 use crate::model::Model;
+use crate::pose::Pose;
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
 use crate::{Real, Scalar};
 
-/// M(q_*) and M w0 in relative velocities, and the driven point's row, at the predicted pose.
+/// The couplings of M(q_*), M w0 in relative velocities, and the driven point's row, at the predicted pose.
 ///
 /// In absolute velocities M has a constant diagonal and, for every body and ancestor, (branch arm) . (first moment) (README,
 /// "Inertia").
@@ -17,29 +18,55 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     v0: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let Scratch { mass, momentum, pose, .. } = &mut *scratch;
-    *mass = model.joint_inertia;
-    let mut impulse = [T::ZERO; B];
+    let Scratch { coupling, deep_coupling, momentum, pose, .. } = &mut *scratch;
+    let (mut impulse, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
+    let [x, y] = first_moments(model, pose);
     for i in 0..B {
-        impulse[i] = model.inertia[i] * v0[i];
+        let c = pose.arm_x[i] * x[i] + pose.arm_y[i] * y[i];
+        coupling[i] = c;
+        impulse[i] = model.inertia[i] * v0[i] + c * v0[model.carrier[i]];
+        on_parent[i] = c * v0[i];
     }
-    for &i in &model.hinged[..model.hinged_count] {
-        let moment = pose.rotate(i, model.moment[i]);
-        let mut branch = i;
-        while model.parent[branch] < B {
-            let ancestor = model.parent[branch];
-            let coupling = dot(pose.arm[branch], moment);
-            impulse[i] += coupling * v0[ancestor];
-            impulse[ancestor] += coupling * v0[i];
-            add_coupling(model, mass, i, ancestor, coupling);
-            branch = ancestor;
-        }
+    if model.deep {
+        beyond_parents(model, |i, ancestor, branch| {
+            let c = dot(pose.arm(branch), [x[i], y[i]]);
+            deep_coupling[i][ancestor] = c;
+            impulse[i] += c * v0[ancestor];
+            impulse[ancestor] += c * v0[i];
+        });
     }
-    row_to_joints(model, &mut impulse);
+    row_to_joints(model, &mut impulse, &on_parent);
     *momentum = impulse;
     if let Some(site) = &model.site {
         let x = scratch.pose.point(site.body, site.point);
         scratch.pose.turning_row(&model.site_path, x, site.direction, &mut scratch.site_row);
+    }
+}
+
+/// First moments about the pivots, x and y in the world.
+#[inline(always)]
+fn first_moments<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, pose: &Pose<T, B>) -> [[T; B]; 2] {
+    let [mut x, mut y] = [[T::ZERO; B]; 2];
+    for i in 0..B {
+        let (c, s) = (pose.cos[i], pose.sin[i]);
+        x[i] = c * model.moment_x[i] - s * model.moment_y[i];
+        y[i] = s * model.moment_x[i] + c * model.moment_y[i];
+    }
+    [x, y]
+}
+
+/// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
+#[cold]
+fn beyond_parents<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    mut pair: impl FnMut(usize, usize, usize),
+) {
+    for &i in &model.hinged[..model.hinged_count] {
+        let mut branch = model.parent[i];
+        while model.parent[branch] < B {
+            pair(i, model.parent[branch], branch);
+            branch = model.parent[branch];
+        }
     }
 }
 
@@ -53,6 +80,11 @@ fn add_coupling<T: Real, const B: usize, const Z: usize>(
     ancestor: usize,
     coupling: T,
 ) {
+    if model.parent[ancestor] >= B && model.parent[body] == ancestor {
+        mass[ancestor][ancestor] += coupling + coupling;
+        mass[body][ancestor] += coupling;
+        return;
+    }
     let mut j = body;
     while j < B {
         let mut k = ancestor;
@@ -86,9 +118,15 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     let weights = gravity_and_centrifugal(model, scratch);
     let driven = drive(model, input, h_theta, scratch);
     let joint_angle = relative(model, q_theta);
-    let Scratch { system, mass, momentum, joint_velocity, site_row, drive_force, .. } = &mut *scratch;
+    let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } = &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
-    *a = *mass;
+    *a = model.joint_inertia;
+    for &i in &model.hinged[..model.hinged_count] {
+        add_coupling(model, a, i, model.parent[i], coupling[i]);
+    }
+    if model.deep {
+        beyond_parents(model, |i, ancestor, _| add_coupling(model, a, i, ancestor, deep_coupling[i][ancestor]));
+    }
     for i in 0..B {
         let spring = model.spring_torque[i] - model.spring_stiffness[i] * joint_angle[i];
         let torque = weights[i] + spring - model.viscous[i] * joint_velocity[i];
@@ -142,22 +180,22 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
     scratch: &Scratch<T, B, Z, N>,
 ) -> [T; B] {
     let (v, pose) = (&scratch.velocity, &scratch.pose);
-    let mut force = [T::ZERO; B];
+    let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
+    let [x, y] = first_moments(model, pose);
     for i in 0..B {
-        force[i] = -(model.gravity * (pose.cos[i] * model.moment[i][0] - pose.sin[i] * model.moment[i][1]));
+        let c = pose.arm_x[i] * y[i] - pose.arm_y[i] * x[i];
+        let carrier = v[model.carrier[i]];
+        force[i] = -(model.gravity * x[i]) - carrier * carrier * c;
+        on_parent[i] = v[i] * v[i] * c;
     }
-    for &i in &model.hinged[..model.hinged_count] {
-        let moment = pose.rotate(i, model.moment[i]);
-        let mut branch = i;
-        while model.parent[branch] < B {
-            let ancestor = model.parent[branch];
-            let c = cross(pose.arm[branch], moment);
+    if model.deep {
+        beyond_parents(model, |i, ancestor, branch| {
+            let c = cross(pose.arm(branch), [x[i], y[i]]);
             force[ancestor] += v[i] * v[i] * c;
             force[i] -= v[ancestor] * v[ancestor] * c;
-            branch = ancestor;
-        }
+        });
     }
-    row_to_joints(model, &mut force);
+    row_to_joints(model, &mut force, &on_parent);
     force
 }
 

@@ -42,13 +42,18 @@ pub(crate) fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T,
     v
 }
 
-/// Generalised forces (or rows) for absolute velocities, taken to relative ones: a joint carries everything beyond it.
+/// Generalised forces for absolute velocities, taken to relative ones: a joint carries everything beyond it. `on_parent`: what acts
+/// on each body's parent because of it, besides.
 #[inline(always)]
-pub(crate) fn row_to_joints<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, row: &mut [T; B]) {
+pub(crate) fn row_to_joints<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    row: &mut [T; B],
+    on_parent: &[T; B],
+) {
     for parent in model.parents().iter().rev() {
         let mut sum = T::ZERO;
         for i in 0..B {
-            sum += parent.children[i] * row[i];
+            sum += parent.children[i] * (row[i] + on_parent[i]);
         }
         for i in 0..B {
             row[i] += parent.own[i] * sum;

@@ -77,12 +77,12 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
             }
             laws[n] = Law::Zone(z);
             let law = &mut system.sliding[n];
-            law.row = path.spread(&slip_row[z], T::ONE);
+            path.spread(&slip_row[z], T::ONE, &mut law.row);
             law.target = T::ZERO;
             // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
             let gradient = mu * contact.tangent;
             law.bound = mu * h * contact.force - gradient * path.product(&contact.row, w);
-            law.slope = path.spread(&contact.row, gradient);
+            path.spread(&contact.row, gradient, &mut law.slope);
             law.rigid = false;
             impulses.sliding[n] = h * warm;
             guess.sliding[n] = side[z];
@@ -99,7 +99,7 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
     if let (Input::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
         laws[n] = Law::Rigid;
         let law = &mut system.sliding[n];
-        law.row = model.site_path.spread(site_row, T::ONE);
+        model.site_path.spread(site_row, T::ONE, &mut law.row);
         law.target = *velocity;
         law.rigid = true;
         impulses.sliding[n] = h * *rigid_force;

@@ -40,7 +40,7 @@ impl Energies {
             let mut branch = i;
             while model.parent[branch] < B {
                 let ancestor = model.parent[branch];
-                e.kinetic += (dot(pose.arm[branch], moment) * v * state.velocity[ancestor]).to_f64();
+                e.kinetic += (dot(pose.arm(branch), moment) * v * state.velocity[ancestor]).to_f64();
                 branch = ancestor;
             }
             // First moments about pivots: pivots that move are in their parents' moments already.

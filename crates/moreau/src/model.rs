@@ -161,7 +161,14 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// The bodies that others are hinged on, ascending.
     parents: [Parent<T, B>; B],
     parent_count: usize,
+    /// Whether a body is hinged on one that is hinged itself.
+    pub(crate) deep: bool,
+    /// The parent of a hinged body, and any body instead of the ground.
+    pub(crate) carrier: [usize; B],
     pub(crate) pivot: [Vector<T>; B],
+    /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the others.
+    pub(crate) link: [[T; B]; 2],
+    pub(crate) root: [[T; B]; 2],
     pub(crate) dry: [T; B],
     pub(crate) viscous: [T; B],
     /// Spring torque at relative angle 0, and stiffness.
@@ -173,6 +180,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) joint_inertia: [[T; B]; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
+    pub(crate) moment_x: [T; B],
+    pub(crate) moment_y: [T; B],
     /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force change.
     pub(crate) weight: [T; B],
     pub(crate) whirl: [T; B],
@@ -249,7 +258,11 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             hinged_count: 0,
             parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
             parent_count: 0,
+            deep: false,
+            carrier: [0; B],
             pivot: [o; B],
+            link: [[T::ZERO; B]; 2],
+            root: [[T::ZERO; B]; 2],
             dry: [T::ZERO; B],
             viscous: [T::ZERO; B],
             spring_torque: [T::ZERO; B],
@@ -257,6 +270,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             inertia: [T::ONE; B],
             joint_inertia: [[T::ZERO; B]; B],
             moment: [o; B],
+            moment_x: [T::ZERO; B],
+            moment_y: [T::ZERO; B],
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
             zones: [vacant(); Z],
@@ -285,6 +300,12 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 model.hinged_count += 1;
             }
             model.pivot[i] = body.pivot;
+            let place = if body.parent == GROUND { &mut model.root } else { &mut model.link };
+            (place[0][i], place[1][i]) = (body.pivot[0], body.pivot[1]);
+            if body.parent != GROUND {
+                model.carrier[i] = body.parent;
+                model.deep |= bodies[body.parent].parent != GROUND;
+            }
             model.dry[i] = body.dry;
             model.viscous[i] = body.viscous;
             model.inertia[i] = body.inertia;
@@ -297,7 +318,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             for i in body + 1..B {
                 parent.children[i] = if model.parent[i] == body { T::ONE } else { T::ZERO };
             }
-            if parent.children.iter().any(|&c| c == T::ONE) {
+            if parent.children.contains(&T::ONE) {
                 model.parents[model.parent_count] = parent;
                 model.parent_count += 1;
             }
@@ -322,6 +343,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             }
         }
         for i in 0..bodies.len() {
+            [model.moment_x[i], model.moment_y[i]] = model.moment[i];
             let moment = dot(model.moment[i], model.moment[i]).sqrt();
             model.weight[i] = gravity.abs() * moment;
             let p = bodies[i].parent;

@@ -67,12 +67,11 @@ impl<T: Real, const B: usize> Path<T, B> {
 
     /// A multiple of the row, with an entry for every joint.
     #[inline(always)]
-    pub fn spread(&self, row: &[T; B], factor: T) -> [T; B] {
-        let mut dense = [T::ZERO; B];
+    pub fn spread(&self, row: &[T; B], factor: T, dense: &mut [T; B]) {
+        *dense = [T::ZERO; B];
         for (k, j) in self.joints() {
             dense[j] = factor * row[k];
         }
-        dense
     }
 
     /// Adds a force along a row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row (lower

@@ -1,7 +1,7 @@
 //! Where every body is: the kinematic tree, evaluated once per Newton iteration.
 
 use crate::contact::{gap_of, gap_row_of};
-use crate::joints::row_to_angles;
+use crate::joints::{absolute, row_to_angles};
 use crate::model::{GROUND, Model};
 use crate::path::Path;
 use crate::real::sin_cos;
@@ -17,27 +17,38 @@ pub struct Pose<T, const B: usize> {
     pub(crate) pivot_x: [T; B],
     pub(crate) pivot_y: [T; B],
     /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
-    pub(crate) arm: [Vector<T>; B],
+    pub(crate) arm_x: [T; B],
+    pub(crate) arm_y: [T; B],
 }
 
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
-        let o = [T::ZERO; 2];
-        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot_x: [T::ZERO; B], pivot_y: [T::ZERO; B], arm: [o; B] }
+        let zero = [T::ZERO; B];
+        Pose { cos: [T::ONE; B], sin: zero, pivot_x: zero, pivot_y: zero, arm_x: zero, arm_y: zero }
     }
 
     /// Places every body for the given absolute angles, parents first.
     #[inline(always)]
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
         sin_cos(angle, &mut self.sin, &mut self.cos);
+        let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
+        let (mut x, mut y) = (*root_x, *root_y);
         for i in 0..B {
-            [self.pivot_x[i], self.pivot_y[i]] = model.pivot[i];
+            let (c, s) = (self.cos[model.carrier[i]], self.sin[model.carrier[i]]);
+            self.arm_x[i] = c * link_x[i] - s * link_y[i];
+            self.arm_y[i] = s * link_x[i] + c * link_y[i];
+            x[i] += self.arm_x[i];
+            y[i] += self.arm_y[i];
         }
-        for &i in &model.hinged[..model.hinged_count] {
-            let parent = model.parent[i];
-            self.arm[i] = self.rotate(parent, model.pivot[i]);
-            [self.pivot_x[i], self.pivot_y[i]] = add(self.pivot(parent), self.arm[i]);
-        }
+        // A pivot is carried along by its parent's: the same sum as that of velocities.
+        self.pivot_x = absolute(model, &x);
+        self.pivot_y = absolute(model, &y);
+    }
+
+    /// From the parent's pivot to a body's, in the world.
+    #[inline(always)]
+    pub(crate) fn arm(&self, body: usize) -> Vector<T> {
+        [self.arm_x[body], self.arm_y[body]]
     }
 
     /// A direction of a body's frame, in the world.
@@ -91,9 +102,10 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         let path = model.path_to(body, point);
         let mut row = [T::ZERO; B];
         self.turning_row(&path, self.point(body, point), n, &mut row);
-        let mut row = path.spread(&row, T::ONE);
-        row_to_angles(model, &mut row);
-        row
+        let mut dense = [T::ZERO; B];
+        path.spread(&row, T::ONE, &mut dense);
+        row_to_angles(model, &mut dense);
+        dense
     }
 
     /// Compression of a zone at this pose, m; negative apart.

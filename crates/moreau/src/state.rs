@@ -96,8 +96,9 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
     pub(crate) has_slip_row: [bool; Z],
-    /// M(q_*) in relative velocities, and M w0.
-    pub(crate) mass: [[T; B]; B],
+    /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
+    pub(crate) coupling: [T; B],
+    pub(crate) deep_coupling: [[T; B]; B],
     pub(crate) momentum: [T; B],
     pub(crate) site_row: [T; B],
     pub(crate) system: System<T, B, N>,
@@ -133,7 +134,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
             has_slip_row: [false; Z],
-            mass: [[z; B]; B],
+            coupling: [z; B],
+            deep_coupling: [[z; B]; B],
             site_row: [z; B],
             system: System::new(),
             impulses: Impulses::new(),
