@@ -7,7 +7,7 @@ use crate::Real;
 ///
 /// `a` must be positive definite: here a mass matrix plus positive semidefinite terms.
 #[inline(always)]
-pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], x: &mut [[T; B]; R]) -> [T; B] {
+pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], mut x: [&mut [T; B]; R]) -> [T; B] {
     let mut inverse = [T::ZERO; B];
     // Row by row: while one row's division is under way, the next row's products can be.
     for i in 0..B {
@@ -97,7 +97,7 @@ mod tests {
             }
         }
         let mut l = a;
-        let d = factor(&mut l, &mut [[0.0; 5]; 0]);
+        let d = factor(&mut l, []);
         let x = [1.0, -2.0, 0.5, 3.0, -1.0];
         let y = solve(&l, &d, &x);
         for i in 0..5 {

@@ -70,7 +70,8 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
         }
         one_step_problem(model, settings, input, &w0, &w, scratch);
-        let (next, solved) = settings.solver.solve(settings, scratch);
+        let mut next = [T::ZERO; B];
+        let solved = settings.solver.solve(settings, scratch, &mut next);
         keep_forces(settings, scratch);
         report.newton = iteration + 1;
         report.solver += solved.iterations;

@@ -59,7 +59,8 @@ impl<T: Scalar, const B: usize, const N: usize> Guess<T, B, N> {
     }
 }
 
-/// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback.
+/// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback. `w`: the relative
+/// velocities.
 #[inline(always)]
 pub fn solve<T: Scalar, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -68,17 +69,19 @@ pub fn solve<T: Scalar, const B: usize, const N: usize>(
     condensed: &mut Condensed<T, B, N>,
     tolerance: T,
     limit: u32,
-) -> ([T; B], SolveReport) {
+    w: &mut [T; B],
+) -> SolveReport {
     for k in 0..system.count {
         guess.open[k] = false;
     }
     for iterations in 1..=GUESSES + SINGLE_GUESSES {
-        let (w, changed) = try_guess(system, guess, impulses, condensed, tolerance, iterations > GUESSES);
-        if !changed {
-            return (w, SolveReport { converged: true, iterations });
+        if !try_guess(system, guess, impulses, condensed, tolerance, iterations > GUESSES, w) {
+            return SolveReport { converged: true, iterations };
         }
     }
-    fall_back(system, impulses, guess, tolerance, limit)
+    let (velocities, report) = fall_back(system, impulses, guess, tolerance, limit);
+    *w = velocities;
+    report
 }
 
 #[cold]
@@ -107,7 +110,8 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
     condensed: &mut Condensed<T, B, N>,
     tolerance: T,
     single: bool,
-) -> ([T; B], bool) {
+    w: &mut [T; B],
+) -> bool {
     let (mut free, mut m) = ([0; B], 0);
     for i in 0..B {
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
@@ -116,20 +120,20 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
             m += 1;
         }
     }
-    let mut w = [T::ZERO; B];
+    *w = [T::ZERO; B];
     let mut changed = match m {
         // Sizes that the compiler unrolls.
-        1 => reduced::<T, B, N, 1>(system, guess, impulses, condensed, &free, 1, &mut w, tolerance, single),
-        2 => reduced::<T, B, N, 2>(system, guess, impulses, condensed, &free, 2, &mut w, tolerance, single),
-        3 => reduced::<T, B, N, 3>(system, guess, impulses, condensed, &free, 3, &mut w, tolerance, single),
-        4 => reduced::<T, B, N, 4>(system, guess, impulses, condensed, &free, 4, &mut w, tolerance, single),
-        5 => reduced::<T, B, N, 5>(system, guess, impulses, condensed, &free, 5, &mut w, tolerance, single),
-        6 => reduced::<T, B, N, 6>(system, guess, impulses, condensed, &free, 6, &mut w, tolerance, single),
-        _ => reduced::<T, B, N, B>(system, guess, impulses, condensed, &free, m, &mut w, tolerance, single),
+        1 => reduced::<T, B, N, 1>(system, guess, impulses, condensed, &free, 1, w, tolerance, single),
+        2 => reduced::<T, B, N, 2>(system, guess, impulses, condensed, &free, 2, w, tolerance, single),
+        3 => reduced::<T, B, N, 3>(system, guess, impulses, condensed, &free, 3, w, tolerance, single),
+        4 => reduced::<T, B, N, 4>(system, guess, impulses, condensed, &free, 4, w, tolerance, single),
+        5 => reduced::<T, B, N, 5>(system, guess, impulses, condensed, &free, 5, w, tolerance, single),
+        6 => reduced::<T, B, N, 6>(system, guess, impulses, condensed, &free, 6, w, tolerance, single),
+        _ => reduced::<T, B, N, B>(system, guess, impulses, condensed, &free, m, w, tolerance, single),
     };
     for i in 0..B {
         if guess.pivot[i] == T::ZERO {
-            let mut p = symmetric_product(&system.a, i, &w) - system.b[i];
+            let mut p = symmetric_product(&system.a, i, w) - system.b[i];
             for law in 0..system.count {
                 p -= system.sliding[law].row[i] * impulses.sliding[law];
             }
@@ -148,7 +152,7 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
             changed = true;
         }
     }
-    (w, changed)
+    changed
 }
 
 /// The first `m` (at most M) joints of `free` move, the others stick: their velocities and the sliding laws' impulses. Corrects the
@@ -191,10 +195,8 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
         // The usual case of several laws, spelt out.
         let law = &system.sliding[0];
         let (row, slope) = (gather(&law.row), gather(&law.slope));
-        let mut right = [v, row];
-        let inverse_d = factor(&mut factors, &mut right);
-        let [v_free, mut column] = right;
-        v = v_free;
+        let mut column = row;
+        let inverse_d = factor(&mut factors, [&mut v, &mut column]);
         back_substitute(&factors, &inverse_d, &mut v);
         back_substitute(&factors, &inverse_d, &mut column);
         let side = guess.sliding[0];
@@ -216,9 +218,7 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
         changed = side != guess.sliding[0] || open != guess.open[0];
         (guess.sliding[0], guess.open[0]) = (side, open);
     } else {
-        let mut right = [v];
-        let inverse_d = factor(&mut factors, &mut right);
-        v = right[0];
+        let inverse_d = factor(&mut factors, [&mut v]);
         back_substitute(&factors, &inverse_d, &mut v);
         if system.count > 0 {
             changed =

@@ -98,14 +98,14 @@ impl<T: Scalar, const B: usize, const N: usize> Dense<T, B, N> {
     /// W = D^T A^-1 D and u_free of a system, warm-started.
     pub fn new(system: &System<T, B, N>, impulses: &Impulses<T, B, N>) -> Self {
         let mut factors = system.a;
-        let mut right = [system.b];
-        let inverse_d = linear::factor(&mut factors, &mut right);
-        linear::back_substitute(&factors, &inverse_d, &mut right[0]);
+        let mut free = system.b;
+        let inverse_d = linear::factor(&mut factors, [&mut free]);
+        linear::back_substitute(&factors, &inverse_d, &mut free);
         let mut dense = Dense {
             problem: OneStepProblem::new(),
             impulse: [T::ZERO; N],
             columns: [[T::ZERO; B]; N],
-            free: right[0],
+            free,
             pivot: [0; N],
             pivots: 0,
         };

@@ -87,21 +87,23 @@ pub struct SolveReport {
 }
 
 impl Solver {
-    /// Solves the scratch's system from its warm start, which is overwritten; returns the relative velocities.
+    /// Solves the scratch's system from its warm start, which is overwritten; `w`: the relative velocities.
     #[inline(always)]
     pub(crate) fn solve<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         self,
         settings: &Settings<T>,
         scratch: &mut Scratch<T, B, Z, N>,
-    ) -> ([T; B], SolveReport) {
+        w: &mut [T; B],
+    ) -> SolveReport {
         let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
         let Scratch { system, impulses, guess, condensed, .. } = scratch;
         match self {
-            Solver::ActiveSet => active_set::solve(system, impulses, guess, condensed, tolerance, limit),
+            Solver::ActiveSet => active_set::solve(system, impulses, guess, condensed, tolerance, limit, w),
             Solver::ProjectedGaussSeidel => {
-                let result = projected_gauss_seidel::solve(system, impulses, tolerance, limit);
+                let (velocities, report) = projected_gauss_seidel::solve(system, impulses, tolerance, limit);
+                *w = velocities;
                 guess.read(system, impulses);
-                result
+                report
             }
         }
     }
