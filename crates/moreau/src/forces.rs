@@ -118,7 +118,8 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
     let weights = gravity_and_centrifugal(model, scratch);
     let driven = drive(model, input, h_theta, scratch);
     let joint_angle = relative(model, q_theta);
-    let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } = &mut *scratch;
+    let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } =
+        &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
     *a = model.joint_inertia;
     for &i in &model.hinged[..model.hinged_count] {

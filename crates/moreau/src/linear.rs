@@ -7,7 +7,7 @@ use crate::Real;
 ///
 /// `a` must be positive definite: here a mass matrix plus positive semidefinite terms.
 #[inline(always)]
-pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], mut x: [&mut [T; B]; R]) -> [T; B] {
+pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], x: [&mut [T; B]; R]) -> [T; B] {
     let mut inverse = [T::ZERO; B];
     // Row by row: while one row's division is under way, the next row's products can be.
     for i in 0..B {
