@@ -53,7 +53,7 @@ fn one_sweep_is_no_disaster() {
         assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
         limited += u32::from(report.outcome == Outcome::IterationLimit);
     }
-    let energies = m.energies_at(&m.velocities().to_vec());
+    let energies = m.energies_at(m.velocities());
     println!("{limited} of 20000 steps ran into the bound; energies {energies:?}");
     assert!(limited > 1000 && energies.total().is_finite());
     assert!(m.angles().iter().all(|q| q.abs() < 1.0), "{:?}", m.angles());
