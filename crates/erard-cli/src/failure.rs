@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use erard::compare::CompareError;
 use erard::instrument::FileError;
 use erard::kinematics::DeriveError;
+use erard::measure::MeasureError;
 use erard::one_dof::OneDofError;
 use erard::regulate::RegulateError;
-use erard::regulation::MeasureError;
+use erard::regulation::MeasureError as DistanceError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
@@ -34,6 +35,14 @@ pub enum Failure {
     /// An instrument has no three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
+    /// An action cannot be measured.
+    #[error("{label}: {error}")]
+    Measure {
+        /// Which.
+        label: String,
+        /// Why.
+        error: MeasureError,
+    },
     /// An action cannot be regulated.
     #[error(transparent)]
     Regulate(#[from] RegulateError),
@@ -73,8 +82,9 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Internal(_) | Failure::Unmet(_) => 1,
             Failure::Simulation(SimulationError::Interrupted)
-            | Failure::Regulate(RegulateError::Measure(MeasureError::Interrupted))
+            | Failure::Regulate(RegulateError::Measure(DistanceError::Interrupted))
             | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted)) => 130,
+            Failure::Measure { error, .. } if error.is_interruption() => 130,
             _ => 2,
         })
     }

@@ -8,6 +8,7 @@ pub mod drawing;
 pub mod failure;
 pub mod figure;
 pub mod kinematics;
+pub mod measure;
 pub mod output;
 pub mod page;
 pub mod progress;

@@ -8,6 +8,7 @@ pub mod equilibrium;
 pub mod events;
 pub mod instrument;
 pub mod kinematics;
+pub mod measure;
 pub mod mechanism;
 pub mod one_dof;
 mod recorder;

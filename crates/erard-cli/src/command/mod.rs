@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod draw;
 mod kinematics;
+mod measure;
 mod options;
 mod press;
 mod regulate;
@@ -30,6 +31,8 @@ enum Sub {
     Draw(Box<draw::Draw>),
     /// Shows leverage and sliding over the key's travel, from the geometry alone.
     Kinematics(Box<kinematics::Kinematics>),
+    /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
+    Measure(measure::Measure),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
     Regulate(Box<regulate::Regulate>),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
@@ -47,6 +50,7 @@ pub fn run() -> ExitCode {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
+        Sub::Measure(measure) => measure.run(),
         Sub::Regulate(regulate) => regulate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),

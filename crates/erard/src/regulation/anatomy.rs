@@ -9,7 +9,10 @@ pub struct AnatomyError(pub String);
 
 /// The parts of a grand action: indices of bodies and zones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Anatomy {
+pub(crate) struct Anatomy {
+    pub key: usize,
+    /// The body on the ground that carries, or is, the jack.
+    pub whippen: usize,
     pub hammer: usize,
     pub string: usize,
     /// Jack toe - let-off button.
@@ -25,6 +28,8 @@ pub(super) struct Anatomy {
     pub lever_knuckle: Option<usize>,
     /// The damper: what the key lifts that is neither whippen nor hammer.
     pub damper: Option<usize>,
+    /// Key end - damper.
+    pub key_damper: Option<usize>,
 }
 
 impl Anatomy {
@@ -55,11 +60,25 @@ impl Anatomy {
         while let Some(parent) = instrument.bodies[whippen].parent {
             whippen = parent;
         }
-        let damper = zones.iter().filter(|zone| touches(zone, key)).find_map(|zone| {
+        let lifted = zones.iter().enumerate().filter(|(_, zone)| touches(zone, key)).find_map(|(index, zone)| {
             let other = other_than(zone, key)?;
-            (other != whippen && other != hammer && instrument.bodies[other].parent.is_none()).then_some(other)
+            let stands_alone = other != whippen && other != hammer && instrument.bodies[other].parent.is_none();
+            stands_alone.then_some((other, index))
         });
-        Ok(Anatomy { hammer, string, button, jack_knuckle, punching, jack, check: roles.check, lever_knuckle, damper })
+        Ok(Anatomy {
+            key,
+            whippen,
+            hammer,
+            string,
+            button,
+            jack_knuckle,
+            punching,
+            jack,
+            check: roles.check,
+            lever_knuckle,
+            damper: lifted.map(|(damper, _)| damper),
+            key_damper: lifted.map(|(_, zone)| zone),
+        })
     }
 }
 

@@ -7,5 +7,6 @@ mod anatomy;
 mod bench;
 mod distances;
 
+pub(crate) use anatomy::Anatomy;
 pub use anatomy::AnatomyError;
 pub use distances::{Distances, MOVED_M, MeasureError, Protocol, Trial, measure};
