@@ -40,7 +40,7 @@ fn mis_set() -> Instrument {
 }
 
 /// Blows in two seconds at eight strokes a second, from 3 mm to the bottom (and a tenth of a millimetre of fingertip further):
-/// the key does not come home.
+/// the key does not come home. The margin is small: a finger that stops short of the bottom by a tenth misses some.
 fn blows_at_eight_hertz(instrument: &Instrument, dip_m: f64) -> usize {
     let play = Play::Tremolo { top: 3e-3, bottom: dip_m + 0.1e-3, frequency: 8.0 };
     play.run(instrument, Settings::new(USUAL_STEP_S), 2.0).events.strikes.len()
