@@ -17,3 +17,4 @@ pub mod regulation;
 pub mod run;
 pub mod simulation;
 pub mod stroke;
+pub mod validate;

@@ -8,6 +8,7 @@ mod measure;
 mod options;
 mod press;
 mod regulate;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -35,6 +36,8 @@ enum Sub {
     Measure(measure::Measure),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
     Regulate(Box<regulate::Regulate>),
+    /// Holds an instrument against what has been measured on real pianos.
+    Validate(validate::Validate),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
@@ -52,6 +55,7 @@ pub fn run() -> ExitCode {
         Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Measure(measure) => measure.run(),
         Sub::Regulate(regulate) => regulate.run(),
+        Sub::Validate(validate) => validate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
     };
