@@ -226,6 +226,9 @@ fn write_csv(rows: &[RowReport], writer: &mut dyn Write) -> std::io::Result<()> 
 /// Hammer speeds that the figure names, m/s, and their marks: equal ratios from pp, 0.5, to ff, 5.
 const MARKS: [(f64, &str); 6] = [(0.5, "pp"), (0.79, "p"), (1.26, "mp"), (1.99, "mf"), (3.15, "f"), (5.0, "ff")];
 
+/// Half the width of a bar, m/s.
+const BAR_M_S: f64 = 0.12;
+
 /// A published value with its range, drawn as a bar at a hammer speed.
 struct Bar {
     x: [f64; 2],
@@ -242,11 +245,11 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
     let (ahead_x, ahead) = series(|b| b.hammer_ahead_s);
     let (stroke_x, stroke) = series(|b| b.key_stroke_s);
     // Where a row's published number stands: at the hammer speed of the simulated blow that it was compared with.
-    let bar = |name: &str, number: f64, speed: Option<f64>| -> Option<Bar> {
+    let bar = |name: &str, speed: Option<f64>| -> Option<Bar> {
         let row = published.rows.iter().find(|row| row.name == name)?;
         let v = speed?;
-        let (low, high) = (row.at_least?, row.at_most?);
-        Some(Bar { x: [0.93 * v, 1.07 * v], y: [number, number], range: [[v, v], [low, high]] })
+        let (number, low, high) = (row.number?, row.at_least?, row.at_most?);
+        Some(Bar { x: [v - BAR_M_S, v + BAR_M_S], y: [number, number], range: [[v, v], [low, high]] })
     };
     let speed_near = |force: f64| {
         let nearest =
@@ -255,18 +258,18 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
     };
     let f_speed = heard.iter().find(|b| b.key_stroke_s.is_some_and(|t| t <= 0.025)).and_then(|b| b.hammer_speed_m_s);
     let orders: Vec<Bar> = [
-        bar("hammer_ahead_softest", 35.0, heard.first().and_then(|b| b.hammer_speed_m_s)),
-        bar("hammer_ahead_p", 12.0, speed_near(0.8)),
-        bar("hammer_ahead_f", -3.0, f_speed),
-        bar("hammer_ahead_loudest", -4.0, heard.last().and_then(|b| b.hammer_speed_m_s)),
+        bar("hammer_ahead_softest", heard.first().and_then(|b| b.hammer_speed_m_s)),
+        bar("hammer_ahead_p", speed_near(0.8)),
+        bar("hammer_ahead_f", f_speed),
+        bar("hammer_ahead_loudest", heard.last().and_then(|b| b.hammer_speed_m_s)),
     ]
     .into_iter()
     .flatten()
     .collect();
     let strokes: Vec<Bar> = [
-        bar("key_stroke_at_0_8_N", 150.0, speed_near(0.8)),
-        bar("key_stroke_f", 25.0, Some(3.15)),
-        bar("key_stroke_at_15_N", 20.0, speed_near(15.0)),
+        bar("key_stroke_at_0_8_N", speed_near(0.8)),
+        bar("key_stroke_f", Some(3.15)),
+        bar("key_stroke_at_15_N", speed_near(15.0)),
     ]
     .into_iter()
     .flatten()

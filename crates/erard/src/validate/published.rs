@@ -36,7 +36,9 @@ pub struct Row {
     pub measure: Option<String>,
     /// Unit of all its numbers; empty for ratios.
     pub unit: String,
-    /// The number as published, where that is not the range.
+    /// The one number that was published, where it is not a range.
+    pub number: Option<f64>,
+    /// What was published, in words, where neither range nor number says it.
     pub published: Option<String>,
     /// Lower end of what counts as met.
     pub at_least: Option<f64>,
@@ -104,7 +106,7 @@ impl Published {
                 return wrong(format!("`measure` is `{measure}`; expected one of {}", values::NAMES.join(", ")));
             }
             let ordered = row.at_least.is_none_or(|low| row.at_most.is_none_or(|high| low < high));
-            let finite = [row.at_least, row.at_most].into_iter().flatten().all(f64::is_finite);
+            let finite = [row.at_least, row.at_most, row.number].into_iter().flatten().all(f64::is_finite);
             if !ordered || !finite {
                 return wrong("expected finite numbers, `at_least` below `at_most`".into());
             }
@@ -128,16 +130,17 @@ impl Row {
         }
     }
 
-    /// The range in words: as published, where that is said, or the range itself.
+    /// What was published: its words, its number, or the range.
     #[must_use]
     pub fn range(&self) -> String {
         let number = |x: f64| format!("{x}");
-        match (&self.published, self.at_least, self.at_most) {
+        match (&self.published, self.number, self.at_least, self.at_most) {
             (Some(words), ..) => words.clone(),
-            (None, Some(low), Some(high)) => format!("{}-{}", number(low), number(high)),
-            (None, Some(low), None) => format!("at least {}", number(low)),
-            (None, None, Some(high)) => format!("at most {}", number(high)),
-            (None, None, None) => String::new(),
+            (None, Some(x), ..) => number(x),
+            (None, None, Some(low), Some(high)) => format!("{}-{}", number(low), number(high)),
+            (None, None, Some(low), None) => format!("at least {}", number(low)),
+            (None, None, None, Some(high)) => format!("at most {}", number(high)),
+            (None, None, None, None) => String::new(),
         }
     }
 }
