@@ -18,3 +18,4 @@ pub mod reproduce;
 pub mod run;
 pub mod simulation;
 pub mod stroke;
+pub mod validate;

@@ -9,6 +9,7 @@ mod options;
 mod press;
 mod regulate;
 mod reproduce;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -36,6 +37,8 @@ enum Sub {
     Measure(measure::Measure),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
     Regulate(Box<regulate::Regulate>),
+    /// Holds an instrument against what has been measured on real pianos.
+    Validate(validate::Validate),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
@@ -55,6 +58,7 @@ pub fn run() -> ExitCode {
         Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Measure(measure) => measure.run(),
         Sub::Regulate(regulate) => regulate.run(),
+        Sub::Validate(validate) => validate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
