@@ -64,6 +64,15 @@ pub struct KeyWeights {
     pub slow: SlowLoop,
 }
 
+impl KeyWeights {
+    /// Mean of the slow loop's forces down and up at one place, g.
+    #[must_use]
+    pub fn balance_weight_at(&self, key_m: f64, gravity_m_s2: f64) -> Option<f64> {
+        let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
+        Some(force / gravity_m_s2 * G_PER_KG)
+    }
+}
+
 /// The parts on the scale, and the ratios.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartWeights {
