@@ -203,9 +203,10 @@ pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> 
         up_weight_g: grams(weakest.map(|(_, force)| force)),
     };
     let decided_m = [hardest.map_or(0.0, |(key, _)| key), weakest.map_or(turn_m, |(key, _)| key)];
+    let [down_n, up_n] = [hardest, weakest].map(|place| place.map(|(_, force)| force));
     let by_weights = Touch {
-        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, going)?),
-        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, going)?),
+        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, going)?),
+        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, going)?),
     };
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
