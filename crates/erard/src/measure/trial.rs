@@ -12,8 +12,8 @@ use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, mechanism};
 use crate::simulation::SimulationError;
 
-/// Step, s.
-const STEP_S: f64 = 200e-6;
+/// Step, s: the key creeps, and a step half as long moves no weight by more than 0.03 g.
+const STEP_S: f64 = 400e-6;
 /// A key that has not arrived after this time does not sink or rise, s: caught all the way, a dip takes half of it.
 const PATIENCE_S: f64 = 40.0;
 /// A key that has stood still for so long will not start again, s.
