@@ -54,6 +54,9 @@ pub struct Sheet {
     pub key_ratio: f64,
     /// R by the equation of balance.
     pub strike_weight_ratio_weights: Option<f64>,
+    /// The same from the slow loop's two forces half-way, where friction takes as much from one as it adds to the other: the law
+    /// at one place.
+    pub strike_weight_ratio_weights_half_way: Option<f64>,
     /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
     /// The ratio at rest,
@@ -308,6 +311,7 @@ impl Results {
         let (full, half, soft, hysteresis) = (self.full?, self.half?, self.softest?, self.hysteresis?);
         let tried = TouchNumbers::from(touch.by_weights);
         let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
+        let half_way_balance = touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2);
         let mut sheet = Sheet {
             instrument: instrument.name.clone(),
             down_weight_g: tried.down_weight_g,
@@ -321,6 +325,7 @@ impl Results {
             whippen_weight_g: parts.whippen_weight_g,
             key_ratio: parts.key_ratio,
             strike_weight_ratio_weights: tried.balance_weight_g.and_then(|bw| parts.strike_weight_ratio(bw)),
+            strike_weight_ratio_weights_half_way: half_way_balance.and_then(|bw| parts.strike_weight_ratio(bw)),
             strike_weight_ratio_kinematics: ratio.where_weighed,
             strike_weight_ratio_kinematics_half_way: ratio.half_way,
             strike_weight_ratio_kinematics_at_rest: ratio.at_rest,

@@ -64,6 +64,15 @@ pub struct KeyWeights {
     pub slow: SlowLoop,
 }
 
+impl KeyWeights {
+    /// Mean of the slow loop's forces down and up at one place, g.
+    #[must_use]
+    pub fn balance_weight_at(&self, key_m: f64, gravity_m_s2: f64) -> Option<f64> {
+        let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
+        Some(force / gravity_m_s2 * G_PER_KG)
+    }
+}
+
 /// The parts on the scale, and the ratios.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartWeights {
@@ -194,9 +203,10 @@ pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> 
         up_weight_g: grams(weakest.map(|(_, force)| force)),
     };
     let decided_m = [hardest.map_or(0.0, |(key, _)| key), weakest.map_or(turn_m, |(key, _)| key)];
+    let [down_n, up_n] = [hardest, weakest].map(|place| place.map(|(_, force)| force));
     let by_weights = Touch {
-        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, going)?),
-        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, going)?),
+        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, going)?),
+        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, going)?),
     };
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
