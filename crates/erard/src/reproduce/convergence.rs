@@ -123,14 +123,14 @@ fn claims(laws: &[Law], section: &mut Section) {
     let truth = &laws[0];
     let last = |law: &Law| law.rungs.last().map_or(f64::NAN, |r| r.speed);
     section.claims.push(Claim::new(
-        "[T12] sec. 3",
+        "[T12]",
         "the non-smooth scheme converges as the step shrinks",
         format!("order {:.2}; error {:.1e} at the smallest step", truth.own_order, last(truth)),
         truth.own_order > 0.87,
     ));
     for law in &laws[1..] {
         section.claims.push(Claim::new(
-            "[T12] sec. 3",
+            "[T12]",
             format!("{}: at a fixed width the regularised law does not converge to that motion, however small the step", law.label),
             format!(
                 "it tends to a hammer speed {:.1e} away (to that limit with order {:.2}); error at the smallest step {:.1e}, {:.0} times the \

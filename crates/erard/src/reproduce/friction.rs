@@ -6,7 +6,7 @@ use moreau::{
 
 use super::blow::{NEIGHBOURS, Play, blow, halvings, regularised, tell};
 use super::convergence::WIDTHS;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, small};
 use crate::instrument::Instrument;
 use crate::stroke::Touch;
 
@@ -53,7 +53,7 @@ pub(super) fn felt(instrument: &Instrument, _: &mut Progress) -> Result<Section,
             zone.label, felt.stiffness, felt.exponent, felt.damping
         )],
         claims: vec![Claim::new(
-            "[T13] sec. 2",
+            "[T13]",
             "loading and unloading run along different curves, and the loop grows with the speed",
             format!("energy lost {told} at 0.5, 1 and 2 m/s"),
             lost.windows(2).all(|l| 0.0 < l[0] && l[0] < l[1]),
@@ -150,9 +150,9 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
         let largest = largest_step(instrument, *friction, exact.speed)?;
         table.row([
             name.clone(),
-            format!("{drift:.1e}"),
-            format!("{torque:.1e}"),
-            format!("{caught:.1e}"),
+            small(drift),
+            small(torque),
+            small(caught),
             format!("{} of {}", note.work.unconverged_steps, note.work.steps),
             format!("{:.2}", note.work.newton_iterations as f64 / note.work.steps as f64),
             largest.map_or("none tried".into(), |h| format!("{:.2} us", h * 1e6)),
@@ -179,13 +179,18 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
         ],
         claims: vec![
             Claim::new(
-                "[T12] sec. 2",
+                "[T12]",
                 "dry friction leaves friction forces at rest and holds without any drift",
-                format!("drift {:e} rad in 60 s, {:e} rad in the check; largest torque held {:.1e} N m", at_rest[0], held[0], torques[0]),
+                format!(
+                    "drift {} rad in 60 s, {} rad in the check; largest torque held {} N m",
+                    small(at_rest[0]),
+                    small(held[0]),
+                    small(torques[0])
+                ),
                 at_rest[0] == 0.0 && held[0] == 0.0 && torques[0] > 1e-4,
             ),
             Claim::new(
-                "[T12] sec. 2",
+                "[T12]",
                 "regularised friction creeps at any width, and in the end no friction force is left",
                 format!(
                     "drift in 60 s {} rad; in the check {} rad; largest torque left {} N m",
@@ -287,7 +292,7 @@ pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result
             own.stiffness_n_per_m
         )],
         claims: vec![Claim::new(
-            "[T13] sec. 3",
+            "[T13]",
             "the finger's softness is part of the experiment: the same motion through another finger gives other forces (by more than 10 %)",
             format!(
                 "peak force varies by {}; hammer speed from the softest to the stiffest: {}",

@@ -197,3 +197,8 @@ pub fn subjects() -> Vec<Subject> {
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]
 }
+
+/// Two digits, and a plain zero.
+fn small(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}
