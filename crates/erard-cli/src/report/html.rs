@@ -123,22 +123,22 @@ fn escape_lines(text: &str) -> String {
 }
 
 fn table(out: &mut String, table: &Table) {
-    let class = if table.clock { " class=\"clock\"" } else { "" };
-    let _ =
-        write!(out, "<div class=\"wide\"><table{class}>\n<caption>{}</caption>\n<thead><tr>", escape(&table.caption));
-    for cell in &table.header {
-        let _ = write!(out, "<th>{}</th>", escape(cell));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
     // A column of numbers is set flush right.
     let numbers: Vec<bool> = (0..table.header.len())
         .map(|k| k > 0 && table.rows.iter().filter_map(|row| row.get(k)).all(|cell| is_number(cell)))
         .collect();
+    let class = if table.clock { " class=\"clock\"" } else { "" };
+    let _ =
+        write!(out, "<div class=\"wide\"><table{class}>\n<caption>{}</caption>\n<thead><tr>", escape(&table.caption));
+    let class = |k: usize| if numbers.get(k) == Some(&true) { " class=\"n\"" } else { "" };
+    for (k, cell) in table.header.iter().enumerate() {
+        let _ = write!(out, "<th{}>{}</th>", class(k), escape(cell));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
         out.push_str("<tr>");
         for (k, cell) in row.iter().enumerate() {
-            let class = if numbers.get(k) == Some(&true) { " class=\"n\"" } else { "" };
-            let _ = write!(out, "<td{class}>{}</td>", with_code(cell));
+            let _ = write!(out, "<td{}>{}</td>", class(k), with_code(cell));
         }
         out.push_str("</tr>\n");
     }

@@ -94,7 +94,7 @@ fn number(x: f64) -> String {
         let text = format!("{x:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     } else {
-        format!("{x:.6e}")
+        format!("{x:.9e}")
     }
 }
 

@@ -77,7 +77,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     section.charts.push(Chart {
         title: "Work and precision".into(),
         caption:
-            "Error of the hammer speed over the work of the run; each point a step, half as long as the one to its left"
+            "Error of the hammer speed over the work of the run; along each curve the step is halved from point to point"
                 .into(),
         x_label: "Newton iterations of the run".into(),
         x_log: true,
