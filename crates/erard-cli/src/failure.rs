@@ -6,7 +6,10 @@ use std::process::ExitCode;
 use erard::compare::CompareError;
 use erard::instrument::FileError;
 use erard::kinematics::DeriveError;
+use erard::measure::MeasureError;
 use erard::one_dof::OneDofError;
+use erard::regulate::RegulateError;
+use erard::regulation::MeasureError as DistanceError;
 use erard::reproduce::ReproduceError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
@@ -36,6 +39,20 @@ pub enum Failure {
     /// An instrument has no three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
+    /// An action cannot be measured.
+    #[error("{label}: {error}")]
+    Measure {
+        /// Which.
+        label: String,
+        /// Why.
+        error: MeasureError,
+    },
+    /// An action cannot be regulated.
+    #[error(transparent)]
+    Regulate(#[from] RegulateError),
+    /// Goals that cannot be met; the nearest that can be has been written.
+    #[error("{0}")]
+    Unmet(String),
     /// Levers that do not reach as far as was asked; what they do reach has been written.
     #[error("{0}")]
     Reach(String),
@@ -57,7 +74,7 @@ pub enum Failure {
 
 impl Failure {
     /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 130 for an
-    /// interruption, 1 otherwise.
+    /// interruption, 1 otherwise: goals that were not met although everything went well, or a fault of the program.
     pub fn report(&self) -> ExitCode {
         match self {
             Failure::Instrument(error) if !error.text.is_empty() => {
@@ -67,13 +84,15 @@ impl Failure {
             _ => eprintln!("error: {self}"),
         }
         ExitCode::from(match self {
-            Failure::Internal(_) => 1,
+            Failure::Internal(_) | Failure::Unmet(_) => 1,
             Failure::Simulation(SimulationError::Interrupted)
+            | Failure::Regulate(RegulateError::Measure(DistanceError::Interrupted))
             | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted))
             | Failure::Reproduce(
                 ReproduceError::Simulation(SimulationError::Interrupted)
                 | ReproduceError::Compare(CompareError::Simulation(SimulationError::Interrupted)),
             ) => 130,
+            Failure::Measure { error, .. } if error.is_interruption() => 130,
             _ => 2,
         })
     }

@@ -1,10 +1,19 @@
-//! The output folder: all files of a command, or none of them.
+//! What a command puts out: on standard output, and into a folder, where all files appear or none of them.
 
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
+
+/// Prints a line on standard output. A reader that has gone away, as in `erard check FILE | head -1`, is no failure.
+#[macro_export]
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
 
 /// A folder that files are collected for. Nothing stands there under its own name before [`Output::commit`].
 #[derive(Debug)]

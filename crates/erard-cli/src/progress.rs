@@ -38,6 +38,13 @@ impl Progress {
         Progress { start: Instant::now(), bar }
     }
 
+    /// Says what is going on now.
+    pub fn say(&mut self, what: &str) {
+        if self.bar.message() != what {
+            self.bar.set_message(what.to_owned());
+        }
+    }
+
     /// Shows the share that is done; false if the work should end.
     pub fn tell(&mut self, share: f64) -> bool {
         if self.bar.is_hidden() && self.start.elapsed() > PATIENCE {

@@ -1,54 +1,13 @@
 //! `erard kinematics` as a user runs it: what it writes, and what it says when it cannot.
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
+use common::Folder;
 use serde_json::Value;
-
-/// A folder of its own for a test, gone at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("erard-kinematics-{test}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        Folder(folder)
-    }
-
-    fn file(&self, name: &str, text: &str) {
-        fs::write(self.0.join(name), text).unwrap();
-    }
-
-    fn erard(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
-        command.current_dir(&self.0).arg("kinematics").args(arguments).output().unwrap()
-    }
-
-    /// Runs what must succeed; standard output.
-    fn good(&self, arguments: &[&str]) -> String {
-        let output = self.erard(arguments);
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// Runs what must fail with code 2 and write nothing; standard error.
-    fn bad(&self, arguments: &[&str]) -> String {
-        let output = self.erard(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(output.stdout.is_empty(), "{arguments:?}");
-        assert!(!self.0.join("erard-out").exists(), "{arguments:?}");
-        String::from_utf8(output.stderr).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 const COLUMNS: &str = "case,key_mm,key_rad,whippen_rad,hammer_rad,s1_mm,s2_mm,capstan_sliding_mm,knuckle_sliding_mm,\
                        hammer_mm,leverage";
@@ -108,7 +67,7 @@ head_mm = [130.0, 48.0]
 /// set and from a file.
 #[test]
 fn the_known_numbers() {
-    let folder = Folder::new("known");
+    let folder = Folder::for_command("kinematics", "known");
     folder.file("c7f.toml", C7F);
     for levers in ["c7f-like", "c7f.toml"] {
         folder.good(&[levers, "--from", "0.75", "--to", "7.75", "--steps", "7"]);
@@ -152,7 +111,7 @@ fn the_known_numbers() {
 /// knuckle. Figures and summary are there.
 #[test]
 fn three_cases() {
-    let folder = Folder::new("cases");
+    let folder = Folder::for_command("kinematics", "cases");
     for (levers, figures) in [
         (&["c7f-like"][..], &["sliding", "leverage"][..]),
         (&["steinway-o-like"], &["sliding", "leverage"]),
@@ -189,7 +148,7 @@ fn three_cases() {
 /// Regulation keeps the hammer's rest; without it the hammer rests lower when the knuckle moves in.
 #[test]
 fn regulation() {
-    let folder = Folder::new("regulation");
+    let folder = Folder::for_command("kinematics", "regulation");
     let rest = |arguments: &[&str]| {
         folder.good(arguments);
         let cases = rows(&folder.0.join("erard-out"));
@@ -206,7 +165,7 @@ fn regulation() {
 /// jack's contact with its button at 5.5 mm.
 #[test]
 fn dynamics() {
-    let folder = Folder::new("dynamics");
+    let folder = Folder::for_command("kinematics", "dynamics");
     let printed = folder.good(&["--instrument", "concert-grand", "--out", "here"]);
     assert!(printed.contains("A slow press of the dynamic model has the same leverage within"), "{printed}");
     let dynamics = &summary(&folder.0.join("here"))["dynamics"];
@@ -218,7 +177,7 @@ fn dynamics() {
 /// The papers' equations (1) to (4), in print and as LaTeX, and nothing is written.
 #[test]
 fn equations() {
-    let folder = Folder::new("equations");
+    let folder = Folder::for_command("kinematics", "equations");
     let paper = [
         "L2 cos k - L3 cos w - L4 sin w - S1 sin k - L1 = 0",
         "L2 sin k - L3 sin w + L4 cos w + S1 cos k - L5 = 0",
@@ -239,7 +198,7 @@ fn equations() {
 /// Pressed farther than the levers reach, the command names the key position, keeps what it has and ends with code 2.
 #[test]
 fn unreachable() {
-    let folder = Folder::new("unreachable");
+    let folder = Folder::for_command("kinematics", "unreachable");
     let output = folder.erard(&["c7f-like", "--to", "60", "--steps", "60", "--move", "capstan=-10mm"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2));
@@ -273,7 +232,7 @@ fn unreachable() {
 /// Wrong arguments: one message, code 2, nothing written.
 #[test]
 fn bad_arguments() {
-    let folder = Folder::new("arguments");
+    let folder = Folder::for_command("kinematics", "arguments");
     for (arguments, told) in [
         (&["--move", "pedal=1mm"][..], "`pedal` is nothing that can be moved"),
         (&["--move", "capstan=-10"], "write millimetres as `capstan=-10mm`"),
@@ -286,7 +245,7 @@ fn bad_arguments() {
         (&["--from", "NaN"], "--from NaN: expected a number"),
         (&["--to", "inf"], "--to inf: expected a number"),
         (&["--to", "ten"], "invalid value 'ten'"),
-        (&["--from", "9"], "let off, 5.54 mm"),
+        (&["--from", "9"], "let off, 5.84 mm"),
         (&["c7f-like", "--instrument", "concert-grand"], "cannot be used with"),
         (&["concert-grand"], "`concert-grand` is an instrument: --instrument concert-grand"),
         (&["d-like"], "no built-in linkage `d-like` (built in: c7f-like, steinway-o-like)"),
@@ -307,7 +266,7 @@ fn bad_arguments() {
 /// Wrong files: the file, the line and the key are named.
 #[test]
 fn bad_files() {
-    let folder = Folder::new("files");
+    let folder = Folder::for_command("kinematics", "files");
     for (text, told) in [
         (C7F.replace("L7 = -48.37\n", ""), &["bad.toml:2:1", "`lengths_mm.L7`", "missing", "a length in mm"][..]),
         (C7F.replace("L7 = -48.37", "L7 = \"-48.37\""), &["bad.toml:9", "`lengths_mm.L7`", "a number"]),

@@ -1,82 +1,91 @@
 //! From the instrument to the engine's model.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Spring, Zone};
+use moreau::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Scalar, Site, Spring, Zone};
 
 use crate::instrument::{self, Instrument};
 
-/// Assembles the model of an instrument, for any engine size that holds it.
+/// Assembles the model of an instrument, for any engine size that holds it, in single or double precision.
 ///
 /// # Errors
 /// [`ModelError`] if the size is too small (the instrument itself has been validated).
-pub fn assemble<const B: usize, const Z: usize>(instrument: &Instrument) -> Result<Model<f64, B, Z>, ModelError> {
+pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
+    instrument: &Instrument,
+) -> Result<Model<T, B, Z>, ModelError> {
+    let (t, vector) = (T::from_f64, |v: [f64; 2]| v.map(T::from_f64));
     let ground = |body: Option<usize>| body.unwrap_or(GROUND);
-    let bodies: Vec<Body<f64>> = instrument
+    let bodies: Vec<Body<T>> = instrument
         .bodies
         .iter()
         .map(|b| Body {
             parent: ground(b.parent),
-            pivot: b.pivot_m,
-            mass: b.mass_kg,
-            inertia: b.inertia_kg_m2,
-            center_of_mass: b.center_of_mass_m,
-            dry: b.friction_torque_n_m,
-            viscous: b.viscous_n_m_s,
+            pivot: vector(b.pivot_m),
+            mass: t(b.mass_kg),
+            inertia: t(b.inertia_kg_m2),
+            center_of_mass: vector(b.center_of_mass_m),
+            dry: t(b.friction_torque_n_m),
+            viscous: t(b.viscous_n_m_s),
         })
         .collect();
     let drawn = |body: usize| {
         let b = &instrument.bodies[body];
         b.angle_rad - b.parent.map_or(0.0, |p| instrument.bodies[p].angle_rad)
     };
-    let springs: Vec<Spring<f64>> = instrument
+    let springs: Vec<Spring<T>> = instrument
         .springs
         .iter()
         .map(|s| Spring {
             body: s.body,
-            torque: s.torque_n_m,
-            stiffness: s.stiffness_n_m_per_rad,
-            reference: drawn(s.body),
+            torque: t(s.torque_n_m),
+            stiffness: t(s.stiffness_n_m_per_rad),
+            reference: t(drawn(s.body)),
         })
         .collect();
-    let zones: Vec<Zone<f64>> = instrument
+    let zones: Vec<Zone<T>> = instrument
         .zones
         .iter()
         .map(|z| Zone {
             disc_body: ground(z.disc_body),
-            center: z.disc_center_m,
-            radius: z.disc_radius_m,
+            center: vector(z.disc_center_m),
+            radius: t(z.disc_radius_m),
             curve_body: ground(z.curve_body),
             curve: curve(&z.curve),
             felt: Felt {
-                stiffness: z.felt.stiffness,
-                exponent: Exponent::new(z.felt.exponent),
-                damping: z.felt.damping,
+                stiffness: t(z.felt.stiffness),
+                exponent: Exponent::new(t(z.felt.exponent)),
+                damping: t(z.felt.damping),
             },
-            friction: (z.friction_coefficient > 0.0).then_some(z.friction_coefficient),
+            friction: (z.friction_coefficient > 0.0).then_some(t(z.friction_coefficient)),
         })
         .collect();
     let site = instrument.roles.key.map(|body| Site {
         body,
-        point: instrument.roles.key_front_m,
-        direction: [0.0, -1.0],
-        stiffness: instrument.finger.stiffness_n_per_m,
-        damping: instrument.finger.damping_n_s_per_m,
+        point: vector(instrument.roles.key_front_m),
+        direction: [T::ZERO, -T::ONE],
+        stiffness: t(instrument.finger.stiffness_n_per_m),
+        damping: t(instrument.finger.damping_n_s_per_m),
     });
-    Model::new(&bodies, &springs, &zones, site, instrument.gravity_m_s2)
+    Model::new(&bodies, &springs, &zones, site, t(instrument.gravity_m_s2))
 }
 
-fn curve(curve: &instrument::Curve) -> Curve<f64> {
+fn curve<T: Scalar>(curve: &instrument::Curve) -> Curve<T> {
+    let (t, vector) = (T::from_f64, |v: [f64; 2]| v.map(T::from_f64));
     match *curve {
-        instrument::Curve::Line { point_m, normal } => Curve::Line { point: point_m, normal },
+        instrument::Curve::Line { point_m, normal } => Curve::Line { point: vector(point_m), normal: vector(normal) },
         instrument::Curve::Segment { from_m, to_m, rounding_m } => {
             let [x, y] = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
             let length = x.hypot(y);
-            Curve::Segment { from: from_m, direction: [x / length, y / length], length, rounding: rounding_m }
+            Curve::Segment {
+                from: vector(from_m),
+                direction: vector([x / length, y / length]),
+                length: t(length),
+                rounding: t(rounding_m),
+            }
         }
-        instrument::Curve::Disc { center_m, radius_m } => Curve::Disc { center: center_m, radius: radius_m },
+        instrument::Curve::Disc { center_m, radius_m } => Curve::Disc { center: vector(center_m), radius: t(radius_m) },
     }
 }
 
 /// The angles as drawn, one per body.
-pub fn drawn_angles<const B: usize>(instrument: &Instrument) -> [f64; B] {
-    core::array::from_fn(|i| instrument.bodies.get(i).map_or(0.0, |b| b.angle_rad))
+pub fn drawn_angles<T: Scalar, const B: usize>(instrument: &Instrument) -> [T; B] {
+    core::array::from_fn(|i| instrument.bodies.get(i).map_or(T::ZERO, |b| T::from_f64(b.angle_rad)))
 }

@@ -30,6 +30,7 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
     Series {
         force: Some(ForceSeries::new(run.time_s.clone(), force).unwrap()),
         position: Some(PositionSeries::new(run.time_s.clone(), position).unwrap()),
+        hammer_head: Some(PositionSeries::new(run.time_s.clone(), run.hammer_head_m.clone()).unwrap()),
     }
 }
 
@@ -49,6 +50,10 @@ fn known_errors_are_found() {
     let sigma = NOISE_M / 3.0_f64.sqrt();
     assert!((action.rms / sigma - 1.0).abs() < 0.15, "rms {} sigma {sigma}", action.rms);
     assert!(action.explained > 0.9999 && action.delay_s.abs() < 1e-4, "{action:?}");
+
+    let hammer = noisy.trial(Driven::ByForce, Which::Action).unwrap().hammer_errors.as_ref().unwrap();
+    assert!(hammer.explained > 0.9999, "the hammer has no noise: {hammer:?}");
+    assert!(noisy.trial(Driven::ByForce, Which::OneDof).unwrap().hammer_errors.is_none(), "it has no hammer");
 
     let errors = |duration_s, driven, which| {
         let c = compare(&grand, &measured(&grand, duration_s, 0.0), &setup(), &mut |_| true).unwrap();

@@ -357,6 +357,24 @@ fn faults_in_roles_screws_parts_segments_and_citations() {
             "screw.s.setting_mm",
             "does not go with",
         ),
+        (
+            "[[screw]]\nname = \"s\"\nspring = \"pallet_return\"\nsetting_deg = 0\n",
+            "setting_deg",
+            "screw.s.setting_deg",
+            "does not go with",
+        ),
+        (
+            "[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"curve\"\nsetting_mm = 0\nsetting_deg = 0\n",
+            "setting_mm",
+            "screw.s.setting_mm",
+            "does not go with",
+        ),
+        (
+            "[[screw]]\nname = \"s\"\nzone = \"bench\"\nside = \"disc\"\nsetting_deg = 0\n",
+            "side",
+            "screw.s.side",
+            "whichever way",
+        ),
         ("[[screw]]\nname = \"s\"\nspring = \"coil\"\nsetting_N_m = 0\n", "coil", "screw.s.spring", "no such spring"),
         (
             "[[screw]]\nname = \"s\"\nspring = \"pallet_return\"\nzone = \"bench\"\n",

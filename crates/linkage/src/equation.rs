@@ -206,7 +206,7 @@ impl fmt::Display for Equation {
 pub fn latex_align(equations: &[Equation]) -> String {
     let lines: Vec<String> =
         (equations.iter()).map(|equation| format!("  {}", equation.latex().replace(" = 0", " &= 0"))).collect();
-    format!("\\begin{{align}}\n{}\n\\end{{align}}\n", lines.join(" \\\\\n"))
+    format!("\\begin{{align}}\n{}\n\\end{{align}}", lines.join(" \\\\\n"))
 }
 
 const GREEK: [&str; 24] = [

@@ -7,6 +7,7 @@ use erard::instrument::{Instrument, InstrumentFile};
 use erard::stroke::Series;
 
 use crate::failure::Failure;
+use crate::say;
 
 /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
 #[derive(Debug, Args)]
@@ -33,11 +34,11 @@ impl Check {
     fn instrument(&self) -> Result<(), Failure> {
         let file = InstrumentFile::load(&self.file)?;
         let i: &Instrument = &file.instrument;
-        println!("{}: an instrument, \"{}\"", self.file.display(), i.name);
-        println!();
+        say!("{}: an instrument, \"{}\"", self.file.display(), i.name);
+        say!();
         for body in &i.bodies {
             let on = body.parent.map_or("the ground", |p| &i.bodies[p].name);
-            println!(
+            say!(
                 "  body    {:<18} on {:<10} {:>7.1} g  {:>10.3e} kg m2  friction {:>8.2e} N m",
                 body.name,
                 on,
@@ -47,7 +48,7 @@ impl Check {
             );
         }
         for spring in &i.springs {
-            println!("  spring  {:<18} {:>9.4} N m on {}", spring.name, spring.torque_n_m, i.bodies[spring.body].name);
+            say!("  spring  {:<18} {:>9.4} N m on {}", spring.name, spring.torque_n_m, i.bodies[spring.body].name);
         }
         for zone in &i.zones {
             let name = |b: Option<usize>| b.map_or("ground", |b| &i.bodies[b].name);
@@ -56,7 +57,7 @@ impl Check {
             } else {
                 String::new()
             };
-            println!(
+            say!(
                 "  zone    {:<18} {} - {}, k {:.1e}, r {}, b {:.1e}{friction}",
                 zone.name,
                 name(zone.disc_body),
@@ -66,8 +67,8 @@ impl Check {
                 zone.felt.damping
             );
         }
-        println!();
-        println!(
+        say!();
+        say!(
             "  {} bodies, {} springs, {} zones, {} screws, {} drawn parts; {} numbers, {} of them without a source",
             i.bodies.len(),
             i.springs.len(),
@@ -83,26 +84,24 @@ impl Check {
     fn stroke(&self) -> Result<(), Failure> {
         let series = Series::load(&self.file)?;
         let times = series.times_s();
-        println!(
-            "{}: a stroke of {} rows, {} to {} s",
-            self.file.display(),
-            times.len(),
-            series.start_s(),
-            series.end_s()
-        );
-        println!();
+        say!("{}: a stroke of {} rows, {} to {} s", self.file.display(), times.len(), series.start_s(), series.end_s());
+        say!();
         let steps = times.windows(2).map(|t| t[1] - t[0]);
         let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-        println!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
+        say!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
         let range =
             |values: &[f64]| values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
         if let Some(force) = &series.force {
             let (low, high) = range(force.forces_n());
-            println!("  force     {low:.4} to {high:.4} N");
+            say!("  force     {low:.4} to {high:.4} N");
         }
         if let Some(position) = &series.position {
             let (low, high) = range(position.positions_m());
-            println!("  position  {:.4} to {:.4} mm", low * 1e3, high * 1e3);
+            say!("  position  {:.4} to {:.4} mm", low * 1e3, high * 1e3);
+        }
+        if let Some(head) = &series.hammer_head {
+            let (low, high) = range(head.positions_m());
+            say!("  hammer    {:.4} to {:.4} mm", low * 1e3, high * 1e3);
         }
         Ok(())
     }

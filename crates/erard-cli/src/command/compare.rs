@@ -5,21 +5,22 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use erard::compare::{Comparison, DRIVES, Driven, Trial, Which, compare};
+use erard::compare::{Comparison, DRIVES, Driven, Errors, Trial, Which, compare};
 use erard::simulation::Setup;
 use erard::stroke::Series;
 use serde::Serialize;
 
-use super::options::{StepOptions, load_instrument};
+use super::options::{StepOptions, check, load_instrument};
 use crate::failure::Failure;
 use crate::figure::{Curve, Dash, Figure, Layout, PALETTE, Panel, Window, figure_svg, png_from_svg};
 use crate::output::Output;
 use crate::progress::Progress;
+use crate::say;
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
 #[derive(Debug, Args)]
 pub struct Compare {
-    /// Measured series: CSV with `time_s` and `force_N` and/or `position_m` (down is positive)
+    /// Measured series: CSV with `time_s` and `force_N` and/or `position_m` (down is positive), `hammer_head_m` if it was measured too
     #[arg(value_name = "MEASURED.csv")]
     file: PathBuf,
     /// Instrument: a TOML file, or the name of a built-in one
@@ -39,7 +40,7 @@ impl Compare {
         let series = Series::load(&self.file)?;
         let instrument = load_instrument(&self.instrument)?;
         let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None };
-        setup.check()?;
+        check(&setup)?;
         let mut output = Output::prepare(&self.out)?;
         let mut progress = Progress::new("comparing");
         let comparison = compare(&instrument, &series, &setup, &mut |share| progress.tell(share))?;
@@ -57,33 +58,54 @@ impl Compare {
         output.stage("compare.png", |w| w.write_all(&png))?;
         output.commit()?;
 
-        println!("{title} beside {}", instrument.name);
-        println!();
+        say!("{title} beside {}", instrument.name);
+        say!();
         print_table(&comparison);
         for verdict in comparison.verdicts() {
-            println!("{verdict}");
+            say!("{verdict}");
         }
-        println!();
-        println!("Written to {}: compare.csv, compare.json, compare.svg, compare.png", self.out.display());
+        say!();
+        say!("Written to {}: compare.csv, compare.json, compare.svg, compare.png", self.out.display());
         Ok(())
     }
 }
 
-/// What comes out of a drive, the factor to the unit that is shown, and that unit.
-fn outcome(driven: Driven) -> (&'static str, f64, &'static str) {
-    match driven {
-        Driven::ByForce => ("position", 1e3, "mm"),
-        Driven::ByMotion | Driven::Rigidly => ("force", 1.0, "N"),
+/// One quantity of a trial, held against what was measured.
+struct Finding<'a> {
+    trial: &'a Trial,
+    quantity: &'static str,
+    /// SI unit.
+    unit: &'static str,
+    /// Factor to the unit that is shown, and that unit.
+    shown: (f64, &'static str),
+    errors: Option<&'a Errors>,
+}
+
+/// What came out of every trial, and the hammer where it was measured.
+fn findings(c: &Comparison) -> Vec<Finding<'_>> {
+    let mut findings = Vec::new();
+    for trial in &c.trials {
+        let length = ("m", (1e3, "mm"));
+        let (quantity, (unit, shown)) = match trial.driven {
+            Driven::ByForce => ("position", length),
+            Driven::ByMotion | Driven::Rigidly => ("force", ("N", (1.0, "N"))),
+        };
+        findings.push(Finding { trial, quantity, unit, shown, errors: trial.errors.as_ref() });
+        if let Some(errors) = &trial.hammer_errors {
+            let (unit, shown) = length;
+            findings.push(Finding { trial, quantity: "hammer", unit, shown, errors: Some(errors) });
+        }
     }
+    findings
 }
 
 fn print_table(comparison: &Comparison) {
-    println!("  drive   model     of         rms          of range   largest      explained  correlation  delay");
-    for trial in &comparison.trials {
-        let (what, factor, unit) = outcome(trial.driven);
-        let start = format!("  {:<7} {:<9} {what:<9}", trial.driven.name(), trial.which.name());
-        match &trial.errors {
-            Some(e) => println!(
+    let findings = findings(comparison);
+    say!("  drive   model     of         rms          of range   largest      explained  correlation  delay");
+    for Finding { trial, quantity, shown: (factor, unit), errors, .. } in &findings {
+        let start = format!("  {:<7} {:<9} {quantity:<9}", trial.driven.name(), trial.which.name());
+        match errors {
+            Some(e) => say!(
                 "{start}  {:>7.4} {unit:<3}  {:>7.2} %  {:>7.4} {unit:<3}  {:>7.2} %  {:>10.5}  {:>6.2} ms",
                 e.rms * factor,
                 e.rms_of_range * 100.0,
@@ -92,28 +114,25 @@ fn print_table(comparison: &Comparison) {
                 e.correlation,
                 e.delay_s * 1e3
             ),
-            None => println!("{start}  not measured"),
+            None => say!("{start}  not measured"),
         }
     }
-    println!();
-    if comparison.trials.iter().any(|t| t.errors.is_some()) {
-        println!("  error by frequency (rms; in brackets, of what was measured in the band)");
-        for trial in &comparison.trials {
-            let Some(errors) = &trial.errors else { continue };
-            let (_, factor, unit) = outcome(trial.driven);
-            print!("  {:<7} {:<9}", trial.driven.name(), trial.which.name());
+    say!();
+    if findings.iter().any(|f| f.errors.is_some()) {
+        say!("  error by frequency (rms; in brackets, of what was measured in the band)");
+        for Finding { trial, quantity, shown: (factor, unit), errors, .. } in &findings {
+            let Some(errors) = errors else { continue };
+            let mut line = format!("  {:<7} {:<9} {quantity:<9}", trial.driven.name(), trial.which.name());
             for band in &errors.bands {
                 let share = 100.0 * band.error_rms / band.measured_rms.max(f64::MIN_POSITIVE);
-                print!(
-                    "  {:.0}-{:.0} Hz {:.4} {unit} ({share:.1} %)",
-                    band.from_hz,
-                    band.to_hz,
-                    band.error_rms * factor
-                );
+                // A band in which next to nothing was measured has no share worth reading.
+                let share = if share < 1e3 { format!("{share:.1} %") } else { "> 1000 %".to_owned() };
+                let error = band.error_rms * factor;
+                line += &format!("  {:.0}-{:.0} Hz {error:.4} {unit} ({share})", band.from_hz, band.to_hz);
             }
-            println!();
+            say!("{line}");
         }
-        println!();
+        say!();
     }
 }
 
@@ -125,10 +144,16 @@ fn write_csv(c: &Comparison, writer: &mut dyn Write) -> std::io::Result<()> {
     if let Some(position) = &c.measured_position_m {
         columns.push(("measured_position_m".into(), position));
     }
+    if let Some(hammer) = &c.measured_hammer_m {
+        columns.push(("measured_hammer_head_m".into(), hammer));
+    }
     for t in &c.trials {
         let stem = format!("{}_{}", t.driven.name(), t.which.name().replace('-', "_"));
         columns.push((format!("{stem}_force_N"), &t.force_n));
         columns.push((format!("{stem}_key_m"), &t.key_m));
+        if !t.hammer_m.is_empty() {
+            columns.push((format!("{stem}_hammer_head_m"), &t.hammer_m));
+        }
     }
     crate::table::write_columns(&columns, c.time_s.len(), writer)
 }
@@ -138,11 +163,11 @@ struct Report {
     measured: String,
     instrument: String,
     verdicts: Vec<String>,
-    trials: Vec<TrialReport>,
+    findings: Vec<FindingReport>,
 }
 
 #[derive(Serialize)]
-struct TrialReport {
+struct FindingReport {
     drive: &'static str,
     model: &'static str,
     quantity: &'static str,
@@ -176,18 +201,14 @@ impl Report {
             measured: measured.into(),
             instrument: instrument.into(),
             verdicts: c.verdicts(),
-            trials: c.trials.iter().map(TrialReport::new).collect(),
+            findings: findings(c).iter().map(FindingReport::new).collect(),
         }
     }
 }
 
-impl TrialReport {
-    fn new(t: &Trial) -> Self {
-        let (quantity, unit) = match t.driven {
-            Driven::ByForce => ("position", "m"),
-            Driven::ByMotion | Driven::Rigidly => ("force", "N"),
-        };
-        let errors = t.errors.as_ref().map(|e| ErrorsReport {
+impl FindingReport {
+    fn new(f: &Finding) -> Self {
+        let errors = f.errors.map(|e| ErrorsReport {
             rms: e.rms,
             rms_of_range: e.rms_of_range,
             largest: e.largest,
@@ -205,8 +226,17 @@ impl TrialReport {
                 })
                 .collect(),
         });
-        TrialReport { drive: t.driven.name(), model: t.which.name(), quantity, unit, errors }
+        let (drive, model) = (f.trial.driven.name(), f.trial.which.name());
+        FindingReport { drive, model, quantity: f.quantity, unit: f.unit, errors }
     }
+}
+
+/// The range of some curves and half as much again on both sides.
+fn widened(curves: &[Curve]) -> (f64, f64) {
+    let values = || curves.iter().flat_map(|c| c.y.iter().copied());
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let margin = (0.5 * (high - low)).max(1e-6);
+    (low - margin, high + margin)
 }
 
 /// Measured in black, the action in orange, one degree of freedom in blue.
@@ -237,10 +267,28 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
             curves.push(curve("measured", measured, PALETTE[6], Dash::Solid));
         }
         curves.push(curve("action", shown(action), PALETTE[1], Dash::Solid));
+        // Where the simple model is far off it may leave the frame, so that the others can be read.
+        let y_range = Some(widened(&curves));
         curves.push(curve("one degree of freedom", shown(one_dof), PALETTE[0], Dash::Dashed));
         panels.push(Panel {
             quantity: quantity.into(),
             unit,
+            height_px: 260.0,
+            layout: Layout::Together,
+            y_range,
+            curves,
+        });
+    }
+    if let Some(measured) = &c.measured_hammer_m {
+        let mut curves = vec![curve("measured", in_mm(measured), PALETTE[6], Dash::Solid)];
+        for (n, trial) in c.trials.iter().filter(|t| !t.hammer_m.is_empty()).enumerate() {
+            let how = if trial.driven == Driven::Rigidly { "rigidly" } else { trial.driven.name() };
+            let (label, colour) = (format!("action, {how} driven"), PALETTE[1 + n]);
+            curves.push(curve(&label, in_mm(&trial.hammer_m), colour, Dash::Solid));
+        }
+        panels.push(Panel {
+            quantity: "hammer".into(),
+            unit: "mm",
             height_px: 260.0,
             layout: Layout::Together,
             y_range: None,

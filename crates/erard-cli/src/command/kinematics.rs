@@ -15,6 +15,7 @@ use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::summary::Summary;
 use crate::kinematics::{Shown, figures, table};
 use crate::output::Output;
+use crate::say;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -145,13 +146,12 @@ impl Kinematics {
         }
         let written = output.commit()?;
 
-        println!("{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
-        println!();
-        print!("{summary}");
-        println!();
+        say!("{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
+        say!();
+        say!("{summary}");
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        println!("Written to {}: {}", self.out.display(), names.join(", "));
+        say!("Written to {}: {}", self.out.display(), names.join(", "));
         if unreached.is_empty() { Ok(()) } else { Err(Failure::Reach(unreached.join("\nerror: "))) }
     }
 
@@ -230,16 +230,16 @@ impl Kinematics {
             let mechanism =
                 levers.linkage(Drive::Key).assemble().map_err(|error| Failure::Internal(error.to_string()))?;
             if self.latex {
-                print!("{}", latex_align(mechanism.equations()));
+                say!("{}", latex_align(mechanism.equations()));
                 return Ok(());
             }
-            println!("{title}: angles k (given), w, h of key, whippen, hammer; slidings S1 (capstan), S2 (knuckle)");
-            println!();
+            say!("{title}: angles k (given), w, h of key, whippen, hammer; slidings S1 (capstan), S2 (knuckle)");
+            say!();
             for equation in mechanism.equations() {
-                println!("  {equation}");
+                say!("  {equation}");
             }
-            println!();
-            println!("  with {}", constants(mechanism.linkage()));
+            say!();
+            say!("  with {}", constants(mechanism.linkage()));
             Ok(())
         };
         if self.linkage.is_none() && self.instrument.is_none() {
@@ -247,7 +247,7 @@ impl Kinematics {
             let file = LinkageFile::builtin("c7f-like")
                 .ok_or_else(|| Failure::Internal("the built-in linkage cannot be read".into()))?;
             print(&file.name, &Levers::from(file.levers))?;
-            println!();
+            say!();
         }
         let subject = self.subject()?;
         print(&subject.design.name, &subject.design.levers)

@@ -4,8 +4,10 @@ mod check;
 mod compare;
 mod draw;
 mod kinematics;
+mod measure;
 mod options;
 mod press;
+mod regulate;
 mod reproduce;
 
 use std::process::ExitCode;
@@ -30,6 +32,10 @@ enum Sub {
     Draw(Box<draw::Draw>),
     /// Shows leverage and sliding over the key's travel, from the geometry alone.
     Kinematics(Box<kinematics::Kinematics>),
+    /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
+    Measure(measure::Measure),
+    /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
+    Regulate(Box<regulate::Regulate>),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
@@ -38,7 +44,8 @@ enum Sub {
     Reproduce(reproduce::Reproduce),
 }
 
-/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else.
+/// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
+/// (goals of `regulate` that cannot be met, among it).
 pub fn run() -> ExitCode {
     let command = Command::parse();
     listen_for_interrupts();
@@ -46,6 +53,8 @@ pub fn run() -> ExitCode {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
+        Sub::Measure(measure) => measure.run(),
+        Sub::Regulate(regulate) => regulate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use erard::instrument::Instrument;
 use erard::one_dof;
+use erard::simulation::{Setup, SimulationError};
 use erard::stroke::{Cursor, Series, Touch};
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -53,16 +54,35 @@ impl InstrumentOption {
 
 /// An instrument by file or by name.
 pub fn load_instrument(file_or_name: &str) -> Result<Instrument, Failure> {
-    let path = Path::new(file_or_name);
-    if path.exists() || path.extension().is_some() || path.components().count() > 1 {
-        return Ok(Instrument::load(path)?);
+    match instrument_path(file_or_name) {
+        Some(path) => Ok(Instrument::load(path)?),
+        None => Ok(builtin_instrument(file_or_name)?.0),
     }
-    Instrument::builtin(file_or_name).ok_or_else(|| {
+}
+
+/// An instrument by file or by name, with the text it was read from.
+pub fn load_instrument_and_text(file_or_name: &str) -> Result<(Instrument, String), Failure> {
+    let Some(path) = instrument_path(file_or_name) else {
+        let (instrument, text) = builtin_instrument(file_or_name)?;
+        return Ok((instrument, text.to_owned()));
+    };
+    let instrument = Instrument::load(path)?;
+    // It has just been read as UTF-8.
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", path.display())))?;
+    Ok((instrument, text))
+}
+
+/// The path of an instrument file; `None` where a name is meant.
+pub fn instrument_path(file_or_name: &str) -> Option<&Path> {
+    let path = Path::new(file_or_name);
+    (path.exists() || path.extension().is_some() || path.components().count() > 1).then_some(path)
+}
+
+fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure> {
+    Instrument::builtin(name).zip(Instrument::builtin_text(name)).ok_or_else(|| {
         let names: Vec<&str> = Instrument::builtin_names().collect();
-        Failure::Usage(format!(
-            "there is no file and no built-in instrument `{file_or_name}` (built in: {})",
-            names.join(", ")
-        ))
+        Failure::Usage(format!("there is no file and no built-in instrument `{name}` (built in: {})", names.join(", ")))
     })
 }
 
@@ -239,6 +259,18 @@ enum FrictionName {
     SetValued,
     /// Regularised by tanh: creeps
     Tanh,
+}
+
+/// Checks a setup whose numbers came from the command line, so that an error names the option.
+pub fn check(setup: &Setup) -> Result<(), Failure> {
+    let Err(error) = setup.check() else { return Ok(()) };
+    let option = match error {
+        SimulationError::Step { .. } => "--dt",
+        SimulationError::Theta { .. } => "--theta",
+        SimulationError::Duration { .. } => "--duration",
+        _ => return Err(error.into()),
+    };
+    Err(Failure::Usage(format!("{option}: {error}")))
 }
 
 impl StepOptions {

@@ -9,12 +9,13 @@ use erard::run::Run;
 use erard::simulation::{Drive, Setup, simulate};
 use erard::stroke::Cursor;
 
-use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions};
+use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use crate::failure::Failure;
 use crate::figure::{png_from_svg, run_svg};
 use crate::output::Output;
 use crate::page::page_html;
 use crate::progress::Progress;
+use crate::say;
 use crate::summary::Summary;
 use crate::table;
 
@@ -50,7 +51,7 @@ impl Press {
             duration_s: self.duration.unwrap_or(stroke.duration_s),
             record_every: self.record_every,
         };
-        setup.check()?;
+        check(&setup)?;
         let mut output = Output::prepare(&self.out)?;
         let run = play(&instrument, &stroke, &setup)?;
         let summary =
@@ -67,13 +68,12 @@ impl Press {
         output.stage("run.html", |w| w.write_all(page.as_bytes()))?;
         let written = output.commit()?;
 
-        println!("{} - {} ({} driven)", run.instrument, stroke.title, stroke.drive.name());
-        println!();
-        print!("{summary}");
-        println!();
+        say!("{} - {} ({} driven)", run.instrument, stroke.title, stroke.drive.name());
+        say!();
+        say!("{summary}");
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        println!("Written to {}: {}", self.out.display(), names.join(", "));
+        say!("Written to {}: {}", self.out.display(), names.join(", "));
         Ok(())
     }
 }

@@ -12,7 +12,8 @@ pub(crate) fn floats(values: impl Iterator<Item = f64>) -> String {
     encode(&bytes)
 }
 
-fn encode(bytes: &[u8]) -> String {
+/// Bytes in base64.
+pub(crate) fn encode(bytes: &[u8]) -> String {
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
         let word =

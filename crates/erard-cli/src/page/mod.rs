@@ -3,7 +3,7 @@
 //! The page holds no physics. Poses and forces are the run's; the script turns outlines, joins frames by straight lines
 //! and draws arrows.
 
-mod base64;
+pub(crate) mod base64;
 mod data;
 mod frames;
 

@@ -78,6 +78,10 @@ pub struct Trial {
     pub force_n: Vec<f64>,
     /// What came out against what was measured (position in m, force in N); `None` where the file holds no such series.
     pub errors: Option<Errors>,
+    /// Rise of the hammer's strike point, m; empty for a model without a hammer.
+    pub hammer_m: Vec<f64>,
+    /// The same against what was measured, where both exist.
+    pub hammer_errors: Option<Errors>,
 }
 
 /// A measured stroke and the runs beside it.
@@ -89,6 +93,8 @@ pub struct Comparison {
     pub measured_force_n: Option<Vec<f64>>,
     /// Measured position, m.
     pub measured_position_m: Option<Vec<f64>>,
+    /// Measured rise of the hammer's strike point, m.
+    pub measured_hammer_m: Option<Vec<f64>>,
     /// In the order of [`DRIVES`], the action before the one-degree-of-freedom model.
     pub trials: Vec<Trial>,
 }
@@ -155,6 +161,10 @@ pub fn compare(
     let measured_force_n: Option<Vec<f64>> = series.force.as_ref().map(|_| time_s.iter().map(|&t| force(t)).collect());
     let measured_position_m: Option<Vec<f64>> =
         series.position.as_ref().map(|_| time_s.iter().map(|&t| position(t)[0]).collect());
+    let measured_hammer_m: Option<Vec<f64>> = series.hammer_head.as_ref().map(|s| {
+        let mut cursor = Cursor::default();
+        time_s.iter().map(|&t| s.at(t, &mut cursor).0).collect()
+    });
 
     let setup = Setup { start_s, duration_s: duration_s + 2.0 * setup.settings.step, record_every: Some(1), ..*setup };
     let mut plan = Vec::new();
@@ -183,9 +193,15 @@ pub fn compare(
             Driven::ByForce => measured_position_m.as_ref().map(|m| Errors::new(m, &key_m)),
             Driven::ByMotion | Driven::Rigidly => measured_force_n.as_ref().map(|m| Errors::new(m, &force_n)),
         };
-        trials.push(Trial { driven, which, key_m, force_n, errors });
+        let hammer_m = match model.roles.hammer {
+            Some(_) => sample(&run.time_s, &run.hammer_head_m, &time_s),
+            None => Vec::new(),
+        };
+        let hammer_errors =
+            measured_hammer_m.as_ref().filter(|_| !hammer_m.is_empty()).map(|m| Errors::new(m, &hammer_m));
+        trials.push(Trial { driven, which, key_m, force_n, errors, hammer_m, hammer_errors });
     }
-    Ok(Comparison { time_s, measured_force_n, measured_position_m, trials })
+    Ok(Comparison { time_s, measured_force_n, measured_position_m, measured_hammer_m, trials })
 }
 
 impl Comparison {
@@ -207,22 +223,29 @@ impl Comparison {
                 continue;
             };
             let name = driven.name();
-            let (Some(a), Some(o)) = (&action.errors, &one_dof.errors) else {
-                verdicts.push(format!(
+            verdicts.push(match (&action.errors, &one_dof.errors) {
+                (Some(a), Some(o)) => {
+                    let nearer = match a.rms / o.rms.max(f64::MIN_POSITIVE) {
+                        r if r < 0.9 => "the action is nearer",
+                        r if r > 1.1 => "the one-degree-of-freedom model is nearer",
+                        _ => "both are equally near",
+                    };
+                    format!(
+                        "{name} driven: the action explains {:.1} % of the {what}'s variance, one degree of freedom {:.1} %: {nearer}",
+                        100.0 * a.explained,
+                        100.0 * o.explained,
+                    )
+                }
+                _ => format!(
                     "{name} driven: the file has no column `{missing}`, so that the {what} that comes out stands alone"
+                ),
+            });
+            if let Some(hammer) = &action.hammer_errors {
+                verdicts.push(format!(
+                    "{name} driven: the action explains {:.1} % of the hammer's variance",
+                    100.0 * hammer.explained
                 ));
-                continue;
-            };
-            let nearer = match a.rms / o.rms.max(f64::MIN_POSITIVE) {
-                r if r < 0.9 => "the action is nearer",
-                r if r > 1.1 => "the one-degree-of-freedom model is nearer",
-                _ => "both are equally near",
-            };
-            verdicts.push(format!(
-                "{name} driven: the action explains {:.1} % of the {what}'s variance, one degree of freedom {:.1} %: {nearer}",
-                100.0 * a.explained,
-                100.0 * o.explained,
-            ));
+            }
         }
         verdicts
     }

@@ -7,7 +7,7 @@ use super::format::{
     BodyToml, DiscToml, FORMAT, FeltToml, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml,
     SpringToml, ZoneToml,
 };
-use super::quantity::At;
+use super::quantity::{At, Num, Real};
 use super::reader::{
     G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name,
 };
@@ -343,43 +343,34 @@ fn zone_indices(names: &[At<String>], instrument: &Instrument) -> Result<Vec<usi
 fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<Screw, Fault> {
     let name = new_name(&table.name, "screw", instrument.screws.iter().map(|screw| screw.name.as_str()))?;
     let label = table.label.clone().unwrap_or_else(|| name.replace('_', " "));
-    let needs = |key: &str, expected: &str| Fault::missing(table.span(), key, expected);
-    let misplaced = |span: Range<usize>, with: &str| {
-        Fault::at(span, format!("this key does not go with `{with}`"), "a screw with `zone` or with `spring`, not both")
-    };
     let (action, setting, setting_span) = match (&table.zone, &table.spring) {
         (Some(zone), None) => {
             if let Some(setting) = &table.setting_n_m {
-                return Err(misplaced(setting.span(), "zone"));
+                return Err(misplaced(setting.span(), "`zone`"));
             }
             let zone = zone_index(zone, instrument)?;
-            let side = table.side.as_ref().ok_or_else(|| needs("side", "\"disc\" or \"curve\""))?;
-            let direction =
-                table.direction.as_ref().ok_or_else(|| needs("direction", "the direction of a positive setting"))?;
-            let direction = reader.direction(direction)?;
-            let setting = table.setting_mm.as_ref().ok_or_else(|| needs("setting_mm", "a length, 0 as drawn"))?;
-            let action = match **side {
-                ScrewSide::Disc => ScrewAction::Disc { zone, direction },
-                ScrewSide::Curve => ScrewAction::Curve { zone, direction },
-            };
-            (action, reader.scalar(setting, LENGTH_MM)? / MM_PER_M, setting.value_span())
+            match &table.setting_deg {
+                Some(setting) => read_turned(table, zone, setting, reader, instrument)?,
+                None => read_moved(table, zone, reader)?,
+            }
         }
         (None, Some(spring)) => {
             let misfit = [
                 table.side.as_ref().map(At::span),
                 table.direction.as_ref().map(At::span),
                 table.setting_mm.as_ref().map(At::span),
+                table.setting_deg.as_ref().map(At::span),
             ];
             if let Some(span) = misfit.into_iter().flatten().next() {
-                return Err(misplaced(span, "spring"));
+                return Err(misplaced(span, "`spring`"));
             }
             let spring = index_of(spring, "spring", instrument.springs.iter().map(|spring| spring.name.as_str()))?;
-            let setting = table.setting_n_m.as_ref().ok_or_else(|| needs("setting_N_m", "a torque, 0 as drawn"))?;
+            let setting = needed(table, table.setting_n_m.as_ref(), "setting_N_m", "a torque, 0 as drawn")?;
             let turned = reader.scalar(setting, Limits::symmetric(1e6, "N m"))?;
             (ScrewAction::Spring { spring }, turned, setting.value_span())
         }
-        (Some(_), Some(spring)) => return Err(misplaced(spring.span(), "zone")),
-        (None, None) => return Err(needs("zone", "`zone` or `spring`: what the screw turns")),
+        (Some(_), Some(spring)) => return Err(misplaced(spring.span(), "`zone`")),
+        (None, None) => return Err(Fault::missing(table.span(), "zone", "`zone` or `spring`: what the screw turns")),
     };
     if !instrument.shift(&action, setting) {
         return Err(Fault::at(
@@ -389,6 +380,58 @@ fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut I
         ));
     }
     Ok(Screw { name, label, action, setting })
+}
+
+/// A screw that moves one side of a zone: its action, its setting (m), and where that stands.
+fn read_moved(
+    table: &At<ScrewToml>,
+    zone: usize,
+    reader: &mut Reader<'_>,
+) -> Result<(ScrewAction, f64, Range<usize>), Fault> {
+    let side = needed(table, table.side.as_ref(), "side", "\"disc\" or \"curve\"")?;
+    let direction = needed(table, table.direction.as_ref(), "direction", "the direction of a positive setting")?;
+    let direction = reader.direction(direction)?;
+    let expected = "a length, 0 as drawn (or `setting_deg`, an angle)";
+    let setting = needed(table, table.setting_mm.as_ref(), "setting_mm", expected)?;
+    let action = match **side {
+        ScrewSide::Disc => ScrewAction::Disc { zone, direction },
+        ScrewSide::Curve => ScrewAction::Curve { zone, direction },
+    };
+    Ok((action, reader.scalar(setting, LENGTH_MM)? / MM_PER_M, setting.value_span()))
+}
+
+/// A screw that turns a zone's curve: its action, its setting (rad), and where that stands.
+fn read_turned(
+    table: &At<ScrewToml>,
+    zone: usize,
+    setting: &Num<Real>,
+    reader: &mut Reader<'_>,
+    instrument: &Instrument,
+) -> Result<(ScrewAction, f64, Range<usize>), Fault> {
+    let misfit = [table.direction.as_ref().map(At::span), table.setting_mm.as_ref().map(At::span)];
+    if let Some(span) = misfit.into_iter().flatten().next() {
+        return Err(misplaced(span, "`setting_deg`"));
+    }
+    let side = needed(table, table.side.as_ref(), "side", "\"curve\"")?;
+    if **side == ScrewSide::Disc || matches!(instrument.zones[zone].curve, Curve::Disc { .. }) {
+        let message = "a disc looks the same whichever way it is turned";
+        return Err(Fault::at(side.span(), message, "\"curve\", of a zone with a line or a segment"));
+    }
+    let turned = reader.scalar(setting, Limits::symmetric(90.0, "degrees"))?.to_radians();
+    Ok((ScrewAction::Turn { zone }, turned, setting.value_span()))
+}
+
+fn needed<'t, T>(table: &At<ScrewToml>, value: Option<&'t T>, key: &str, expected: &str) -> Result<&'t T, Fault> {
+    value.ok_or_else(|| Fault::missing(table.span(), key, expected))
+}
+
+/// A key of a screw that belongs to another kind of screw.
+fn misplaced(span: Range<usize>, with: &str) -> Fault {
+    Fault::at(
+        span,
+        format!("this key does not go with {with}"),
+        "a screw that moves a `zone` (setting_mm), turns it (setting_deg), or tightens a `spring` (setting_N_m)",
+    )
 }
 
 fn read_part(table: &At<PartToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Part, Fault> {

@@ -242,8 +242,8 @@ pub(crate) struct OneDofToml {
     pub stops: Vec<At<String>>,
 }
 
-/// A regulating screw: moves one side of a zone (`zone`, `side`, `direction`, `setting_mm`) or adds to a spring's torque
-/// (`spring`, `setting_N_m`).
+/// A regulating screw: moves one side of a zone (`zone`, `side`, `direction`, `setting_mm`), turns its curve (`zone`, `side`,
+/// `setting_deg`), or adds to a spring's torque (`spring`, `setting_N_m`).
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Screw")]
@@ -261,6 +261,9 @@ pub(crate) struct ScrewToml {
     pub direction: Option<Num<Pair>>,
     /// How far it is turned from the drawn geometry, mm.
     pub setting_mm: Option<Num<Real>>,
+    /// How far the curve is turned from the drawn geometry, degrees counter-clockwise: a line about its `point_mm`, a segment
+    /// about its middle.
+    pub setting_deg: Option<Num<Real>>,
     /// The spring that it tightens.
     pub spring: Option<At<String>>,
     /// Torque added to the spring, N m; positive tightens it, whatever the sign of its torque.

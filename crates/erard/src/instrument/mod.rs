@@ -5,7 +5,8 @@
 //! in that frame, all geometry on the ground in the world frame.
 //!
 //! `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
-//! `provenance` keeps where every number comes from, and `regulation` turns the screws.
+//! `provenance` keeps where every number comes from, `screws` turns the regulating screws, and `rewrite` puts their settings
+//! back into the file.
 
 mod convert;
 pub(crate) mod error;
@@ -15,13 +16,15 @@ pub(crate) mod locate;
 pub(crate) mod provenance;
 pub(crate) mod quantity;
 pub(crate) mod reader;
-mod regulation;
+mod rewrite;
 pub(crate) mod schema;
+mod screws;
 pub(crate) mod serde_fault;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES};
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
+pub use rewrite::RewriteError;
 pub use schema::json_schema;
 
 /// Most bodies of an instrument: the engine's capacity.
@@ -208,7 +211,7 @@ pub struct Screw {
     pub label: String,
     /// What it turns.
     pub action: ScrewAction,
-    /// How far it is turned from the drawn geometry, in the action's own unit (m or N m).
+    /// How far it is turned from the drawn geometry, in the action's own unit (m, rad or N m).
     pub setting: f64,
 }
 
@@ -228,6 +231,11 @@ pub enum ScrewAction {
         zone: usize,
         /// Unit direction of a positive setting.
         direction: Vec2,
+    },
+    /// Turns side B's curve by `setting` radians, counter-clockwise: a line about its point, a segment about its middle.
+    Turn {
+        /// Zone.
+        zone: usize,
     },
     /// Adds `setting` N m, times the sign of the spring's own torque, to a spring's torque.
     Spring {

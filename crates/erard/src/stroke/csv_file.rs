@@ -1,7 +1,7 @@
 //! Reading strokes from CSV: a header, then one row per instant.
 //!
-//! Columns `time_s` and `force_N` and/or `position_m`, in any order, among others that are ignored (a run's own
-//! `run.csv` is a stroke file too). Comma-separated; sampling may be uneven; lines that start with `#` are comments.
+//! Columns `time_s` and `force_N` and/or `position_m`, and `hammer_head_m` where the hammer was measured too, in any order,
+//! among others that are ignored (a run's own `run.csv` is a stroke file too). Comma-separated; sampling may be uneven; lines that start with `#` are comments.
 
 use std::fs::File;
 use std::io::Read;
@@ -39,6 +39,7 @@ const FORCE: Column =
     Column { name: "force_N", stem: "force", largest: MAX_FORCE_N, hint: "newtons, at most 10000 (another unit?)" };
 const POSITION: Column =
     Column { name: "position_m", stem: "position", largest: MAX_POSITION_M, hint: "metres, at most 1 (millimetres?)" };
+const HAMMER: Column = Column { name: "hammer_head_m", stem: "hammer_head", ..POSITION };
 
 impl Series {
     /// Reads a stroke file from disk.
@@ -77,7 +78,7 @@ impl Series {
         let header_place = rows.place().clone();
         let mut first_row_place = None;
 
-        let (mut times, mut forces, mut positions) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut times, mut forces, mut positions, mut heads) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         while let Some(row) = rows.next()? {
             if times.len() == MAX_ROWS {
                 let expected = format!("at most {MAX_ROWS} rows: cut the recording or sample it more coarsely");
@@ -99,6 +100,9 @@ impl Series {
             if let Some(index) = header.position {
                 positions.push(number(row, index, &POSITION)?);
             }
+            if let Some(index) = header.hammer {
+                heads.push(number(row, index, &HAMMER)?);
+            }
         }
         if times.len() < 2 {
             let (place, message) = match first_row_place {
@@ -109,15 +113,16 @@ impl Series {
         }
         // The rows are checked: what the interpolants could still refuse belongs to no line.
         let refused = |error: SampleError| header_place.whole_file(error.to_string(), "");
-        let position = match header.position {
-            Some(_) => Some(PositionSeries::new(times.clone(), positions).map_err(refused)?),
-            None => None,
+        let path = |index: Option<usize>, values| match index {
+            Some(_) => PositionSeries::new(times.clone(), values).map(Some).map_err(refused),
+            None => Ok(None),
         };
+        let (position, hammer_head) = (path(header.position, positions)?, path(header.hammer, heads)?);
         let force = match header.force {
             Some(_) => Some(ForceSeries::new(times, forces).map_err(refused)?),
             None => None,
         };
-        Ok(Self { force, position })
+        Ok(Self { force, position, hammer_head })
     }
 }
 
@@ -126,6 +131,7 @@ struct Header {
     time: usize,
     force: Option<usize>,
     position: Option<usize>,
+    hammer: Option<usize>,
     width: usize,
 }
 
@@ -154,7 +160,7 @@ impl Header {
                 },
             }
         };
-        let (time, force, position) = (find(&TIME)?, find(&FORCE)?, find(&POSITION)?);
+        let (time, force, position, hammer) = (find(&TIME)?, find(&FORCE)?, find(&POSITION)?, find(&HAMMER)?);
         let Some(time) = time else {
             return Err(row.place.fault(TIME.name, "this column is missing", all_names(), "a header with `time_s`"));
         };
@@ -162,7 +168,7 @@ impl Header {
             let expected = "`force_N`, `position_m` or both beside `time_s`";
             return Err(row.place.fault(FORCE.name, "there is neither force nor position", all_names(), expected));
         }
-        Ok(Self { time, force, position, width: names.len() })
+        Ok(Self { time, force, position, hammer, width: names.len() })
     }
 }
 

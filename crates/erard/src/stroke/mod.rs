@@ -26,6 +26,8 @@ pub struct Series {
     pub force: Option<ForceSeries>,
     /// Interpolated position, when the series has one.
     pub position: Option<PositionSeries>,
+    /// Interpolated rise of the hammer's strike point from rest, up positive, when it was measured too: it drives nothing.
+    pub hammer_head: Option<PositionSeries>,
 }
 
 impl Series {

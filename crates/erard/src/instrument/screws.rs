@@ -1,6 +1,6 @@
 //! Turning the regulating screws of an instrument that is already in SI units.
 
-use super::{Curve, Instrument, ScrewAction};
+use super::{Curve, Instrument, ScrewAction, Vec2};
 
 impl Instrument {
     /// Index of the screw called `name`.
@@ -8,7 +8,8 @@ impl Instrument {
         self.screws.iter().position(|screw| screw.name == name)
     }
 
-    /// Turns screw number `screw` to `setting`, counted from the drawn geometry: metres, or newton metres for a spring.
+    /// Turns screw number `screw` to `setting`, counted from the drawn geometry: metres, radians for a
+    /// curve that turns, newton metres for a spring.
     ///
     /// Returns whether it could be done. It cannot when there is no such screw, when `setting` is not finite, or when it
     /// would turn a spring's torque around; the instrument is then unchanged.
@@ -25,7 +26,7 @@ impl Instrument {
         true
     }
 
-    /// Moves what a screw moves by `by` (m or N m); `false`, and nothing moved, when a spring would change its side.
+    /// Moves what a screw moves by `by` (m, rad or N m); `false`, and nothing moved, when a spring would change its side.
     pub(crate) fn shift(&mut self, action: &ScrewAction, by: f64) -> bool {
         let moved = |point: &mut [f64; 2], direction: [f64; 2]| {
             point[0] += by * direction[0];
@@ -41,6 +42,18 @@ impl Instrument {
                 }
                 Curve::Disc { center_m, .. } => moved(center_m, direction),
             },
+            // About a point of the curve itself, so that moving and turning the same curve can be done in any order.
+            ScrewAction::Turn { zone } => match &mut self.zones[zone].curve {
+                Curve::Line { normal, .. } => *normal = turned_by(*normal, by),
+                Curve::Segment { from_m, to_m, .. } => {
+                    let middle = [0.5 * (from_m[0] + to_m[0]), 0.5 * (from_m[1] + to_m[1])];
+                    for end in [from_m, to_m] {
+                        let [x, y] = turned_by([end[0] - middle[0], end[1] - middle[1]], by);
+                        *end = [middle[0] + x, middle[1] + y];
+                    }
+                }
+                Curve::Disc { .. } => {}
+            },
             ScrewAction::Spring { spring } => {
                 let torque = &mut self.springs[spring].torque_n_m;
                 let tightened = *torque + by * torque.signum();
@@ -52,4 +65,10 @@ impl Instrument {
         }
         true
     }
+}
+
+/// A direction turned counter-clockwise by an angle, rad.
+fn turned_by([x, y]: Vec2, angle: f64) -> Vec2 {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
 }

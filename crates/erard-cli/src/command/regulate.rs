@@ -1,0 +1,208 @@
+//! `erard regulate`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use erard::regulate::{Goal, Regulated, Specification, Status, regulate};
+use erard::regulation::Protocol;
+
+use super::options::{instrument_path, load_instrument_and_text};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::regulation::{Report, Shown, parse_value};
+use crate::say;
+
+/// What stands below the options.
+const AFTER: &str = "\
+Without any goal the trade's norms are asked for: jack position 1.5 mm, lever height 0.1 mm, blow 46 mm, dip 10 mm, let-off
+1.5 mm, drop 1.5 mm, check 15 mm, spring 200 mm/s, damper 50 %. Values are in mm (or cm, m, in), mm/s (or m/s), and %.
+
+How it is measured: a slow finger (2 mm/s) for blow, dip (under 5 N), let-off, drop (the key held where it lets off) and
+damper; a blow of 4 N for the check distance, and then the key let up until the check lets go for rise and spring (the
+largest speed of the hammer's rise). A goal counts as met within 0.05 mm, 2 % of the spring, 1 % of the dip; lever height
+within 0.02 mm.
+
+Writes the new instrument file, the same text but for the settings of its screws, and regulate.json beside it. An existing
+file is not replaced without --force, and the instrument itself never. Goals that the geometry cannot meet are named with
+the nearest that can be: the nearest is written, and the exit code is 1.";
+
+/// Turns an instrument's screws until its action meets a specification.
+///
+/// The work is done as on the bench: measured by simulated trials, in the trade's order, and round after round until no goal
+/// is disturbed by another.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub struct Regulate {
+    /// Instrument: a TOML file, or the name of a built-in one
+    #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
+    instrument: String,
+    #[command(flatten)]
+    goals: Goals,
+    /// Ask for the trade's norms, too, where a goal is not given
+    #[arg(long)]
+    norms: bool,
+    /// The new instrument file [default: INSTRUMENT-regulated.toml in this folder]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Replace FILE if it exists
+    #[arg(long)]
+    force: bool,
+}
+
+/// One option for each goal.
+#[derive(Debug, Args)]
+struct Goals {
+    /// Key travel to the bottom
+    #[arg(long, value_name = "10mm", allow_hyphen_values = true)]
+    dip: Option<String>,
+    /// Hammer to string at rest
+    #[arg(long, value_name = "46mm", allow_hyphen_values = true)]
+    blow: Option<String>,
+    /// Hammer to string where the jack lets it go, on a slow key
+    #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
+    let_off: Option<String>,
+    /// How far the hammer then falls
+    #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
+    drop: Option<String>,
+    /// Hammer to string when caught by the back check after a medium blow
+    #[arg(long, value_name = "15mm", allow_hyphen_values = true)]
+    check: Option<String>,
+    /// How far the hammer rises when the key is let up from there
+    #[arg(long, value_name = "12mm", allow_hyphen_values = true)]
+    repetition_rise: Option<String>,
+    /// Strength of the repetition spring: the hammer's largest speed in that rise
+    #[arg(long, value_name = "200mm/s", allow_hyphen_values = true)]
+    spring: Option<String>,
+    /// Middle of the knuckle to the rear edge of the jack's top
+    #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
+    jack_position: Option<String>,
+    /// Step from the jack's top up to the repetition lever's
+    #[arg(long, value_name = "0.1mm", allow_hyphen_values = true)]
+    lever_height: Option<String>,
+    /// Where the damper starts to rise, as a share of the dip
+    #[arg(long, value_name = "50%", allow_hyphen_values = true)]
+    damper: Option<String>,
+}
+
+impl Goals {
+    fn text(&self, goal: Goal) -> (&'static str, Option<&str>) {
+        let (option, text) = match goal {
+            Goal::JackPosition => ("--jack-position", &self.jack_position),
+            Goal::LeverHeight => ("--lever-height", &self.lever_height),
+            Goal::Blow => ("--blow", &self.blow),
+            Goal::Dip => ("--dip", &self.dip),
+            Goal::LetOff => ("--let-off", &self.let_off),
+            Goal::Drop => ("--drop", &self.drop),
+            Goal::Check => ("--check", &self.check),
+            Goal::RepetitionRise => ("--repetition-rise", &self.repetition_rise),
+            Goal::Spring => ("--spring", &self.spring),
+            Goal::Damper => ("--damper", &self.damper),
+        };
+        (option, text.as_deref())
+    }
+}
+
+impl Regulate {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let specification = self.specification()?;
+        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+        let file = self.file()?;
+        let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let Some(name) = file.file_name().map(|n| n.to_string_lossy().into_owned()) else {
+            return Err(Failure::Usage(format!("--out {}: expected the name of a file", file.display())));
+        };
+        let mut output = Output::prepare(folder)?;
+
+        let mut progress = Progress::new("measuring");
+        let mut tell = |status: &Status| {
+            progress.say(&match status.goal {
+                Some(goal) => format!("round {}, {}", status.round, goal.name()),
+                None => "measuring".into(),
+            });
+            progress.tell(status.share)
+        };
+        let regulated = regulate(&instrument, &specification, &Protocol::default(), &mut tell)?;
+        drop(progress);
+
+        let (title, note) = provenance(&specification, &regulated);
+        let new_text =
+            regulated.instrument.rewrite(&text, &title, &note).map_err(|e| Failure::Internal(e.to_string()))?;
+        let report = Report::new(&regulated, &self.instrument, &name);
+        output.stage(&name, |w| w.write_all(new_text.as_bytes()))?;
+        output.stage("regulate.json", |w| report.write_json(w))?;
+        output.commit()?;
+
+        say!(
+            "{} - regulated in {} {}, {} simulations, {:.1} s",
+            instrument.name,
+            regulated.rounds,
+            if regulated.rounds == 1 { "round" } else { "rounds" },
+            regulated.simulations,
+            regulated.elapsed_s
+        );
+        say!();
+        say!("{}", Shown(&regulated));
+        say!("Written to {}: {name}, regulate.json", folder.display());
+        match report.misses() {
+            misses if misses.is_empty() => Ok(()),
+            misses => Err(Failure::Unmet(misses.join("\n       "))),
+        }
+    }
+
+    fn specification(&self) -> Result<Specification, Failure> {
+        let mut specification = Vec::new();
+        for goal in Goal::ALL {
+            if let (option, Some(text)) = self.goals.text(goal) {
+                let target = parse_value(goal, text)
+                    .map_err(|expected| Failure::Usage(format!("{option} {text}: expected {expected}")))?;
+                specification.push((goal, target));
+            }
+        }
+        if specification.is_empty() || self.norms {
+            let given: Vec<Goal> = specification.iter().map(|(goal, _)| *goal).collect();
+            specification.extend(Goal::norms().into_iter().filter(|(goal, _)| !given.contains(goal)));
+        }
+        Ok(specification)
+    }
+
+    /// Where the new instrument goes: a file that may be written.
+    fn file(&self) -> Result<PathBuf, Failure> {
+        let input = instrument_path(&self.instrument);
+        let file = self.out.clone().unwrap_or_else(|| {
+            let stem = Path::new(&self.instrument).file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("{stem}-regulated.toml"))
+        });
+        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", file.display())));
+        if file.is_dir() {
+            return wrong("is a folder; --out takes the name of the new instrument file");
+        }
+        if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
+            return wrong("an instrument file's name ends in .toml");
+        }
+        let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        if input.is_some_and(|input| same(input, &file)) {
+            return wrong("is the instrument itself, which is never replaced; give another name with --out");
+        }
+        if file.exists() && !self.force {
+            return wrong("exists; give another name with --out, or --force to replace it");
+        }
+        Ok(file)
+    }
+}
+
+/// What the new file says of its settings: the title of their source, and a note for each.
+fn provenance(specification: &Specification, regulated: &Regulated) -> (String, String) {
+    let goals: Vec<String> = specification
+        .iter()
+        .map(|&(goal, target)| format!("{} {}", goal.name(), crate::regulation::show(goal, target)))
+        .collect();
+    let title = format!(
+        "Regulated in simulation ({} trials) for {}{}",
+        regulated.simulations,
+        goals.join(", "),
+        if regulated.all_met() { "" } else { "; not all of it could be met" }
+    );
+    (title, "turned until the simulated action met its goals".to_owned())
+}

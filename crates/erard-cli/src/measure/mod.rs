@@ -1,0 +1,19 @@
+//! What `erard measure` makes of the sheets: the table, the figures, the page.
+
+pub mod figures;
+pub mod page;
+pub mod table;
+
+use erard::instrument::Instrument;
+use erard::measure::Sheet;
+
+/// One action that was measured.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// What it is called beside the others.
+    pub label: String,
+    /// The action.
+    pub instrument: Instrument,
+    /// Its sheet.
+    pub sheet: Sheet,
+}

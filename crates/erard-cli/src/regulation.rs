@@ -1,0 +1,277 @@
+//! What `regulate` is asked and answers: values with units, the table, and `regulate.json`.
+
+use std::fmt;
+use std::io::Write;
+
+use erard::instrument::ScrewAction;
+use erard::regulate::{Achieved, Goal, Kind, Miss, Regulated, Turned};
+use erard::regulation::Distances;
+use serde::Serialize;
+
+/// The factor from SI to what is shown, and its unit.
+fn unit(kind: Kind) -> (f64, &'static str) {
+    match kind {
+        Kind::Length => (1e3, "mm"),
+        Kind::Speed => (1e3, "mm/s"),
+        Kind::Share => (100.0, "%"),
+    }
+}
+
+/// A goal's value as people write it.
+pub fn show(goal: Goal, value: f64) -> String {
+    let (factor, unit) = unit(goal.kind());
+    format!("{} {unit}", (value * factor * 1e4).round() / 1e4)
+}
+
+/// Reads a value with or without a unit; into m, m/s, or a share.
+///
+/// # Errors
+/// What was expected instead.
+pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
+    let units: &[(&str, f64)] = match goal.kind() {
+        Kind::Length => &[("mm", 1e-3), ("cm", 1e-2), ("in", 25.4e-3), ("m", 1.0)],
+        Kind::Speed => &[("mm/s", 1e-3), ("m/s", 1.0)],
+        Kind::Share => &[("%", 1e-2)],
+    };
+    let text = text.trim();
+    let (number, factor) =
+        units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, *factor))).unwrap_or((text, units[0].1));
+    let [least, most] = goal.limits();
+    let value = number.trim().parse::<f64>().ok().map(|value| value * factor);
+    value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
+        let what = match goal.kind() {
+            Kind::Length => "a length",
+            Kind::Speed => "a speed",
+            Kind::Share => "a share of the dip",
+        };
+        let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
+        format!("{what} from {} to {} (units: {})", show(goal, least), show(goal, most), names.join(", "))
+    })
+}
+
+/// The factor from SI to what is shown of a screw, its unit, and digits.
+fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
+    match action {
+        ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => (1e3, "mm"),
+        ScrewAction::Turn { .. } => (180.0 / std::f64::consts::PI, "degrees"),
+        ScrewAction::Spring { .. } => (1e3, "N mm"),
+    }
+}
+
+/// The screws that were turned for a goal, as far as one alone is turned for it.
+fn screws_of(regulated: &Regulated, goal: Goal) -> impl Iterator<Item = &Turned> {
+    // A screw that could serve two goals served the first of them that was asked for.
+    let asked = move |name: &str| {
+        regulated.achieved.iter().map(|a| a.goal).find(|g| g.screws().iter().any(|(n, _)| *n == name))
+    };
+    regulated.turned.iter().filter(move |turned| asked(&turned.name) == Some(goal))
+}
+
+fn reason(achieved: &Achieved) -> Option<String> {
+    Some(match achieved.miss.as_ref()? {
+        Miss::EndOfRange(screws) => format!("at the end of its range: {}", screws.join(", ")),
+        Miss::NoSetting(screws) => format!("no setting of {} gives it", screws.join(" or ")),
+        Miss::Disturbed => "it cannot be met together with the other goals".into(),
+    })
+}
+
+/// Distances that are shown though nobody asked for them.
+fn others(distances: &Distances) -> [(&'static str, Option<f64>); 2] {
+    [("lost motion", distances.lost_motion_m), ("aftertouch", distances.aftertouch_m)]
+}
+
+/// The table.
+pub struct Shown<'r>(pub &'r Regulated);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "  goal             asked        before       after        screw              turned by")?;
+        for achieved in &self.0.achieved {
+            let (factor, unit) = unit(achieved.goal.kind());
+            let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{:.2} {unit}", v * factor));
+            let start = format!(
+                "  {:<15}  {:<11}  {:<11}  {:<11}",
+                achieved.goal.name(),
+                number(Some(achieved.target)),
+                number(achieved.before),
+                number(achieved.after)
+            );
+            let mut screws = screws_of(self.0, achieved.goal).peekable();
+            if screws.peek().is_none() {
+                writeln!(f, "{start}  -")?;
+            }
+            for (n, turned) in screws.enumerate() {
+                let start = if n == 0 { start.clone() } else { " ".repeat(start.chars().count()) };
+                let (factor, unit) = screw_unit(&turned.action);
+                let by = (turned.setting[1] - turned.setting[0]) * factor;
+                writeln!(f, "{start}  {:<17}  {by:+.3} {unit} ({})", turned.name, turned.way)?;
+            }
+        }
+        let asked = |goal| self.0.achieved.iter().any(|a| a.goal == goal);
+        let (before, after) = (&self.0.before, &self.0.after);
+        let goals = Goal::ALL.into_iter().filter(|goal| !asked(*goal));
+        let goals = goals.map(|goal| (goal.name(), unit(goal.kind()), goal.of(before), goal.of(after)));
+        let others = others(before).into_iter().zip(others(after));
+        let others = others.map(|((name, before), (_, after))| (name, unit(Kind::Length), before, after));
+        for (name, (factor, unit), before, after) in goals.chain(others) {
+            let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{:.2} {unit}", v * factor));
+            writeln!(f, "  {name:<15}  {:<11}  {:<11}  {}", "-", number(before), number(after))?;
+        }
+        Ok(())
+    }
+}
+
+/// `regulate.json`.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    instrument: String,
+    input: String,
+    output: String,
+    rounds: u32,
+    simulations: u32,
+    elapsed_s: f64,
+    unconverged_steps: u64,
+    all_met: bool,
+    goals: Vec<GoalReport>,
+    screws: Vec<ScrewReport>,
+    before: Vec<DistanceReport>,
+    after: Vec<DistanceReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct GoalReport {
+    goal: &'static str,
+    unit: &'static str,
+    asked: f64,
+    before: Option<f64>,
+    after: Option<f64>,
+    met: bool,
+    why_not: Option<String>,
+    screws: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct ScrewReport {
+    screw: String,
+    unit: &'static str,
+    from: f64,
+    to: f64,
+    turned_by: f64,
+    way: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct DistanceReport {
+    name: &'static str,
+    unit: &'static str,
+    value: Option<f64>,
+}
+
+impl Report {
+    /// Of a regulated action that was read from `input` and is written to `output`.
+    pub fn new(regulated: &Regulated, input: &str, output: &str) -> Self {
+        let goals = regulated.achieved.iter().map(|a| {
+            let (factor, unit) = unit(a.goal.kind());
+            GoalReport {
+                goal: a.goal.name(),
+                unit,
+                asked: a.target * factor,
+                before: a.before.map(|v| v * factor),
+                after: a.after.map(|v| v * factor),
+                met: a.miss.is_none(),
+                why_not: reason(a),
+                screws: screws_of(regulated, a.goal).map(|turned| turned.name.clone()).collect(),
+            }
+        });
+        let screws = regulated.turned.iter().map(|turned| {
+            let (factor, unit) = screw_unit(&turned.action);
+            let [from, to] = turned.setting.map(|s| (s * factor * 1e6).round() / 1e6);
+            let turned_by = ((to - from) * 1e6).round() / 1e6;
+            ScrewReport { screw: turned.name.clone(), unit, from, to, turned_by, way: turned.way }
+        });
+        Report {
+            instrument: regulated.instrument.name.clone(),
+            input: input.into(),
+            output: output.into(),
+            rounds: regulated.rounds,
+            simulations: regulated.simulations,
+            elapsed_s: regulated.elapsed_s,
+            unconverged_steps: regulated.after.unconverged_steps,
+            all_met: regulated.all_met(),
+            goals: goals.collect(),
+            screws: screws.collect(),
+            before: distances(&regulated.before),
+            after: distances(&regulated.after),
+        }
+    }
+
+    /// A line for every goal that is not met.
+    pub fn misses(&self) -> Vec<String> {
+        let missed = self.goals.iter().filter(|goal| !goal.met);
+        missed
+            .map(|goal| {
+                let nearest = goal.after.map_or("it does not happen".to_owned(), |after| {
+                    format!("the nearest is {:.2} {}", after, goal.unit)
+                });
+                let why = goal.why_not.as_deref().unwrap_or_default();
+                format!("{} {} {} is not met: {nearest} ({why})", goal.goal, goal.asked, goal.unit)
+            })
+            .collect()
+    }
+
+    /// Writes the JSON.
+    ///
+    /// # Errors
+    /// Of the writer.
+    pub fn write_json(&self, writer: &mut dyn Write) -> std::io::Result<()> {
+        serde_json::to_writer_pretty(&mut *writer, self)?;
+        writer.write_all(b"\n")
+    }
+}
+
+fn distances(distances: &Distances) -> Vec<DistanceReport> {
+    let goals = Goal::ALL.into_iter().map(|goal| {
+        let (factor, unit) = unit(goal.kind());
+        DistanceReport { name: goal.name(), unit, value: goal.of(distances).map(|v| v * factor) }
+    });
+    let others = others(distances).into_iter();
+    goals
+        .chain(others.map(|(name, value)| DistanceReport { name, unit: "mm", value: value.map(|v| v * 1e3) }))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_with_and_without_units() {
+        let close = |goal, text, expected: f64| {
+            let value = parse_value(goal, text).unwrap();
+            assert!((value - expected).abs() < 1e-12, "{text}: {value}");
+        };
+        close(Goal::Dip, "10mm", 10e-3);
+        close(Goal::Dip, " 10 mm", 10e-3);
+        close(Goal::Dip, "10", 10e-3);
+        close(Goal::Dip, "1cm", 10e-3);
+        close(Goal::Dip, "0.01 m", 10e-3);
+        close(Goal::Blow, "1.75in", 44.45e-3);
+        close(Goal::Spring, "200mm/s", 0.2);
+        close(Goal::Spring, "0.2 m/s", 0.2);
+        close(Goal::Damper, "50%", 0.5);
+        for (goal, text) in [
+            (Goal::Dip, "ten"),
+            (Goal::Dip, ""),
+            (Goal::Dip, "10 mm/s"),
+            (Goal::Dip, "100mm"),
+            (Goal::Dip, "-10mm"),
+            (Goal::Dip, "nan"),
+            (Goal::Dip, "inf"),
+            (Goal::Damper, "100%"),
+            (Goal::Damper, "5mm"),
+        ] {
+            assert!(parse_value(goal, text).is_err(), "{text}");
+        }
+        assert_eq!(parse_value(Goal::Dip, "ten").unwrap_err(), "a length from 3 mm to 14 mm (units: mm, cm, in, m)");
+    }
+}

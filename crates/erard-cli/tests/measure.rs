@@ -1,0 +1,207 @@
+//! `erard measure` as a user runs it: what it writes, side by side, and what it says when it cannot.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A folder of its own for a test, gone at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("erard-measure-{test}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        Folder(folder)
+    }
+
+    fn file(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).unwrap();
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
+        command.current_dir(&self.0).arg("measure").args(arguments);
+        command
+    }
+
+    fn erard(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Runs what must succeed; standard output.
+    fn good(&self, arguments: &[&str]) -> String {
+        let output = self.erard(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs what must fail with code 2 and write nothing; standard error.
+    fn bad(&self, arguments: &[&str]) -> String {
+        let output = self.erard(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        assert!(!self.0.join("erard-out").exists(), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_slice(&fs::read(self.0.join("erard-out/measure.json")).unwrap()).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The keys that the sheet promises.
+const KEYS: [&str; 19] = [
+    "down_weight_g",
+    "up_weight_g",
+    "balance_weight_g",
+    "friction_weight_g",
+    "front_weight_g",
+    "strike_weight_g",
+    "whippen_weight_g",
+    "key_ratio",
+    "strike_weight_ratio_weights",
+    "strike_weight_ratio_kinematics",
+    "dip_mm",
+    "blow_mm",
+    "let_off_mm",
+    "drop_mm",
+    "aftertouch_mm",
+    "check_mm",
+    "effective_inertia_kg",
+    "repetition_rate_hz",
+    "repetition_rate_half_hz",
+];
+
+/// The built-in grand as text, with another name and a hammer three grams heavier at its head.
+fn heavy() -> String {
+    let text = erard::instrument::Instrument::builtin_text("concert-grand").unwrap();
+    let file: toml::Table = text.parse().unwrap();
+    let hammer = file["body"].as_array().unwrap().iter().find(|body| body["name"].as_str() == Some("hammer")).unwrap();
+    let number = |key: &str| -> f64 {
+        let value = &hammer[key]["value"];
+        value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64)).unwrap()
+    };
+    let (mass, inertia) = (number("mass_g"), number("inertia_kg_m2"));
+    let center = hammer["center_of_mass_mm"]["value"].as_array().unwrap();
+    let at = |i: usize| center[i].as_float().or_else(|| center[i].as_integer().map(|whole| whole as f64)).unwrap();
+    let heavier = mass + 3.0;
+    let mixed = [(at(0) * mass + 130.0 * 3.0) / heavier, (at(1) * mass + 18.0 * 3.0) / heavier];
+    let inertia = inertia + 3e-3 * (0.130_f64.powi(2) + 0.018_f64.powi(2));
+    let mut file = file;
+    file["name"] = "Heavy <hammers> & co".into();
+    let bodies = file["body"].as_array_mut().unwrap();
+    let hammer = bodies.iter_mut().find(|body| body["name"].as_str() == Some("hammer")).unwrap();
+    hammer["mass_g"] = heavier.into();
+    hammer["inertia_kg_m2"] = inertia.into();
+    hammer["center_of_mass_mm"] = mixed.to_vec().into();
+    toml::to_string(&file).unwrap()
+}
+
+/// One action: every promised key is there, the table has its digits, norms and flags, the page is whole and fetches nothing.
+#[test]
+fn one_sheet() {
+    let folder = Folder::new("one");
+    let printed = folder.good(&[]);
+    let json = folder.json();
+    for key in KEYS {
+        let value = json.get(key).unwrap_or_else(|| panic!("measure.json has no `{key}`"));
+        assert!(value.is_number() || value.is_null(), "{key}: {value}");
+    }
+    let number = |key: &str| json[key].as_f64().unwrap();
+    assert_eq!(number("balance_weight_g"), 0.5 * (number("down_weight_g") + number("up_weight_g")));
+    let top = number("balance_weight_g") + number("front_weight_g") - number("key_ratio") * number("whippen_weight_g");
+    assert!((top / number("strike_weight_g") - number("strike_weight_ratio_weights")).abs() < 1e-9);
+    // Tenths of grams and millimetres, and what is usual beside them.
+    let line = |what: &str| printed.lines().find(|line| line.trim_start().starts_with(what)).unwrap();
+    let down = line("down-weight D");
+    assert!(down.contains(&format!("{:.1} g", number("down_weight_g"))) && down.ends_with("45.0-55.0"), "{down}");
+    assert!(line("dip").contains(&format!("{:.1} mm", number("dip_mm"))));
+    for flag in json["flags"].as_array().unwrap() {
+        assert!(printed.contains(flag["message"].as_str().unwrap()), "{flag}");
+    }
+    let out = folder.0.join("erard-out");
+    for figure in ["hysteresis", "inertia", "range", "timing", "action"] {
+        let svg = fs::read_to_string(out.join(format!("{figure}.svg"))).unwrap();
+        assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{figure}");
+        assert!(fs::read(out.join(format!("{figure}.png"))).unwrap().starts_with(b"\x89PNG"), "{figure}");
+    }
+    let page = fs::read_to_string(out.join("measure.html")).unwrap();
+    assert!(page.ends_with("</html>\n") && page.contains("@media print") && page.contains("default-src 'none'"));
+    assert_eq!(page.matches("data:image/svg+xml;base64,").count(), 5);
+    for word in ["http://", "https://", "<script", "@import"] {
+        assert!(!page.contains(word), "{word}");
+    }
+}
+
+/// Two actions side by side: a list in the JSON, a column each in table and page, a drawing each; heavy hammers are flagged.
+#[test]
+fn side_by_side() {
+    let folder = Folder::new("two");
+    folder.file("heavy.toml", &heavy());
+    let printed = folder.good(&["concert-grand", "--instrument", "heavy.toml"]);
+    let json = folder.json();
+    let [grand, heavy] = &json.as_array().unwrap()[..] else { panic!("two sheets") };
+    let number = |sheet: &Value, key: &str| sheet[key].as_f64().unwrap();
+    assert!((number(heavy, "strike_weight_g") - number(grand, "strike_weight_g") - 3.0).abs() < 1e-6);
+    for key in ["down_weight_g", "up_weight_g", "balance_weight_g", "effective_inertia_kg"] {
+        assert!(number(heavy, key) > number(grand, key), "{key}");
+    }
+    let flagged = |sheet: &Value, key: &str| sheet["flags"].as_array().unwrap().iter().any(|flag| flag["key"] == key);
+    assert!(flagged(heavy, "balance_weight_g") && !flagged(grand, "balance_weight_g"));
+    let row = printed.lines().find(|line| line.contains("balance weight")).unwrap();
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!(cells.iter().filter(|cell| **cell == "g").count(), 2, "{row}");
+    assert!(row.contains(" g !"), "{row}");
+    let page = fs::read_to_string(folder.0.join("erard-out/measure.html")).unwrap();
+    assert!(page.contains("Heavy &lt;hammers&gt; &amp; co") && !page.contains("<hammers>"));
+    assert!(folder.0.join("erard-out/action-2.svg").exists());
+}
+
+/// Whatever is wrong is said with its place, and nothing is written, not even when the other instruments are good.
+#[test]
+fn what_is_wrong_is_named() {
+    let folder = Folder::new("wrong");
+    let grand = erard::instrument::Instrument::builtin_text("concert-grand").unwrap();
+    folder.file("broken.toml", &grand.replacen("[0, 0]", "[0]", 1));
+    folder.file("no-hammer.toml", &grand.replacen("\nhammer = \"hammer\"\n", "\n", 1));
+    folder.file("deaf.toml", &grand.replacen("\nlet_off = \"let_off_button\"\n", "\n", 1));
+    for (arguments, told) in [
+        (&["upright"][..], "no built-in instrument `upright`"),
+        (&["missing.toml"], "missing.toml"),
+        (&["concert-grand", "broken.toml"], "broken.toml:"),
+        (&["no-hammer.toml"], "names no `hammer`"),
+        (&["deaf.toml"], "let_off"),
+        (&["--nonsense"], "--nonsense"),
+        (&["a"; 13], "12 at most"),
+    ] {
+        let error = folder.bad(arguments);
+        assert!(error.contains(told), "{arguments:?}: {error}");
+    }
+}
+
+/// Control-C ends it with 130 and leaves nothing behind.
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_nothing() {
+    let folder = Folder::new("interrupted");
+    let mut child =
+        folder.command(&["concert-grand", "concert-grand", "concert-grand", "concert-grand"]).spawn().unwrap();
+    // The folder is made when the work begins.
+    while !folder.0.join("erard-out").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!folder.0.join("erard-out").exists());
+}

@@ -1,0 +1,211 @@
+//! An instrument file with its screws turned: the same text, comments and layout, but for the settings.
+
+use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
+
+use super::{Instrument, ScrewAction};
+
+/// Who the source of the new settings is, in the file's own list of sources.
+const AUTHOR: &str = "erard regulate";
+/// Certainty of what a search found in a simulation.
+const CERTAINTY: &str = "estimate";
+
+/// Why a file cannot be rewritten. The text was read before, so that neither is the user's fault.
+#[derive(Debug, thiserror::Error)]
+pub enum RewriteError {
+    /// The text is no TOML.
+    #[error("the instrument file cannot be rewritten: {0}")]
+    Toml(#[from] toml_edit::TomlError),
+    /// A screw is not where it should be.
+    #[error("the instrument file cannot be rewritten: it has no setting of screw `{0}`")]
+    NoSetting(String),
+}
+
+impl Instrument {
+    /// `text`, the file that this instrument was read from, with the settings that its screws have now. Only settings that
+    /// differ are touched: each becomes a cited number with `note`, under a source of its own titled `title`.
+    ///
+    /// Settings are written to 0.1 um, a ten-thousandth of a degree, and 1 uN m.
+    ///
+    /// # Errors
+    /// See [`RewriteError`].
+    pub fn rewrite(&self, text: &str, title: &str, note: &str) -> Result<String, RewriteError> {
+        let mut document: DocumentMut = text.parse()?;
+        let source = source_name(&document);
+        let mut changed = false;
+        for screw in &self.screws {
+            let (key, setting) = match screw.action {
+                ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => {
+                    ("setting_mm", to_digits(screw.setting * 1e3, 1e4))
+                }
+                ScrewAction::Turn { .. } => ("setting_deg", to_digits(screw.setting.to_degrees(), 1e4)),
+                ScrewAction::Spring { .. } => ("setting_N_m", to_digits(screw.setting, 1e6)),
+            };
+            let missing = || RewriteError::NoSetting(screw.name.clone());
+            let item = find_screw(&mut document, &screw.name).and_then(|t| t.get_mut(key)).ok_or_else(missing)?;
+            if number(item) != Some(setting) {
+                set(item, setting, &source, note);
+                changed = true;
+            }
+        }
+        if changed {
+            cite(&mut document, &source, title);
+        }
+        Ok(document.to_string())
+    }
+}
+
+/// Rounded to a multiple of 1/`per`.
+fn to_digits(x: f64, per: f64) -> f64 {
+    (x * per).round() / per
+}
+
+/// The table of a screw, in `[[screw]]` or in a list of inline tables.
+fn find_screw<'d>(document: &'d mut DocumentMut, name: &str) -> Option<&'d mut dyn TableLike> {
+    let is_it = |table: &dyn TableLike| table.get("name").and_then(Item::as_str) == Some(name);
+    match document.get_mut("screw")? {
+        Item::ArrayOfTables(tables) => tables.iter_mut().find(|t| is_it(*t)).map(|t| t as &mut dyn TableLike),
+        Item::Value(Value::Array(tables)) => tables
+            .iter_mut()
+            .filter_map(Value::as_inline_table_mut)
+            .find(|t| is_it(*t))
+            .map(|t| t as &mut dyn TableLike),
+        _ => None,
+    }
+}
+
+/// The number of a setting, bare or cited.
+fn number(item: &Item) -> Option<f64> {
+    let item = item.as_table_like().map_or(Some(item), |cited| cited.get("value"))?;
+    item.as_float().or_else(|| item.as_integer().map(|n| n as f64))
+}
+
+/// Puts a cited number in the place of a setting. What stood about it (a comment behind it) stays.
+fn set(item: &mut Item, setting: f64, source: &str, note: &str) {
+    if let Some(cited) = item.as_table_like_mut() {
+        cited.insert("value", value(setting));
+        cited.insert("source", value(source));
+        cited.insert("certainty", value(CERTAINTY));
+        cited.insert("note", value(note));
+        // How far the old setting may have been off.
+        cited.remove("spread");
+        cited.remove("spread_factor");
+        return;
+    }
+    let mut cited = InlineTable::new();
+    cited.insert("value", setting.into());
+    cited.insert("source", source.into());
+    cited.insert("certainty", CERTAINTY.into());
+    cited.insert("note", note.into());
+    let mut cited = Value::InlineTable(cited);
+    if let Some(old) = item.as_value() {
+        *cited.decor_mut() = old.decor().clone();
+    }
+    *item = Item::Value(cited);
+}
+
+/// A name for the source that no other source has.
+fn source_name(document: &DocumentMut) -> String {
+    let taken = |name: &str| {
+        let source = document.get("sources").and_then(|sources| sources.get(name));
+        source.is_some_and(|source| source.get("author").and_then(Item::as_str) != Some(AUTHOR))
+    };
+    let others = (2..).map(|n| format!("regulated-{n}"));
+    std::iter::once("regulated".to_owned()).chain(others).find(|name| !taken(name)).unwrap_or_default()
+}
+
+/// Lists the source, or gives it a new title.
+fn cite(document: &mut DocumentMut, name: &str, title: &str) {
+    let sources = document.entry("sources").or_insert_with(|| {
+        let mut sources = Table::new();
+        sources.set_implicit(true);
+        Item::Table(sources)
+    });
+    let Some(sources) = sources.as_table_like_mut() else { return };
+    if let Some(source) = sources.get_mut(name).and_then(Item::as_table_like_mut) {
+        source.insert("title", value(title));
+        return;
+    }
+    let mut source = Table::new();
+    source.insert("title", value(title));
+    source.insert("author", value(AUTHOR));
+    if sources.iter().all(|(_, other)| other.is_table()) {
+        source.decor_mut().set_prefix("\n");
+        sources.insert(name, Item::Table(source));
+    } else {
+        sources.insert(name, value(source.into_inline_table()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turned(text: &str, turns: &[(&str, f64)]) -> (Instrument, String) {
+        let mut instrument = Instrument::parse(text, "test").unwrap();
+        for &(name, setting) in turns {
+            let screw = instrument.screw(name).unwrap();
+            assert!(instrument.turn(screw, setting));
+        }
+        let text = instrument.rewrite(text, "a title", "a note").unwrap();
+        (instrument, text)
+    }
+
+    /// Lines of `b` that `a` does not have at the same place, when no more than `lines` were added.
+    fn changed(a: &str, b: &str) -> (Vec<String>, Vec<String>) {
+        let (a, b): (Vec<&str>, Vec<&str>) = (a.lines().collect(), b.lines().collect());
+        let gone = a.iter().filter(|line| !b.contains(line)).map(|l| (*l).to_owned()).collect();
+        let new = b.iter().filter(|line| !a.contains(line)).map(|l| (*l).to_owned()).collect();
+        (gone, new)
+    }
+
+    /// Two settings of the grand: two lines change and a source is added; every other line, comments included, stays. What is
+    /// read back has the same screws to the bit.
+    #[test]
+    fn only_the_settings_change() {
+        let text = Instrument::builtin_text("concert-grand").unwrap();
+        let (instrument, new) = turned(
+            text,
+            &[("let_off", 0.2834 / 1e3), ("repetition_spring", -0.002), ("back_check_angle", 2_f64.to_radians())],
+        );
+        let (gone, added) = changed(text, &new);
+        assert!(gone.iter().all(|line| line.starts_with("setting_")), "{gone:?}");
+        let added = added.join("\n");
+        assert!(
+            added.contains(
+                "setting_mm = { value = 0.2834, source = \"regulated\", certainty = \"estimate\", note = \"a note\" }"
+            ),
+            "{added}"
+        );
+        assert!(
+            added.contains("setting_N_m = { value = -0.002,") && added.contains("setting_deg = { value = 2.0,"),
+            "{added}"
+        );
+        assert!(added.contains("[sources.regulated]\ntitle = \"a title\""), "{added}");
+        assert_eq!(new.lines().count(), text.lines().count() + 4);
+        let read = Instrument::parse(&new, "new").unwrap();
+        assert_eq!(read.screws, instrument.screws);
+        // Once more: the same source, one title.
+        let again = instrument.rewrite(&new, "another title", "a note").unwrap();
+        assert_eq!(again, new, "nothing to change, nothing changed");
+    }
+
+    /// Bare numbers, comments behind them, inline tables, a source of the same name by somebody else.
+    #[test]
+    fn other_ways_to_write_it() {
+        let base = "format = \"erard-instrument/1\"\nname = \"x\"\ngravity_m_s2 = 9.81\n\
+            spring = [{ name = \"coil\", body = \"a\", torque_N_m = 1, stiffness_N_m_per_rad = 0 }]\n\
+            body = [{ name = \"a\", pivot_mm = [0, 0], mass_g = 1, inertia_kg_m2 = 1, center_of_mass_mm = [0, 0] }]\n";
+        let tables = format!(
+            "{base}[sources.regulated]\ntitle = \"mine\"\n[[screw]]\nname = \"s\"\nspring = \"coil\"\nsetting_N_m = 0 # my own\n"
+        );
+        let (_, new) = turned(&tables, &[("s", 0.25)]);
+        assert!(new.contains("setting_N_m = { value = 0.25, source = \"regulated-2\","), "{new}");
+        assert!(new.contains("} # my own\n") && new.contains("title = \"mine\""), "{new}");
+        assert_eq!(Instrument::parse(&new, "new").unwrap().screws[0].setting, 0.25);
+
+        let inline =
+            base.replace("spring = [", "screw = [{ name = \"s\", spring = \"coil\", setting_N_m = 0 }]\nspring = [");
+        let (_, new) = turned(&inline, &[("s", 0.25)]);
+        assert_eq!(Instrument::parse(&new, "new").unwrap_or_else(|e| panic!("{e}\n{new}")).screws[0].setting, 0.25);
+    }
+}

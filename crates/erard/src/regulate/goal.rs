@@ -1,0 +1,195 @@
+//! What can be asked of an action.
+
+use crate::regulation::{Distances, Trial};
+
+/// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle, the
+/// hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Goal {
+    /// [`Distances::jack_position_m`].
+    JackPosition,
+    /// [`Distances::lever_height_m`].
+    LeverHeight,
+    /// [`Distances::blow_m`].
+    Blow,
+    /// [`Distances::dip_m`].
+    Dip,
+    /// [`Distances::let_off_m`].
+    LetOff,
+    /// [`Distances::drop_m`].
+    Drop,
+    /// [`Distances::check_m`].
+    Check,
+    /// [`Distances::repetition_rise_m`].
+    RepetitionRise,
+    /// [`Distances::spring_m_s`].
+    Spring,
+    /// [`Distances::damper_start`].
+    Damper,
+}
+
+/// What kind of number a goal is; values are m, m/s, and shares of 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// m.
+    Length,
+    /// m/s.
+    Speed,
+    /// Share of the dip.
+    Share,
+}
+
+/// What is asked for: goals with their values in m, m/s, or shares.
+pub type Specification = Vec<(Goal, f64)>;
+
+impl Goal {
+    /// All of them, in the order of work.
+    pub const ALL: [Goal; 10] = [
+        Goal::JackPosition,
+        Goal::LeverHeight,
+        Goal::Blow,
+        Goal::Dip,
+        Goal::LetOff,
+        Goal::Drop,
+        Goal::Check,
+        Goal::RepetitionRise,
+        Goal::Spring,
+        Goal::Damper,
+    ];
+
+    /// What technicians call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Goal::JackPosition => "jack position",
+            Goal::LeverHeight => "lever height",
+            Goal::Blow => "blow",
+            Goal::LetOff => "let-off",
+            Goal::Drop => "drop",
+            Goal::Dip => "dip",
+            Goal::Check => "check",
+            Goal::RepetitionRise => "repetition rise",
+            Goal::Spring => "spring",
+            Goal::Damper => "damper",
+        }
+    }
+
+    /// What kind of number it is.
+    pub fn kind(self) -> Kind {
+        match self {
+            Goal::Spring => Kind::Speed,
+            Goal::Damper => Kind::Share,
+            _ => Kind::Length,
+        }
+    }
+
+    /// What the trade asks for where nothing else is said, in m, m/s, or shares; `None` where it has no norm.
+    ///
+    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et al. 2011.
+    /// Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height 0.1: the jack just
+    /// below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.2 m/s: an estimate; technicians ask for a rise
+    /// that can be seen and not felt, and give no number.
+    pub fn norm(self) -> Option<f64> {
+        match self {
+            Goal::JackPosition => Some(1.5e-3),
+            Goal::LeverHeight => Some(0.1e-3),
+            Goal::Blow => Some(46e-3),
+            Goal::LetOff | Goal::Drop => Some(1.5e-3),
+            Goal::Dip => Some(10e-3),
+            Goal::Check => Some(15e-3),
+            Goal::RepetitionRise => None,
+            Goal::Spring => Some(0.2),
+            Goal::Damper => Some(0.5),
+        }
+    }
+
+    /// The whole specification of the trade.
+    pub fn norms() -> Specification {
+        Goal::ALL.into_iter().filter_map(|goal| Some((goal, goal.norm()?))).collect()
+    }
+
+    /// The least and the most that make sense, in m, m/s, or shares.
+    pub fn limits(self) -> [f64; 2] {
+        match self {
+            Goal::JackPosition => [-2e-3, 6e-3],
+            Goal::LeverHeight => [-1e-3, 2e-3],
+            Goal::Blow => [20e-3, 80e-3],
+            Goal::LetOff => [0.1e-3, 20e-3],
+            Goal::Drop => [0.2e-3, 20e-3],
+            Goal::Dip => [3e-3, 14e-3],
+            Goal::Check => [2e-3, 40e-3],
+            Goal::RepetitionRise => [0.5e-3, 40e-3],
+            Goal::Spring => [0.02, 2.0],
+            Goal::Damper => [0.05, 0.95],
+        }
+    }
+
+    /// How far from `target` still counts as met: 0.05 mm, 2 % of a speed, 1 % of the dip; lever height, which is a tenth of a
+    /// millimetre, 0.02 mm.
+    pub fn tolerance(self, target: f64) -> f64 {
+        match self {
+            Goal::LeverHeight => 2e-5,
+            Goal::Spring => 0.02 * target,
+            Goal::Damper => 0.01,
+            _ => 5e-5,
+        }
+    }
+
+    /// What is measured of it; `None` where it does not happen.
+    pub fn of(self, distances: &Distances) -> Option<f64> {
+        match self {
+            Goal::JackPosition => distances.jack_position_m,
+            Goal::LeverHeight => distances.lever_height_m,
+            Goal::Blow => distances.blow_m,
+            Goal::LetOff => distances.let_off_m,
+            Goal::Drop => distances.drop_m,
+            Goal::Dip => distances.dip_m,
+            Goal::Check => distances.check_m,
+            Goal::RepetitionRise => distances.repetition_rise_m,
+            Goal::Spring => distances.spring_m_s,
+            Goal::Damper => distances.damper_start,
+        }
+    }
+
+    /// The trial that measures it.
+    pub(super) fn trial(self) -> Trial {
+        match self {
+            Goal::LeverHeight => Trial::LiftedHammer,
+            Goal::Check | Goal::RepetitionRise | Goal::Spring => Trial::MediumBlow,
+            _ => Trial::SlowKey,
+        }
+    }
+
+    /// The screws that do it, the usual one first; the next takes over where that one is at its end. With each, what it does
+    /// to the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): only a first guess, which
+    /// the first turn corrects. Sizes follow from lever arms (a hammer's head moves about ten times as far as its knuckle).
+    pub fn screws(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Goal::JackPosition => &[("jack_position", 1.8)],
+            Goal::LeverHeight => &[("lever_height", 1.8)],
+            Goal::Blow => &[("capstan_height", -12.0), ("string_height", 1.0)],
+            Goal::LetOff => &[("let_off", -7.0)],
+            Goal::Drop => &[("drop", 6.0)],
+            Goal::Dip => &[("front_punching", -1.0), ("back_rail_cloth", -1.2)],
+            Goal::Check => &[("back_check", -10.0)],
+            // The hammer rises to where the drop screw holds the lever: how far that is is decided by where it is checked. The
+            // check's angle decides how far the key has come up by then, which matters little.
+            Goal::RepetitionRise => &[("back_check", -10.0), ("back_check_angle", 3e-3)],
+            Goal::Spring => &[("repetition_spring", 25.0)],
+            Goal::Damper => &[("damper_timing", -110.0)],
+        }
+    }
+
+    /// What counts where it does not happen: a hammer that is not caught is caught infinitely low; what is not caught does not
+    /// rise; a key without a bottom is infinitely deep.
+    pub(super) fn missing(self) -> f64 {
+        match self {
+            Goal::RepetitionRise | Goal::Spring => 0.0,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The goal that has to be kept met while this one's screw is turned, because the same part decides both.
+    pub(super) fn keeps(self) -> Option<Goal> {
+        (self == Goal::RepetitionRise).then_some(Goal::Check)
+    }
+}

@@ -1,0 +1,35 @@
+//! Turning an action's own screws until it meets a specification, as a technician does.
+//!
+//! `goal` is what can be asked for, `screw` what can be turned, `workshop` the action with its screws and what has been
+//! measured of it, `search` how one screw is turned until one goal is met, and `rounds` the order of work, done again until no
+//! goal is disturbed by another.
+
+mod goal;
+mod rounds;
+mod screw;
+mod search;
+mod workshop;
+
+pub use goal::{Goal, Kind, Specification};
+pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
+pub use screw::{KNOWN_SCREWS, KnownScrew, Range, known_screw};
+
+use thiserror::Error;
+
+use crate::regulation::MeasureError;
+
+/// Why an action could not be regulated.
+#[derive(Debug, Error)]
+pub enum RegulateError {
+    /// A goal needs a screw that the instrument does not have.
+    #[error("the instrument has no screw for {goal}: it needs one called {needs}")]
+    NoScrew {
+        /// What was asked for.
+        goal: &'static str,
+        /// What would do it.
+        needs: String,
+    },
+    /// Not measured at all.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+}
