@@ -21,7 +21,7 @@ fn bar(length: f64) -> Body<f64> {
 }
 
 fn hinge(first: usize, at_first: [f64; 2], second: usize, at_second: [f64; 2]) -> Joint<f64> {
-    Joint { kind: JointKind::Hinge, first, at_first, second, at_second, dry: 0.0, viscous: 0.0 }
+    Joint { kind: JointKind::Hinge, first, at_first, second, at_second, dry: 0.0, viscous: 0.0, rate: None }
 }
 
 /// What a run of a loop shows.
@@ -146,6 +146,7 @@ fn slider_crank(h: f64, duration: f64) -> Turned {
             at_second: [0.0; 2],
             dry: 0.0,
             viscous: 0.0,
+            rate: None,
         },
     ];
     let model = Model::new(&bodies, &joints, &[], &[], [0.0, 0.0]).expect("sound");

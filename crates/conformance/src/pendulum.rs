@@ -58,6 +58,7 @@ fn rigid(h: f64, theta: f64) -> Swung {
         at_second,
         dry: 0.0,
         viscous: 0.0,
+        rate: None,
     };
     let joints = [hinge(GROUND, [0.0; 2], 0, [0.0, 0.5 * L1]), hinge(0, [0.0, -0.5 * L1], 1, [0.0, 0.5 * L2])];
     let model = rigid::Model::new(&bodies, &joints, &[], &[], [0.0, -G]).expect("sound");

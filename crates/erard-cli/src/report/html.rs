@@ -77,7 +77,7 @@ fn section(out: &mut String, one: &Reproduced) {
         escape(subject.title)
     );
     for paragraph in &section.text {
-        let _ = writeln!(out, "<p>{}</p>", escape(paragraph));
+        let _ = writeln!(out, "<p>{}</p>", with_code(paragraph));
     }
     for claim in &section.claims {
         let (class, verdict) = if claim.holds { ("holds", "Holds.") } else { ("fails", "Does not hold.") };
@@ -85,8 +85,8 @@ fn section(out: &mut String, one: &Reproduced) {
             out,
             "<div class=\"claim {class}\"><p><b>{}</b>: {}.</p><p>Measured: {}. <b>{verdict}</b></p></div>",
             escape(claim.source),
-            escape(&claim.says),
-            escape(&claim.measured)
+            with_code(&claim.says),
+            with_code(&claim.measured)
         );
     }
     for (caption, text) in &section.listings {
@@ -107,34 +107,48 @@ fn section(out: &mut String, one: &Reproduced) {
     out.push_str("</section>\n");
 }
 
+/// Text with what stands between backticks as code.
+fn with_code(text: &str) -> String {
+    let mut out = String::new();
+    for (i, part) in text.split('`').enumerate() {
+        let part = escape(part);
+        out.push_str(&if i % 2 == 1 { format!("<code>{part}</code>") } else { part });
+    }
+    out
+}
+
 /// Text of several lines: [`escape`] would join them.
 fn escape_lines(text: &str) -> String {
     text.lines().map(escape).collect::<Vec<_>>().join("\n")
 }
 
 fn table(out: &mut String, table: &Table) {
+    // A column of numbers is set flush right.
+    let numbers: Vec<bool> = (0..table.header.len())
+        .map(|k| k > 0 && table.rows.iter().filter_map(|row| row.get(k)).all(|cell| is_number(cell)))
+        .collect();
     let class = if table.clock { " class=\"clock\"" } else { "" };
     let _ =
         write!(out, "<div class=\"wide\"><table{class}>\n<caption>{}</caption>\n<thead><tr>", escape(&table.caption));
-    for cell in &table.header {
-        let _ = write!(out, "<th>{}</th>", escape(cell));
+    let class = |k: usize| if numbers.get(k) == Some(&true) { " class=\"n\"" } else { "" };
+    for (k, cell) in table.header.iter().enumerate() {
+        let _ = write!(out, "<th{}>{}</th>", class(k), escape(cell));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
         out.push_str("<tr>");
-        for cell in row {
-            let class = if is_number(cell) { " class=\"n\"" } else { "" };
-            let _ = write!(out, "<td{class}>{}</td>", escape(cell));
+        for (k, cell) in row.iter().enumerate() {
+            let _ = write!(out, "<td{}>{}</td>", class(k), with_code(cell));
         }
         out.push_str("</tr>\n");
     }
     out.push_str("</tbody>\n</table></div>\n");
 }
 
-/// Cells that begin like a number are set flush right.
+/// Whether a cell is empty, a dash, or begins like a number.
 fn is_number(cell: &str) -> bool {
     let digits = cell.trim_start_matches(['+', '-']);
-    digits.starts_with(|c: char| c.is_ascii_digit()) && cell.len() < 28
+    digits.is_empty() || digits.starts_with(|c: char| c.is_ascii_digit()) && cell.len() < 28
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use conformance::{Expected, problems};
 use moreau::Settings;
 
 use super::blow::{Play, tell};
-use super::{Claim, Progress, ReproduceError, Section, Table};
+use super::{Claim, Progress, ReproduceError, Section, Table, small};
 use crate::instrument::Instrument;
 
 pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
@@ -33,7 +33,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         for row in &rows {
             let (reference, error, allowed) = match row.expected {
                 Expected::Near { value, tolerance } => {
-                    (number(value), format!("{:.1e}", (row.ours - value).abs()), format!("{tolerance:.1e}"))
+                    (number(value), small((row.ours - value).abs()), small(tolerance))
                 }
                 Expected::AtMost(bound) => (format!("at most {bound}"), String::new(), String::new()),
                 Expected::AtLeast(bound) => (format!("at least {bound}"), String::new(), String::new()),
@@ -74,7 +74,7 @@ fn held_note(instrument: &Instrument) -> Result<(Claim, Table), ReproduceError> 
         let first = body.angle_rad[from];
         let drift = body.angle_rad[from..].iter().fold(0.0, |m: f64, q| m.max((q - first).abs()));
         still &= drift == 0.0;
-        table.row([body.name.clone(), "0, exactly".into(), format!("{drift:e}"), yes(drift == 0.0)]);
+        table.row([body.name.clone(), "0, exactly".into(), number(drift), yes(drift == 0.0)]);
     }
     let measured = match run.events.check_s {
         Some(check) => {
@@ -94,7 +94,7 @@ fn number(x: f64) -> String {
         let text = format!("{x:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     } else {
-        format!("{x:.6e}")
+        format!("{x:.9e}")
     }
 }
 

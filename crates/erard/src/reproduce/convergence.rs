@@ -77,7 +77,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     section.charts.push(Chart {
         title: "Work and precision".into(),
         caption:
-            "Error of the hammer speed over the work of the run; each point a step, half as long as the one to its left"
+            "Error of the hammer speed over the work of the run; along each curve the step is halved from point to point"
                 .into(),
         x_label: "Newton iterations of the run".into(),
         x_log: true,
@@ -123,14 +123,14 @@ fn claims(laws: &[Law], section: &mut Section) {
     let truth = &laws[0];
     let last = |law: &Law| law.rungs.last().map_or(f64::NAN, |r| r.speed);
     section.claims.push(Claim::new(
-        "[T12] sec. 3",
+        "[T12]",
         "the non-smooth scheme converges as the step shrinks",
         format!("order {:.2}; error {:.1e} at the smallest step", truth.own_order, last(truth)),
         truth.own_order > 0.87,
     ));
     for law in &laws[1..] {
         section.claims.push(Claim::new(
-            "[T12] sec. 3",
+            "[T12]",
             format!("{}: at a fixed width the regularised law does not converge to that motion, however small the step", law.label),
             format!(
                 "it tends to a hammer speed {:.1e} away (to that limit with order {:.2}); error at the smallest step {:.1e}, {:.0} times the \

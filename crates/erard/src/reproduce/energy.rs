@@ -68,7 +68,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     section.claims.push(Claim::new(
         "this program",
         "friction and felts never give energy: every loss of every step is at least zero",
-        format!("smallest loss of any law in any step: {smallest:e} J"),
+        format!("smallest loss of any law in any step: {smallest} J"),
         smallest >= 0.0,
     ));
     section.charts.push(Chart {

@@ -4,9 +4,9 @@ use moreau::{
     Body, Curve, Exponent, Felt, FrictionLaw, GROUND, Input, Model, Pose, Scratch, Settings, Solver, State, Zone, step,
 };
 
-use super::blow::{Play, blow, halvings, regularised, tell};
+use super::blow::{NEIGHBOURS, Play, blow, halvings, regularised, tell};
 use super::convergence::WIDTHS;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, small};
 use crate::instrument::Instrument;
 use crate::stroke::Touch;
 
@@ -53,7 +53,7 @@ pub(super) fn felt(instrument: &Instrument, _: &mut Progress) -> Result<Section,
             zone.label, felt.stiffness, felt.exponent, felt.damping
         )],
         claims: vec![Claim::new(
-            "[T13] sec. 2",
+            "[T13]",
             "loading and unloading run along different curves, and the loop grows with the speed",
             format!("energy lost {told} at 0.5, 1 and 2 m/s"),
             lost.windows(2).all(|l| 0.0 < l[0] && l[0] < l[1]),
@@ -130,7 +130,9 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
     );
     let hammer = instrument.roles.hammer.unwrap_or(0);
     let (mut curves, mut at_rest, mut held) = (Vec::new(), Vec::new(), Vec::new());
-    let mut torque_held = 0.0;
+    let mut torques = Vec::new();
+    let mut by_pivot = Table::new("Friction torque of each pivot after a minute of rest (N m)", &["friction"]);
+    by_pivot.header.extend(instrument.bodies.iter().map(|b| b.name.clone()));
     let exact = blow(instrument, Play::Stroke("mf", Touch::Pressed), Settings::new(3.125e-6 / 4.0), 0.06)?;
     for (i, (name, friction)) in laws.iter().enumerate() {
         let from = i as f64 / laws.len() as f64;
@@ -142,15 +144,15 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
         let first = note.time_s.partition_point(|&t| t < 1.0);
         let caught = departure(&note.bodies[hammer].angle_rad, first);
         let torque = rest.final_pivot_friction_n_m.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
-        if i == 0 {
-            torque_held = torque;
-        }
+        torques.push(torque);
+        let cells = rest.final_pivot_friction_n_m.iter().take(instrument.bodies.len()).map(|f| format!("{f:+.1e}"));
+        by_pivot.row(std::iter::once(name.clone()).chain(cells));
         let largest = largest_step(instrument, *friction, exact.speed)?;
         table.row([
             name.clone(),
-            format!("{drift:.1e}"),
-            format!("{torque:.1e}"),
-            format!("{caught:.1e}"),
+            small(drift),
+            small(torque),
+            small(caught),
             format!("{} of {}", note.work.unconverged_steps, note.work.steps),
             format!("{:.2}", note.work.newton_iterations as f64 / note.work.steps as f64),
             largest.map_or("none tried".into(), |h| format!("{:.2} us", h * 1e6)),
@@ -171,21 +173,33 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
         text: vec![
             "Nothing at all drives the action for a minute; then a note is held with 12 N. The regularised law is tanh(u / width) in place of \
              the set-valued sign; widths are at the pivots, and a tenth in m/s at sliding contacts. \"Largest step with 1 %\" is the largest of \
-             400, 200, ... 3.125 us from which on every smaller one converges in all steps and has the hammer speed of a pressed mf within 1 %."
+             400, 200, ... 3.125 us from which on every smaller one converges in all steps and has the hammer speed of a pressed mf within 1 %, at eight \
+             phases each."
                 .into(),
         ],
         claims: vec![
             Claim::new(
-                "[T12] sec. 2",
+                "[T12]",
                 "dry friction leaves friction forces at rest and holds without any drift",
-                format!("drift {:e} rad in 60 s, {:e} rad in the check; largest torque held {torque_held:.1e} N m", at_rest[0], held[0]),
-                at_rest[0] == 0.0 && held[0] == 0.0 && torque_held > 0.0,
+                format!(
+                    "drift {} rad in 60 s, {} rad in the check; largest torque held {} N m",
+                    small(at_rest[0]),
+                    small(held[0]),
+                    small(torques[0])
+                ),
+                at_rest[0] == 0.0 && held[0] == 0.0 && torques[0] > 1e-4,
             ),
             Claim::new(
-                "[T12] sec. 2",
-                "regularised friction creeps at any width",
-                format!("drift in 60 s {} rad; in the check {} rad", list(&at_rest[1..]), list(&held[1..])),
-                at_rest[1..].iter().chain(&held[1..]).all(|d| *d > 1e-6),
+                "[T12]",
+                "regularised friction creeps at any width, and in the end no friction force is left",
+                format!(
+                    "drift in 60 s {} rad; in the check {} rad; largest torque left {} N m",
+                    list(&at_rest[1..]),
+                    list(&held[1..]),
+                    list(&torques[1..])
+                ),
+                at_rest[1..].iter().chain(&held[1..]).all(|d| *d > 1e-6)
+                    && torques[1..].iter().all(|t| *t < 1e-6 * torques[0]),
             ),
         ],
         charts: vec![Chart {
@@ -195,7 +209,7 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
             x_log: false,
             panels: vec![ChartPanel { y_label: "strike point (mm)".into(), y_log: false, y_range: None, curves }],
         }],
-        tables: vec![table],
+        tables: vec![table, by_pivot],
         ..Section::default()
     })
 }
@@ -213,10 +227,13 @@ fn largest_step(
 ) -> Result<Option<f64>, ReproduceError> {
     let mut largest = None;
     for h in halvings(400e-6, 8).into_iter().rev() {
-        let b = blow(instrument, Play::Stroke("mf", Touch::Pressed), Settings { friction, ..Settings::new(h) }, 0.06)?;
-        let right = (b.speed / speed - 1.0).abs() < 0.01 && b.unconverged == 0;
-        if !right {
-            break;
+        // At every phase: at a single one a coarse step may happen to be right.
+        for k in 0..NEIGHBOURS {
+            let settings = Settings { friction, ..Settings::new(h * (1.0 - f64::from(k) / 64.0)) };
+            let b = blow(instrument, Play::Stroke("mf", Touch::Pressed), settings, 0.06)?;
+            if (b.speed / speed - 1.0).abs().is_nan() || (b.speed / speed - 1.0).abs() > 0.01 || b.unconverged > 0 {
+                return Ok(largest);
+            }
         }
         largest = Some(h);
     }
@@ -275,7 +292,7 @@ pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result
             own.stiffness_n_per_m
         )],
         claims: vec![Claim::new(
-            "[T13] sec. 3",
+            "[T13]",
             "the finger's softness is part of the experiment: the same motion through another finger gives other forces (by more than 10 %)",
             format!(
                 "peak force varies by {}; hammer speed from the softest to the stiffest: {}",

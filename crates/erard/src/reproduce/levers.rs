@@ -31,7 +31,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         equations.join("\n"),
     ));
     section.claims.push(Claim::new(
-        "[H] sec. 3",
+        "[H]",
         "two loops of the linear graph give four closure equations for w, h, S1 and S2",
         format!("{} equations in {} unknowns", equations.len(), mechanism.unknown().len()),
         equations.len() == 4 && mechanism.unknown().len() == 4,

@@ -70,7 +70,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             let (speed, contact) = (order(&rungs, |r| r.speed), order(&rungs, |r| r.contact));
             let holds = if theta == 0.5 { speed > 0.87 && contact > 0.87 } else { speed > 0.8 && contact > 0.8 };
             section.claims.push(Claim::new(
-                "[T12] sec. 3",
+                "[T12]",
                 format!("{label}: halving the step halves the error at least, across impacts and stick-slip"),
                 format!("order {speed:.2} of the hammer speed, {contact:.2} of its instant"),
                 holds,

@@ -48,7 +48,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                 .into(),
         ],
         claims: vec![Claim::new(
-            "[T12] sec. 3, [T13]",
+            "[T12], [T13]",
             "the papers' solver and ours give the same motion",
             format!("hammer speeds apart by at most {worst:.1e}; {late} unconverged steps in all"),
             worst < 1e-6 && late == 0,

@@ -236,13 +236,13 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     }
     let worst = slopes.iter().fold(0.0_f64, |m, s| m.max((s + 40.0).abs()));
     section.claims.push(Claim::new(
-        "[T12] sec. 4",
+        "[T12]",
         "from force to displacement the mechanism is a second-order low-pass: -40 dB per decade at high frequency, within 4 dB",
         format!("slopes {}", slopes.iter().map(|s| format!("{s:+.1}")).collect::<Vec<_>>().join(", ")),
         worst < 4.0,
     ));
     section.claims.push(Claim::new(
-        "[T12] sec. 4",
+        "[T12]",
         "from displacement to force it is a second-order high-pass, +40 dB per decade: what force-driven simulation hides, \
          motion-driven reveals",
         format!(
@@ -254,7 +254,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         worst < 4.0,
     ));
     section.claims.push(Claim::new(
-        "[T12] sec. 4",
+        "[T12]",
         "one degree of freedom and the whole mechanism part in a band of frequencies, at every point of the stroke",
         format!("by more than 3 dB at {parted} of {} places; see the table", PLACES_M.len()),
         parted == PLACES_M.len(),

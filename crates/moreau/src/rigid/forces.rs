@@ -79,7 +79,7 @@ pub struct Energies<T> {
 }
 
 impl<T: Scalar> Energies<T> {
-    /// Of a state; bodies that the state has no place for are left out.
+    /// Of a state; bodies that the state has no place for are left out, with their springs.
     pub fn of<const B: usize, const N: usize>(model: &Model<'_, T>, state: &State<T, B, N>) -> Self {
         let half = T::from_f64(0.5);
         let mut e = Energies { kinetic: T::ZERO, gravity: T::ZERO, springs: T::ZERO };
@@ -88,8 +88,9 @@ impl<T: Scalar> Energies<T> {
             e.gravity += -(body.mass * dot(model.gravity, place.at));
         }
         let at_rest = [[T::ZERO; 3]; B];
+        let known = |body: usize| body == GROUND || body < B;
         for spring in model.springs {
-            if T::ZERO < spring.stiffness {
+            if T::ZERO < spring.stiffness && known(spring.first) && known(spring.second) {
                 let pull = tension(spring, &state.placement, &at_rest).0;
                 e.springs += half * pull * pull / spring.stiffness;
             }

@@ -45,6 +45,9 @@ pub struct Joint<T> {
     pub dry: T,
     /// Viscous friction, N m s or N s/m.
     pub viscous: T,
+    /// A motor: the rate of the coordinate that the joint leaves, at the end of every step, rad/s or m/s. A body on a driven joint is
+    /// moving ground. For a rate that varies, make the model anew: it borrows its parts and costs next to nothing.
+    pub rate: Option<T>,
 }
 
 /// A straight spring between two points, with a damper in parallel: it pulls with `stiffness (distance - length)`.
@@ -183,7 +186,8 @@ impl<'m, T: Scalar> Model<'m, T> {
             };
             let numbers = [joint.at_first, joint.at_second, [joint.dry, joint.viscous]];
             let finite = numbers.iter().all(|pair| finite(pair));
-            if !(sound && finite && joint.dry >= T::ZERO && joint.viscous >= T::ZERO) {
+            let driven = joint.rate.is_none_or(|rate| rate.finite());
+            if !(sound && finite && driven && joint.dry >= T::ZERO && joint.viscous >= T::ZERO) {
                 return Err(ModelError::BadJoint(i));
             }
         }

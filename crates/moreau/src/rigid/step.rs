@@ -151,7 +151,9 @@ fn laws<T: Scalar, const B: usize, const N: usize>(
     for (j, joint) in model.joints.iter().enumerate() {
         problem.law[3 * j] = Law::Equality;
         problem.law[3 * j + 1] = Law::Equality;
-        if T::ZERO < joint.dry {
+        if joint.rate.is_some() {
+            problem.law[3 * j + 2] = Law::Equality;
+        } else if T::ZERO < joint.dry {
             problem.law[3 * j + 2] = Law::Relay(settings.step * joint.dry);
         }
     }
@@ -210,6 +212,11 @@ fn one_step_problem<T: Scalar, const B: usize, const N: usize>(
         for j in 0..problem.count {
             let absent = problem.law[j] == Law::Absent;
             problem.delassus[i][j] = if absent { T::ZERO } else { end_rows[i].coupling(&rows[j], model) };
+        }
+    }
+    for (j, joint) in model.joints.iter().enumerate() {
+        if let Some(rate) = joint.rate {
+            problem.free[3 * j + 2] -= rate;
         }
     }
     for (c, contact) in model.contacts.iter().enumerate() {
