@@ -104,7 +104,7 @@ fn throw(felt: crate::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
         let after = Pose::of(&model, &state.angle).gap(&model, 0);
         // The step's force belongs to its middle.
         compression.push(0.5 * (before + after));
-        force.push(scratch.contacts[0].force);
+        force.push(scratch.contact(&model, &settings, 0).map_or(0.0, |c| c.force));
         if after <= 0.0 && state.velocity[0] < 0.0 {
             break;
         }

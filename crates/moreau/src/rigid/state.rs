@@ -2,7 +2,6 @@
 
 use super::mixed::{Mode, Problem};
 use super::rows::Row;
-use crate::real::sin_cos;
 use crate::vector::{Vector, add};
 use crate::{GROUND, Scalar};
 
@@ -18,7 +17,7 @@ pub struct Placement<T> {
 impl<T: Scalar> Placement<T> {
     /// A vector of the body's frame, in the world.
     pub(super) fn turn(&self, v: Vector<T>) -> Vector<T> {
-        let (s, c) = sin_cos(self.angle);
+        let (s, c) = self.angle.sin_cos_any();
         [c * v[0] - s * v[1], s * v[0] + c * v[1]]
     }
 
