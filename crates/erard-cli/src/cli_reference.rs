@@ -15,8 +15,8 @@ pub fn markdown() -> String {
     paragraph(&mut page, &about(&program));
     paragraph(
         &mut page,
-        "Every command prints the same as below with `--help`. Exit codes: 0 done, 2 wrong input or usage (nothing is \
-         written), 130 interrupted, 1 a fault of the program.",
+        "Every command prints the same as below with `--help`. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, \
+         1 anything else.",
     );
     section(&mut page, &mut program);
     page.truncate(page.trim_end().len());

@@ -88,9 +88,13 @@ impl Session {
     /// Holds an output block against what was printed; gives what was printed.
     fn output(&self, text: &str) -> Result<String, String> {
         let printed = self.printed.as_ref().ok_or("an output stands before the first command")?;
-        // How fast it was depends on the machine.
-        let lines: Vec<&str> = printed.lines().filter(|l| !l.contains("real-time factor")).collect();
-        let printed = lines.join("\n").trim_end().to_owned() + "\n";
+        // How long it took depends on the machine.
+        let untimed = |line: &'_ str| match line.find(" simulations, ") {
+            Some(at) => format!("{} simulations", &line[..at]),
+            None => line.to_owned(),
+        };
+        let lines = printed.lines().filter(|l| !l.contains("real-time factor")).map(untimed);
+        let printed = lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n";
         let writing = std::env::var("ERARD_BOOK").is_ok_and(|v| v == "write");
         let plain = |text: &str| text.lines().map(without_numbers).collect::<Vec<_>>();
         if writing || plain(text) == plain(&printed) {
@@ -150,7 +154,9 @@ impl Session {
             return row[index].parse().map_err(|_| missing());
         }
         let json: serde_json::Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
-        json.pointer(place).and_then(serde_json::Value::as_f64).ok_or_else(missing)
+        let value = json.pointer(place).ok_or_else(missing)?;
+        // True is 1.
+        value.as_f64().or(value.as_bool().map(|b| f64::from(u8::from(b)))).ok_or_else(missing)
     }
 
     /// Takes a picture that the commands have drawn into the book: `pictures/X/Y` is the folder's `X/Y`.
