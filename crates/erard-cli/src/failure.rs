@@ -10,6 +10,7 @@ use erard::measure::MeasureError;
 use erard::one_dof::OneDofError;
 use erard::regulate::RegulateError;
 use erard::regulation::MeasureError as DistanceError;
+use erard::reproduce::ReproduceError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
@@ -32,6 +33,9 @@ pub enum Failure {
     /// A comparison cannot be made.
     #[error(transparent)]
     Compare(#[from] CompareError),
+    /// Something cannot be reproduced.
+    #[error(transparent)]
+    Reproduce(#[from] ReproduceError),
     /// An instrument has no three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
@@ -83,7 +87,11 @@ impl Failure {
             Failure::Internal(_) | Failure::Unmet(_) => 1,
             Failure::Simulation(SimulationError::Interrupted)
             | Failure::Regulate(RegulateError::Measure(DistanceError::Interrupted))
-            | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted)) => 130,
+            | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted))
+            | Failure::Reproduce(
+                ReproduceError::Simulation(SimulationError::Interrupted)
+                | ReproduceError::Compare(CompareError::Simulation(SimulationError::Interrupted)),
+            ) => 130,
             Failure::Measure { error, .. } if error.is_interruption() => 130,
             _ => 2,
         })

@@ -3,6 +3,7 @@
 //! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
 //! write them down.
 
+pub mod cli_reference;
 pub mod command;
 pub mod drawing;
 pub mod failure;
@@ -13,6 +14,7 @@ pub mod output;
 pub mod page;
 pub mod progress;
 pub mod regulation;
+pub mod report;
 pub mod summary;
 pub mod svg;
 pub mod table;

@@ -120,6 +120,9 @@ fn options() {
     }
     says(&folder.bad(&["press", "--force-step", "2", "--stroke", "mf"]), &["--force-step", "--stroke"]);
     says(&folder.bad(&["draw", "--at", "-1"]), &["--at"]);
+    says(&folder.bad(&["draw", "--at", "lunch"]), &["--at", "let-off"]);
+    // Too weak a push to reach the string, let alone be checked.
+    says(&folder.bad(&["draw", "--force-step", "0.1", "--at", "check"]), &["--at check", "no check"]);
 }
 
 /// A folder that cannot be one: below a file. What stands there stays.

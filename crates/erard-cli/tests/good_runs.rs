@@ -180,3 +180,17 @@ fn one_pose() {
     let png = std::fs::read(folder.0.join("erard-out/action.png")).unwrap();
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
 }
+
+/// An event is drawn at the instant that the summary tells.
+#[test]
+fn the_pose_of_an_event() {
+    let folder = Folder::new("event");
+    folder.good(&["press", "--out", "run"]);
+    let strike_s = json(&folder, "run/summary.json")["hammer_contact_s"].as_f64().unwrap();
+    folder.good(&["draw", "--at", "hammer-contact", "--forces", "--out", "struck"]);
+    let struck = folder.read("struck/action.svg");
+    let (before, _) = struck.split_once(" ms, hammer contact").expect("a caption");
+    let drawn_ms: f64 = before.rsplit(' ').next().unwrap().parse().unwrap();
+    // The first row after it, in steps of 50 us, to a tenth.
+    assert!((drawn_ms - strike_s * 1e3).abs() <= 0.1, "{drawn_ms} {strike_s}");
+}

@@ -53,7 +53,8 @@ fn run(grand: &Instrument, force: &dyn Fn(f64) -> f64) -> Run {
 
 /// The force that gives the blow the wanted hammer speed, by bisection.
 fn scale_for(grand: &Instrument, speed: f64, level: f64, blow: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 40.0 * level);
+    // Far harder blows throw the key through before the hammer has followed, and loudness falls again.
+    let (mut low, mut high) = (0.0, 8.0 * level);
     for _ in 0..25 {
         let middle = 0.5 * (low + high);
         let reached = run(grand, &|t| struck(t, level, blow, middle)).events.hammer_speed_m_s.unwrap_or(0.0);

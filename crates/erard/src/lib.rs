@@ -14,6 +14,8 @@ pub mod one_dof;
 mod recorder;
 pub mod regulate;
 pub mod regulation;
+pub mod reproduce;
 pub mod run;
 pub mod simulation;
 pub mod stroke;
+pub mod validate;

@@ -112,7 +112,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn normal_force(&self, zone: usize) -> f64 {
-        self.scratch.contacts[zone].force
+        self.scratch.contact(&self.model, &self.settings, zone).map_or(0.0, |c| c.force)
     }
 
     fn tangential_force(&self, zone: usize) -> f64 {
@@ -120,8 +120,8 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn contact(&self, zone: usize) -> [f32; 4] {
-        let c = &self.scratch.contacts[zone];
-        [c.point[0] as f32, c.point[1] as f32, c.normal[0] as f32, c.normal[1] as f32]
+        let contact = self.scratch.contact(&self.model, &self.settings, zone);
+        contact.map_or([0.0; 4], |c| [c.point[0] as f32, c.point[1] as f32, c.normal[0] as f32, c.normal[1] as f32])
     }
 
     fn drive_force(&self) -> f64 {

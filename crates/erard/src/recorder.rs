@@ -65,6 +65,12 @@ impl Recorder {
             if zone.has_friction {
                 mean(&mut zone.tangential_n, m.tangential_force(z));
             }
+            // A contact that began with this step pushes in the last row too, and has its place from here.
+            if let Some(place) = zone.contact.last_mut()
+                && place[2..] == [0.0; 2]
+            {
+                *place = m.contact(z);
+            }
         }
     }
 

@@ -36,7 +36,7 @@ fn long_run() -> u64 {
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine, to the shipped instrument and to the
 /// built-in strokes, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
 /// value, which the failing test prints, here.
-const GOLDEN: u64 = 0x420e0fcd92444b7f;
+const GOLDEN: u64 = 0x2018c44e7159d306;
 
 /// The engine uses + - * /, square roots and its own libm only, so that the digest holds on every target.
 #[test]
@@ -57,7 +57,7 @@ fn the_same_run_twice_gives_the_same_bits() {
     assert_eq!(first, std::thread::spawn(go).join().unwrap());
 }
 
-/// How much work a mezzo forte press of one second is: 20 000 steps, 20 056 Newton iterations and 23 350 active sets measured. The bounds leave a twentieth, so
+/// How much work a mezzo forte press of one second is: 20 000 steps, 20 063 Newton iterations and 20 609 active sets measured. The bounds leave a twentieth, so
 /// that an efficiency lost in silence turns this red. Lower them when the solver gets better.
 #[test]
 fn a_press_costs_what_it_did() {
@@ -68,5 +68,5 @@ fn a_press_costs_what_it_did() {
     );
     assert_eq!((work.steps, work.unconverged_steps), (20_000, 0));
     assert!(work.newton_iterations < 21_100, "{work:?}");
-    assert!(work.solver_iterations < 24_600, "{work:?}");
+    assert!(work.solver_iterations < 21_600, "{work:?}");
 }

@@ -37,8 +37,10 @@ fn dip_is_the_punching_and_its_felt() {
     let [least, most] = [compressed(3.9) - 0.03e-3, compressed(4.7) + 0.03e-3].map(|g| g - point_m[1]);
     assert!((least..most).contains(&dip_m), "{least} {dip_m} {most}");
     let thicker = measured(&[("front_punching", 0.5)]).dip_m.unwrap();
-    // Punching and finger have the same arm, so that the dip shrinks by what the punching grows.
-    assert!((dip_m - thicker - 0.5e-3).abs() < 2e-6, "{dip_m} {thicker}");
+    // Punching and finger have the same arm, so that the dip shrinks by what the punching grows, but for what the action takes
+    // of the 5 N at another depth: 0.3 N more or less are 6 % of the force, and of the felt's compression 6 % / r.
+    let breathing = compressed(5.0) * 0.06 / felt.exponent;
+    assert!((dip_m - thicker - 0.5e-3).abs() < breathing, "{dip_m} {thicker} {breathing}");
 }
 
 /// The string is not touched on a slow key: raising it adds as much to blow and let-off, and moves nothing else.

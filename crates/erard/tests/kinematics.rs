@@ -43,8 +43,8 @@ fn shipped_linkages() {
     assert!(LinkageFile::builtin("d-like").is_none());
 }
 
-/// The levers derived from the concert grand rest where the instrument rests, but for the play of 0.12 mm under the
-/// knuckle, which turns the hammer by 0.12 / 17 rad.
+/// The levers derived from the concert grand rest where the instrument rests, but for the play of 0.06 mm under the
+/// knuckle, which turns the hammer by 0.06 / 14.4 rad (the knuckle's horizontal arm).
 #[test]
 fn derived_levers_rest_as_the_instrument_does() {
     let derived = derived();
@@ -53,13 +53,14 @@ fn derived_levers_rest_as_the_instrument_does() {
     assert!((rest.k - std::f64::consts::FRAC_PI_2).abs() < 1e-3, "the key's front is up");
     assert!((rest.w - derived.levers.near[0]).abs() < 1e-12);
     let sunk = derived.levers.near[1] - rest.h;
-    assert!((0.004..0.010).contains(&sunk), "{sunk}");
+    assert!((0.003..0.006).contains(&sunk), "{sunk}");
     assert_eq!((derived.capstan_zone.as_str(), derived.knuckle_zone.as_str()), ("capstan_heel", "jack_knuckle"));
-    assert!(derived.notes.iter().any(|note| note.contains("jack top - knuckle is open by 0.12 mm")));
+    assert!(derived.notes.iter().any(|note| note.contains("jack top - knuckle is open by 0.06 mm")));
 }
 
-/// Contact tangency: the lengths are the start set's own numbers, with the discs' radii. Felts (0.1 mm) and the whippen's
-/// lean on them (1.5 mrad over the 142 mm of the key's back arm) are all that stands between: 0.35 mm.
+/// Contact tangency: the lengths are the start set's own numbers, with the discs' radii. Felts (0.18 mm at the
+/// capstan) and the whippen's lean on them (0.18 mm over 65 mm, 2.8 mrad, over the 142 mm of the key's back arm) are all that
+/// stands between: 0.6 mm.
 #[test]
 fn derived_lengths_are_the_instruments() {
     let lengths = derived().lengths.lengths.to_array().map(|l| l * 1e3);
@@ -67,7 +68,7 @@ fn derived_lengths_are_the_instruments() {
     let drawn = [205.23, 28.32, -63.0, 16.18, 44.5, 92.8, -53.37, 17.0, 4.8, 63.6];
     println!("{lengths:?}");
     for (i, (got, want)) in lengths.into_iter().zip(drawn).enumerate() {
-        assert!((got - want).abs() < 0.35, "L{}: {got} {want}", i + 1);
+        assert!((got - want).abs() < 0.6, "L{}: {got} {want}", i + 1);
     }
 }
 
@@ -124,11 +125,12 @@ fn a_changed_instrument_changes_both() {
     let let_off = derived.design.case(&[], Regulation::Regulated).unwrap().let_off_key_m.expect("let-off");
     let agreement =
         slow_press(&changed, &derived.levers, let_off).unwrap().agreement(&train, let_off).expect("a range");
-    // There is twice the play now (0.22 mm under the knuckle), and the hammer swings on its felts longer after it.
+    // There is more play now (under the knuckle), and the hammer swings on its felts longer after it.
     let late = agreement.key_m.iter().zip(&agreement.deviation).filter(|(key, _)| **key > 1.6e-3);
     let worst = late.map(|(_, deviation)| deviation.abs()).fold(0.0, f64::max);
     println!("worst {:.2} %", worst * 100.0);
-    assert!(worst < 0.02, "{worst}");
+    // The capstan's felt gives 0.18 mm at rest and less as the ratio falls: what comes back of it lifts the hammer too, by 1 %.
+    assert!(worst < 0.03, "{worst}");
 }
 
 /// What is not three levers is named.

@@ -39,9 +39,10 @@ fn mis_set() -> Instrument {
     instrument
 }
 
-/// Blows in two seconds at eight strokes a second, from 3 mm to the bottom: the key does not come home.
-fn blows_at_eight_hertz(instrument: &Instrument) -> usize {
-    let play = Play::Tremolo { top: 3e-3, bottom: 9.9e-3, frequency: 8.0 };
+/// Blows in two seconds at eight strokes a second, from 3 mm to the bottom (and a tenth of a millimetre of fingertip further):
+/// the key does not come home. The margin is small: a finger that stops short of the bottom by a tenth misses some.
+fn blows_at_eight_hertz(instrument: &Instrument, dip_m: f64) -> usize {
+    let play = Play::Tremolo { top: 3e-3, bottom: dip_m + 0.1e-3, frequency: 8.0 };
     play.run(instrument, Settings::new(USUAL_STEP_S), 2.0).events.strikes.len()
 }
 
@@ -56,7 +57,7 @@ fn a_mis_set_action_is_put_right() {
     turn_on(&mut nearer, &[("back_check", 2.5)]);
     let weak = measure(&nearer, &Protocol::default(), &mut || true).unwrap();
     assert!(before.check_m.is_none() && weak.spring_m_s.is_none_or(|speed| speed < 0.1), "{before:?} {weak:?}");
-    assert_ne!(blows_at_eight_hertz(&wrong), 16);
+    assert_ne!(blows_at_eight_hertz(&wrong, before.dip_m.unwrap()), 16);
 
     let regulated = regulated(&wrong, &Goal::norms());
     println!(
@@ -76,7 +77,7 @@ fn a_mis_set_action_is_put_right() {
         assert!(off <= allowed, "{}: {after:?}", goal.name());
     }
     assert_eq!(after.unconverged_steps, 0);
-    assert_eq!(blows_at_eight_hertz(&regulated.instrument), 16);
+    assert_eq!(blows_at_eight_hertz(&regulated.instrument, after.dip_m.unwrap()), 16);
 }
 
 /// What is regulated already is left alone: one round, no screw.

@@ -1,7 +1,7 @@
 //! Contact zones: geometry of a disc against a curve, and the felt between them.
 
-use crate::linear::product;
 use crate::model::{Curve, Exponent, Felt, Zone};
+use crate::path::Path;
 use crate::pose::Pose;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Mask, Real};
@@ -12,13 +12,39 @@ const CLOSING_SPEED: f64 = 20.0;
 /// 1/sqrt(3): the two-point Gauss nodes on [-1, 1].
 const GAUSS_POINT: f64 = 0.577_350_269_189_625_8;
 
-/// A zone during one step.
+/// The step's lengths of time that a zone needs, s, and how near it must be to be looked at.
 #[derive(Debug, Clone, Copy)]
-pub struct Contact<T, const B: usize> {
-    /// Whether the felt is touched; the other fields (but `gap` and `force`) hold only then.
-    pub active: bool,
-    /// Too far apart to be touched during the step.
-    pub(crate) out_of_reach: bool,
+pub(crate) struct Timing<T> {
+    /// h.
+    pub step: T,
+    /// theta h: from the step's start to the theta point.
+    pub h_theta: T,
+    pub theta: T,
+    /// From the theta point to a Gauss point.
+    node: T,
+    /// Compression that can be gained within the step, m.
+    pub reach: T,
+}
+
+impl<T: Real> Timing<T> {
+    pub fn new(h: T, theta: T) -> Self {
+        let node = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
+        Timing { step: h, h_theta: h * theta, theta, node, reach: node * T::from_f64(CLOSING_SPEED) }
+    }
+}
+
+impl<T: Real> Ease<T> {
+    pub fn new() -> Self {
+        let (z, far) = (T::ZERO, T::from_f64(1e30));
+        Ease { slack: far, linear: z, clear: far, reach: z, square: z }
+    }
+}
+
+/// A zone that is touched during one step.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact<T: Real, const B: usize> {
+    /// Near enough to be touched during the step.
+    pub(crate) in_reach: T::Mask,
     /// Compression g at the theta point, m; negative apart.
     pub gap: T,
     /// dg/dt, m/s.
@@ -33,20 +59,17 @@ pub struct Contact<T, const B: usize> {
     pub damping_force: T,
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub(crate) tangent: T,
-    /// Change of the rate by the last Newton correction.
-    ahead: T,
     /// What [`Contact::remainder`] needs of the felt.
     bend: Bend<T>,
-    /// Row G in relative velocities: dg/dt = G w.
+    /// Row G in relative velocities, for the joints of the zone's path: dg/dt = G w.
     pub(crate) row: [T; B],
 }
 
 impl<T: Real, const B: usize> Contact<T, B> {
     pub(crate) fn apart() -> Self {
-        let (z, o) = (T::ZERO, [T::ZERO; 2]);
+        let (z, o, no) = (T::ZERO, [T::ZERO; 2], T::Mask::splat(false));
         Contact {
-            active: false,
-            out_of_reach: false,
+            in_reach: no,
             gap: z,
             rate: z,
             normal: o,
@@ -54,103 +77,157 @@ impl<T: Real, const B: usize> Contact<T, B> {
             force: z,
             damping_force: z,
             tangent: z,
-            ahead: z,
-            bend: Bend { deepest: z, slope: z, damping: z, slack: z },
+            bend: Bend { deepest: z, linear: z, quadratic: z, slack: z },
             row: [z; B],
         }
     }
 
-    /// Evaluates geometry at the theta point, and the felt where it is touched during the step.
+    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; says where it is. `candidates`:
+    /// the lanes that may be in reach.
     ///
     /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
     /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
     /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
     /// step's end, and the scheme is backward Euler.
     #[inline(always)]
-    pub(crate) fn evaluate(&mut self, zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>, w: &[T; B], h: T, theta: T) {
+    pub(crate) fn evaluate(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        pose: &Pose<T, B>,
+        w: &[T; B],
+        timing: &Timing<T>,
+        candidates: T::Mask,
+    ) -> T::Mask {
         let center = pose.point(zone.disc_body, zone.center);
         let (distance, normal) = distance_to_curve(zone, pose, center);
-        self.gap = zone.radius - distance;
-        self.active = false;
-        self.force = T::ZERO;
-        let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
-        if !(-reach * T::from_f64(CLOSING_SPEED)).le(self.gap).any() {
-            self.out_of_reach = true;
-            return;
+        let gap = zone.radius - distance;
+        let in_reach = candidates.and((-timing.reach).le(gap));
+        self.in_reach = in_reach;
+        if !in_reach.any() {
+            return in_reach;
         }
-        self.out_of_reach = false;
-        self.row = pose.turning_row(carried, center, normal);
-        self.rate = product(&self.row, w);
-        let offset = reach * self.rate;
-        self.bend.deepest = self.gap + offset.abs();
-        if !T::ZERO.lt(self.bend.deepest).any() {
-            return;
-        }
-        self.active = true;
+        self.gap = gap;
+        pose.turning_row(path, center, normal, &mut self.row);
+        let rate = path.product(&self.row, w);
+        self.rate = rate;
         self.normal = normal;
-        self.point = sub(center, scale(normal, distance));
-        self.press(zone, offset, reach, h * theta);
+        let offset = timing.node * rate;
+        let deepest = gap + offset.abs();
+        self.bend.deepest = deepest;
+        let active = in_reach.and(T::ZERO.lt(deepest));
+        if active.any() {
+            self.press(&zone.felt, gap, rate, timing, active);
+        }
+        active
     }
 
-    /// The felt's mean force over the step and its tangent, at the present compression and rate.
+    /// The felt's mean force over the step and its tangent, at a compression and rate.
     #[inline(always)]
-    fn press(&mut self, zone: &Zone<T>, offset: T, reach: T, h_theta: T) {
-        let half = T::from_f64(0.5);
-        let a = felt_law(&zone.felt, (self.gap + offset).max(T::ZERO), self.rate);
-        let b = felt_law(&zone.felt, (self.gap - offset).max(T::ZERO), self.rate);
-        self.force = half * (a.force + b.force);
+    fn press(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
+        let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
+        let offset = timing.node * rate;
+        let (first, second) = (gap + offset, gap - offset);
+        let (a, b, curvature);
+        let pressed = T::ZERO.lt(first).and(T::ZERO.lt(second));
+        if pressed.all() {
+            let (elastic, bent) = felt.elastic_pair(first, second);
+            (a, b, curvature) = (felt.law(elastic[0], first, rate), felt.law(elastic[1], second, rate), bent);
+        } else {
+            let (first, second) = (first.max(T::ZERO), second.max(T::ZERO));
+            let (elastic, bent) = felt.elastic_pair(first, second);
+            (a, b, curvature) = (felt.law(elastic[0], first, rate), felt.law(elastic[1], second, rate), bent);
+        }
+        // Not clamped at either point: nothing to choose.
+        let (a, b) = if pressed.and(T::ZERO.lt(a.force)).and(T::ZERO.lt(b.force)).all() {
+            (a, b)
+        } else {
+            (a.clamped(first), b.clamped(second))
+        };
+        let only_active = |x: T| T::select(active, x, T::ZERO);
+        let (h_theta, node) = (timing.h_theta, timing.node);
+        let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
+        self.force = only_active(half * (a.force + b.force));
+        self.tangent = only_active((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO));
         self.damping_force = half * (a.damping_force + b.damping_force);
-        let slope = (h_theta + reach) * a.stiffness + (h_theta - reach) * b.stiffness;
-        self.tangent = (half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO);
-        self.bend.slope = a.stiffness.abs().max(b.stiffness.abs());
-        self.bend.damping = a.damping.max(b.damping);
+        // The gap's change by a change of the rate.
+        let reach = h_theta + node;
+        let bend = half * curvature + felt.damping * rate.abs();
+        self.bend.quadratic = reach * (reach * bend + two * felt.damping * self.bend.deepest);
+        self.bend.linear = reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping);
         self.bend.slack = a.slack.min(b.slack);
     }
 
-    /// Follows the change of the relative velocities that [`Contact::remainder`] has seen, without looking at the geometry again.
+    /// Completes what a caller may read, at the pose of the last evaluation: takes the force along with the last change of the
+    /// relative velocities, without looking at the geometry again.
+    pub(crate) fn complete(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        pose: &Pose<T, B>,
+        change: &[T; B],
+        timing: &Timing<T>,
+        active: T::Mask,
+    ) {
+        self.place(zone, pose);
+        let ahead = timing.theta * path.product(&self.row, change);
+        self.rate += ahead;
+        self.gap += timing.h_theta * ahead;
+        self.press(&zone.felt, self.gap, self.rate, timing, active);
+    }
+
+    /// The contact point, on the curve.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, zone: &Zone<T>, h: T, theta: T) {
-        if !self.active {
-            return;
-        }
-        self.rate += self.ahead;
-        self.gap += theta * h * self.ahead;
-        let reach = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
-        self.press(zone, reach * self.rate, reach, h * theta);
+    fn place(&mut self, zone: &Zone<T>, pose: &Pose<T, B>) {
+        let center = pose.point(zone.disc_body, zone.center);
+        self.point = sub(center, scale(self.normal, zone.radius - self.gap));
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
-    #[inline(always)]
-    pub(crate) fn remainder(&mut self, zone: &Zone<T>, change: &[T; B], h: T, theta: T) -> T {
-        if self.out_of_reach {
-            return T::ZERO;
-        }
-        self.ahead = theta * product(&self.row, change);
-        let rate = self.ahead.abs();
-        let gap = (theta * h + (T::ONE - theta) * h * T::from_f64(GAUSS_POINT)) * rate;
-        let deepest = self.bend.deepest + gap;
-        if !T::ZERO.lt(deepest).any() {
-            return T::ZERO;
-        }
-        let half = T::from_f64(0.5);
-        let (elastic, _, curvature) = zone.felt.elastic(deepest.max(T::ZERO));
-        let damping = zone.felt.damping * deepest * deepest;
-        if !self.active {
-            return elastic + damping * (self.rate.abs() + rate);
-        }
+    pub(crate) fn remainder(
+        &self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        change: &[T; B],
+        timing: &Timing<T>,
+        active: T::Mask,
+    ) -> T {
+        let rate = (timing.theta * path.product(&self.row, change)).abs();
         // To second order; where the clamp at zero may have come or gone, to first.
-        let second = half * (curvature + T::from_f64(2.0) * zone.felt.damping * self.rate.abs()) * gap * gap
-            + T::from_f64(2.0) * zone.felt.damping * deepest * gap * rate;
-        let first = self.bend.slope * gap + self.bend.damping * rate;
-        T::select(first.lt(self.bend.slack), second, first.max(second))
+        let (linear, quadratic) = (self.bend.linear * rate, self.bend.quadratic * rate * rate);
+        let bent = T::select(linear.lt(self.bend.slack), quadratic, linear.max(quadratic));
+        // Not touched before: all of it.
+        let deepest = (self.bend.deepest + (timing.h_theta + timing.node) * rate).max(T::ZERO);
+        let (elastic, _, _) = zone.felt.elastic(deepest);
+        let onset = elastic + zone.felt.damping * deepest * deepest * (self.rate.abs() + rate);
+        T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
+    }
+
+    /// Adds to the quick bounds of what [`Contact::remainder`] may find.
+    #[inline(always)]
+    pub(crate) fn ease(&self, path: &Path<T, B>, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
+        let lever = path.sum_of_levers(&self.row);
+        if active.all() {
+            ease.slack = ease.slack.min(self.bend.slack);
+            ease.linear = ease.linear.max(lever * self.bend.linear);
+            ease.square += self.bend.quadratic * lever * lever * lever;
+        } else {
+            let far = T::from_f64(1e30);
+            ease.slack = ease.slack.min(T::select(active, self.bend.slack, far));
+            ease.linear = ease.linear.max(T::select(active, lever * self.bend.linear, T::ZERO));
+            ease.square += T::select(active, self.bend.quadratic * lever * lever * lever, T::ZERO);
+            ease.clear = ease.clear.min(T::select(active, far, -self.bend.deepest));
+            ease.reach = ease.reach.max((timing.h_theta + timing.node) * lever);
+        }
     }
 
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
     /// turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row(&self, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
-        pose.turning_row(carried, self.point, [-self.normal[1], self.normal[0]])
+    pub(crate) fn slip_row(&mut self, zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>, row: &mut [T; B]) {
+        self.place(zone, pose);
+        pose.turning_row(path, self.point, [-self.normal[1], self.normal[0]], row);
     }
 }
 
@@ -159,8 +236,12 @@ impl<T: Real, const B: usize> Contact<T, B> {
 fn distance_to_curve<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
     match zone.curve {
         Curve::Line { point, normal } => {
+            let offset = dot(point, normal);
+            if zone.curve_body >= B {
+                return (dot(center, normal) - offset, normal);
+            }
             let n = pose.rotate(zone.curve_body, normal);
-            (dot(sub(center, pose.point(zone.curve_body, point)), n), n)
+            (dot(sub(center, pose.pivot(zone.curve_body)), n) - offset, n)
         }
         Curve::Segment { from, direction, length, rounding } => {
             let t = pose.rotate(zone.curve_body, direction);
@@ -193,43 +274,77 @@ fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vecto
 struct Bend<T> {
     /// Largest compression during the step, m; negative where there is none.
     deepest: T,
-    /// Largest |dF/dg| and dF/d(dg/dt) of the Gauss points.
-    slope: T,
-    damping: T,
+    /// Largest change of the force with the rate, to first and (what is not in the linearisation) to second order.
+    linear: T,
+    quadratic: T,
     /// Smallest force of a touched Gauss point, N: how far the clamp at zero is.
     slack: T,
 }
 
-/// The felt law and its partial derivatives at one compression and rate.
+/// Bounds over all zones of what a change x of any joint's velocity (times theta) does.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FeltState<T> {
-    pub force: T,
-    pub damping_force: T,
-    pub stiffness: T,
-    pub damping: T,
-    /// Force before the clamp's kink; large where the felt is not touched, zero where it is clamped.
+pub(crate) struct Ease<T> {
+    /// While x times `linear` is below this, no clamp comes or goes...
     pub slack: T,
+    pub linear: T,
+    /// ... while x times `reach` is below this, no zone is touched for the first time...
+    pub clear: T,
+    pub reach: T,
+    /// ... and what the linearisation leaves out is at most this times x^2 on any joint.
+    pub square: T,
 }
 
-/// F = max(0, k g^r + b g^2 dg/dt) and dF/dg, dF/d(dg/dt); `gap` must not be negative.
-#[inline(always)]
-pub(crate) fn felt_law<T: Real>(felt: &Felt<T>, gap: T, rate: T) -> FeltState<T> {
-    let two = T::from_f64(2.0);
-    let (elastic, slope, _) = felt.elastic(gap);
-    let bg = felt.damping * gap;
-    let damping = bg * gap;
-    let force = elastic + damping * rate;
-    let pushing = T::ZERO.lt(force);
-    FeltState {
-        force: T::select(pushing, force, T::ZERO),
-        damping_force: T::select(pushing, damping * rate, -elastic),
-        stiffness: T::select(pushing, slope + two * bg * rate, T::ZERO),
-        damping: T::select(pushing, damping, T::ZERO),
-        slack: T::select(T::ZERO.lt(gap), T::select(pushing, force, T::ZERO), T::from_f64(1e30)),
+/// The felt law and its partial derivatives at one compression and rate.
+#[derive(Debug, Clone, Copy)]
+struct FeltState<T> {
+    force: T,
+    damping_force: T,
+    stiffness: T,
+    damping: T,
+    /// Force before the clamp's kink; large where the felt is not touched, zero where it is clamped.
+    slack: T,
+}
+
+impl<T: Real> FeltState<T> {
+    /// Clamped at zero: felt never pulls.
+    #[inline(always)]
+    fn clamped(self, gap: T) -> Self {
+        let pushing = T::ZERO.lt(self.force);
+        let or_zero = |x: T| T::select(pushing, x, T::ZERO);
+        FeltState {
+            force: or_zero(self.force),
+            damping_force: T::select(pushing, self.damping_force, self.damping_force - self.force),
+            stiffness: or_zero(self.stiffness),
+            damping: or_zero(self.damping),
+            slack: T::select(T::ZERO.lt(gap), or_zero(self.force), T::from_f64(1e30)),
+        }
     }
 }
 
 impl<T: Real> Felt<T> {
+    /// k g^r + b g^2 dg/dt and its derivatives, not clamped, given k g^r and its slope; `gap` must not be negative.
+    #[inline(always)]
+    fn law(&self, [elastic, slope]: [T; 2], gap: T, rate: T) -> FeltState<T> {
+        let bg = self.damping * gap;
+        let damping = bg * gap;
+        let damping_force = damping * rate;
+        let force = elastic + damping_force;
+        let stiffness = slope + (bg + bg) * rate;
+        FeltState { force, damping_force, stiffness, damping, slack: force }
+    }
+
+    /// k g^r and its slope at two compressions, and the larger curvature of the two; none may be negative.
+    #[inline(always)]
+    fn elastic_pair(&self, a: T, b: T) -> ([[T; 2]; 2], T) {
+        if let Exponent::Two = self.exponent {
+            let two_k = self.stiffness + self.stiffness;
+            let (ka, kb) = (self.stiffness * a, self.stiffness * b);
+            return ([[ka * a, two_k * a], [kb * b, two_k * b]], two_k);
+        }
+        let ((ea, sa, ca), (eb, sb, cb)) = (self.elastic(a), self.elastic(b));
+        ([[ea, sa], [eb, sb]], ca.max(cb))
+    }
+
     /// k g^r and its first and second derivative in g; `gap` must not be negative.
     #[inline(always)]
     fn elastic(&self, gap: T) -> (T, T, T) {
@@ -276,12 +391,16 @@ pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>)
     zone.radius - distance
 }
 
-/// The row G of a zone at a pose in relative velocities: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)), exact although
-/// the contact point moves. `carried` is +1 for joints that carry the curve only, -1 for the disc only.
-pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, carried: &[T; B], pose: &Pose<T, B>) -> [T; B] {
+/// The row G of a zone at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with
+/// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
+pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>) -> [T; B] {
     let center = pose.point(zone.disc_body, zone.center);
     let (_, normal) = distance_to_curve(zone, pose, center);
-    pose.turning_row(carried, center, normal)
+    let mut row = [T::ZERO; B];
+    pose.turning_row(path, center, normal, &mut row);
+    let mut dense = [T::ZERO; B];
+    path.spread(&row, T::ONE, &mut dense);
+    dense
 }
 
 #[cfg(test)]
@@ -310,8 +429,8 @@ mod tests {
                 let q = [0.3, -0.7, 1.9, 0.4];
                 let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
                 let mut contact = Contact::apart();
-                contact.evaluate(&zone, &model.carried[0], &Pose::of(&model, &q), &[0.0; 4], 1e-3, 0.5);
-                assert!(contact.active);
+                let timing = Timing::new(1e-3, 0.5);
+                assert!(contact.evaluate(&zone, &model.paths[0], &Pose::of(&model, &q), &[0.0; 4], &timing, true));
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;
@@ -331,12 +450,13 @@ mod tests {
         for exponent in [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three, Exponent::Other(1.7)] {
             let felt = Felt { stiffness: 3e3, exponent, damping: 2e3 };
             let (g, v, e) = (0.02, -0.01, 1e-7);
-            let at = felt_law(&felt, g, v);
-            let dg = (felt_law(&felt, g + e, v).force - felt_law(&felt, g - e, v).force) / (2.0 * e);
-            let dv = (felt_law(&felt, g, v + e).force - felt_law(&felt, g, v - e).force) / (2.0 * e);
+            let law = |g: f64, v: f64| felt.law(felt.elastic_pair(g, g).0[0], g, v).clamped(g);
+            let at = law(g, v);
+            let dg = (law(g + e, v).force - law(g - e, v).force) / (2.0 * e);
+            let dv = (law(g, v + e).force - law(g, v - e).force) / (2.0 * e);
             assert!((at.stiffness - dg).abs() < 1e-6 * dg.abs(), "{exponent:?}");
             assert!((at.damping - dv).abs() < 1e-6 * dv.abs(), "{exponent:?}");
-            assert_eq!(felt_law(&felt, g, -1e3).force, 0.0);
+            assert_eq!(law(g, -1e3).force, 0.0);
         }
     }
 }

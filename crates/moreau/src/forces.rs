@@ -1,132 +1,175 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
-use crate::joints::row_to_joints;
-use crate::linear::product;
+use crate::contact::Timing;
+use crate::joints::{relative, row_to_joints};
 use crate::model::Model;
-use crate::settings::{FrictionLaw, Settings};
+use crate::pose::Pose;
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
 use crate::{Real, Scalar};
 
-/// M(q_*) and M w0 in relative velocities, and the driven point's row, at the predicted pose.
+/// The couplings of M(q_*), M w0 in relative velocities, and the driven point's row, at the predicted pose.
 ///
 /// In absolute velocities M has a constant diagonal and, for every body and ancestor, (branch arm) . (first moment) (README,
 /// "Inertia").
 #[inline(always)]
 pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
-    w0: &[T; B],
+    v0: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let mut mass = [[T::ZERO; B]; B];
+    let Scratch { coupling, deep_coupling, momentum, pose, .. } = &mut *scratch;
+    let (mut impulse, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
+    let [x, y] = first_moments(model, pose);
     for i in 0..B {
-        mass[i][i] = model.inertia[i];
+        let c = pose.arm_x[i] * x[i] + pose.arm_y[i] * y[i];
+        coupling[i] = c;
+        impulse[i] = model.inertia[i] * v0[i] + c * v0[model.carrier[i]];
+        on_parent[i] = c * v0[i];
     }
-    let hinged = &model.hinged[..model.hinged_count];
-    for &i in hinged {
-        let moment = scratch.pose.rotate(i, model.moment[i]);
-        let mut branch = i;
-        while model.parent[branch] < B {
-            let ancestor = model.parent[branch];
-            let coupling = dot(scratch.pose.arm[branch], moment);
-            mass[i][ancestor] = coupling;
-            mass[ancestor][i] = coupling;
-            branch = ancestor;
-        }
+    if model.deep {
+        beyond_parents(model, |i, ancestor, branch| {
+            let c = dot(pose.arm(branch), [x[i], y[i]]);
+            deep_coupling[i][ancestor] = c;
+            impulse[i] += c * v0[ancestor];
+            impulse[ancestor] += c * v0[i];
+        });
     }
-    for &i in hinged.iter().rev() {
-        let parent = model.parent[i];
-        for j in 0..B {
-            let t = mass[i][j];
-            mass[parent][j] += t;
-        }
-        for j in 0..B {
-            let t = mass[j][i];
-            mass[j][parent] += t;
-        }
-    }
-    for i in 0..B {
-        scratch.momentum[i] = product(&mass[i], w0);
-    }
-    scratch.mass = mass;
-    scratch.site_row = [T::ZERO; B];
+    row_to_joints(model, &mut impulse, &on_parent);
+    *momentum = impulse;
     if let Some(site) = &model.site {
         let x = scratch.pose.point(site.body, site.point);
-        scratch.site_row = scratch.pose.turning_row(&model.site_carried, x, site.direction);
+        scratch.pose.turning_row(&model.site_path, x, site.direction, &mut scratch.site_row);
     }
 }
 
-/// A w1 = b: the linearised step in relative velocities, without the set-valued laws.
+/// First moments about the pivots, x and y in the world.
+#[inline(always)]
+fn first_moments<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, pose: &Pose<T, B>) -> [[T; B]; 2] {
+    let [mut x, mut y] = [[T::ZERO; B]; 2];
+    for i in 0..B {
+        let (c, s) = (pose.cos[i], pose.sin[i]);
+        x[i] = c * model.moment_x[i] - s * model.moment_y[i];
+        y[i] = s * model.moment_x[i] + c * model.moment_y[i];
+    }
+    [x, y]
+}
+
+/// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
+#[cold]
+fn beyond_parents<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    mut pair: impl FnMut(usize, usize, usize),
+) {
+    for &i in &model.hinged[..model.hinged_count] {
+        let mut branch = model.parent[i];
+        while model.parent[branch] < B {
+            pair(i, model.parent[branch], branch);
+            branch = model.parent[branch];
+        }
+    }
+}
+
+/// Adds the coupling c v_i v_a of a body and its ancestor to the mass matrix in relative velocities, where v is the sum of w over the
+/// joints that carry a body.
+#[inline(always)]
+fn add_coupling<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    mass: &mut [[T; B]; B],
+    body: usize,
+    ancestor: usize,
+    coupling: T,
+) {
+    if model.parent[ancestor] >= B && model.parent[body] == ancestor {
+        mass[ancestor][ancestor] += coupling + coupling;
+        mass[body][ancestor] += coupling;
+        return;
+    }
+    let mut j = body;
+    while j < B {
+        let mut k = ancestor;
+        while k < B {
+            mass[j.max(k)][j.min(k)] += coupling;
+            if j == k {
+                mass[j][k] += coupling;
+            }
+            k = model.parent[k];
+        }
+        j = model.parent[j];
+    }
+}
+
+/// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws. Of A the lower triangle is in use.
 ///
 /// A = M + h theta (-dQ/dw) + h^2 theta^2 (-dQ/dq), b = M w0 + h Q + (A - M) w. Terms of the gradient that could make A
 /// indefinite (gravity, centrifugal, geometric stiffness, an unloading felt) are left out or clamped: they are of order h^2
 /// and cost convergence speed, not accuracy.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
-    settings: &Settings<T>,
+    timing: &Timing<T>,
     input: &Input<T>,
     w: &[T; B],
     q_theta: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let h = settings.step;
-    let h_theta = h * settings.theta;
+    let (h, h_theta) = (timing.step, timing.h_theta);
     let weights = gravity_and_centrifugal(model, scratch);
     let driven = drive(model, input, h_theta, scratch);
-    let a = &mut scratch.system.a;
-    let b = &mut scratch.system.b;
-    *a = scratch.mass;
-    *b = scratch.momentum;
-    for i in 0..B {
-        b[i] += h * weights[i];
+    let joint_angle = relative(model, q_theta);
+    let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } =
+        &mut *scratch;
+    let (a, b) = (&mut system.a, &mut system.b);
+    *a = model.joint_inertia;
+    for &i in &model.hinged[..model.hinged_count] {
+        add_coupling(model, a, i, model.parent[i], coupling[i]);
+    }
+    if model.deep {
+        beyond_parents(model, |i, ancestor, _| add_coupling(model, a, i, ancestor, deep_coupling[i][ancestor]));
     }
     for i in 0..B {
-        let parent = model.parent[i];
-        let angle = if parent < B { q_theta[i] - q_theta[parent] } else { q_theta[i] };
-        let rate = scratch.joint_velocity[i];
-        let mut torque = model.spring_torque[i] - model.spring_stiffness[i] * angle - model.viscous[i] * rate;
-        let mut tangent = h_theta * (model.viscous[i] + h_theta * model.spring_stiffness[i]);
-        if let FrictionLaw::Regularised { pivot_width, .. } = settings.friction {
-            let t = (rate / pivot_width).tanh();
-            torque -= model.dry[i] * t;
-            tangent += h_theta * model.dry[i] / pivot_width * (T::ONE - t * t);
-            scratch.pivot_friction[i] = -model.dry[i] * t;
-        }
-        b[i] += h * torque + tangent * w[i];
+        let spring = model.spring_torque[i] - model.spring_stiffness[i] * joint_angle[i];
+        let torque = weights[i] + spring - model.viscous[i] * joint_velocity[i];
+        let tangent = h_theta * (model.viscous[i] + h_theta * model.spring_stiffness[i]);
+        b[i] = momentum[i] + h * torque + tangent * w[i];
         a[i][i] += tangent;
     }
-    for z in 0..model.zone_count {
-        let contact = &scratch.contacts[z];
-        if contact.active {
-            add_term(a, b, &contact.row, contact.tangent, -h * contact.force, w);
-            if let (FrictionLaw::Regularised { sliding_width, .. }, Some(mu)) =
-                (settings.friction, model.zones[z].friction)
-            {
-                let row = &scratch.slip_row[z];
-                let t = (product(row, &scratch.joint_velocity) / sliding_width).tanh();
-                let limit = mu * contact.force;
-                let tangent = h_theta * limit / sliding_width * (T::ONE - t * t);
-                scratch.tangential[z] = -limit * t;
-                add_term(a, b, row, tangent, -h * limit * t, w);
-            }
-        }
-    }
     if let Some((force, tangent)) = driven {
-        scratch.drive_force = force;
-        add_term(a, b, &scratch.site_row, tangent, h * force, w);
+        *drive_force = force;
+        model.site_path.add_term(a, b, site_row, tangent, h * force, w);
     }
 }
 
-/// Adds a force along a row (impulse p, tangent = -dp/d(row . w)): A += tangent row row^T, b += row (p + tangent row . w).
-#[inline(always)]
-fn add_term<T: Real, const B: usize>(a: &mut [[T; B]; B], b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
-    let total = p + tangent * product(row, w);
+/// Adds dry friction regularised by tanh(u / width), and leaves its forces with the warm start.
+#[cold]
+#[inline(never)]
+pub(crate) fn regularised_friction<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    near: &[usize],
+    [pivot_width, sliding_width]: [T; 2],
+    w: &[T; B],
+    scratch: &mut Scratch<T, B, Z, N>,
+) {
+    let (h, h_theta) = (timing.step, timing.h_theta);
+    let (a, b) = (&mut scratch.system.a, &mut scratch.system.b);
     for i in 0..B {
-        b[i] += row[i] * total;
-        let t = tangent * row[i];
-        for j in 0..B {
-            a[i][j] += t * row[j];
+        let t = (scratch.joint_velocity[i] / pivot_width).tanh();
+        let tangent = h_theta * model.dry[i] / pivot_width * (T::ONE - t * t);
+        scratch.pivot_friction[i] = -model.dry[i] * t;
+        b[i] += tangent * w[i] - h * model.dry[i] * t;
+        a[i][i] += tangent;
+    }
+    for &z in near {
+        let contact = &scratch.contacts[z];
+        if let (true, Some(mu)) = (scratch.active[z], model.zones[z].friction) {
+            let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
+            let t = (path.product(row, &scratch.joint_velocity) / sliding_width).tanh();
+            let limit = mu * contact.force;
+            let tangent = h_theta * limit / sliding_width * (T::ONE - t * t);
+            scratch.tangential[z] = -limit * t;
+            path.add_term(a, b, row, tangent, -h * limit * t, w);
         }
     }
 }
@@ -137,21 +180,23 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
     model: &Model<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
 ) -> [T; B] {
-    let v = &scratch.velocity;
-    let mut force = [T::ZERO; B];
+    let (v, pose) = (&scratch.velocity, &scratch.pose);
+    let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
+    let [x, y] = first_moments(model, pose);
     for i in 0..B {
-        let moment = scratch.pose.rotate(i, model.moment[i]);
-        force[i] -= model.gravity * moment[0];
-        let mut branch = i;
-        while model.parent[branch] < B {
-            let ancestor = model.parent[branch];
-            let c = cross(scratch.pose.arm[branch], moment);
+        let c = pose.arm_x[i] * y[i] - pose.arm_y[i] * x[i];
+        let carrier = v[model.carrier[i]];
+        force[i] = -(model.gravity * x[i]) - carrier * carrier * c;
+        on_parent[i] = v[i] * v[i] * c;
+    }
+    if model.deep {
+        beyond_parents(model, |i, ancestor, branch| {
+            let c = cross(pose.arm(branch), [x[i], y[i]]);
             force[ancestor] += v[i] * v[i] * c;
             force[i] -= v[ancestor] * v[ancestor] * c;
-            branch = ancestor;
-        }
+        });
     }
-    row_to_joints(model, &mut force);
+    row_to_joints(model, &mut force, &on_parent);
     force
 }
 
@@ -172,7 +217,7 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         Input::Force(force) => Some((force, T::ZERO)),
         Input::Motion { position, velocity } => {
             let at = dot(site.direction, scratch.pose.point(site.body, site.point));
-            let speed = product(&scratch.site_row, &scratch.joint_velocity);
+            let speed = model.site_path.product(&scratch.site_row, &scratch.joint_velocity);
             let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
             scratch.drive_pull = force;
             scratch.drive_tangent = h_theta * (site.damping + h_theta * site.stiffness);

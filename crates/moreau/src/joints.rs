@@ -1,16 +1,30 @@
 //! Between absolute angular velocities v (what a state holds) and relative ones w = v - v_parent (what a joint sees).
 //!
 //! In relative velocities a pivot's friction acts on one number, and everything hinged on the ground is unchanged.
+//!
+//! All entries are written at once, through masks of a parent's children: an entry changed alone and read again together with
+//! its neighbour would stall the processor's store buffer, which costs more than the arithmetic.
 
 use crate::Real;
 use crate::model::Model;
+
+/// A body that others are hinged on: 1 for each of them, and for itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Parent<T, const B: usize> {
+    pub body: usize,
+    pub children: [T; B],
+    pub own: [T; B],
+}
 
 /// w from v.
 #[inline(always)]
 pub(crate) fn relative<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, v: &[T; B]) -> [T; B] {
     let mut w = *v;
-    for &i in &model.hinged[..model.hinged_count] {
-        w[i] -= v[model.parent[i]];
+    for parent in model.parents() {
+        let speed = v[parent.body];
+        for i in 0..B {
+            w[i] -= parent.children[i] * speed;
+        }
     }
     w
 }
@@ -19,19 +33,31 @@ pub(crate) fn relative<T: Real, const B: usize, const Z: usize>(model: &Model<T,
 #[inline(always)]
 pub(crate) fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, w: &[T; B]) -> [T; B] {
     let mut v = *w;
-    for &i in &model.hinged[..model.hinged_count] {
-        let t = v[model.parent[i]];
-        v[i] += t;
+    for parent in model.parents() {
+        let speed = v[parent.body];
+        for i in 0..B {
+            v[i] += parent.children[i] * speed;
+        }
     }
     v
 }
 
-/// Generalised forces (or rows) for absolute velocities, taken to relative ones: a joint carries everything beyond it.
+/// Generalised forces for absolute velocities, taken to relative ones: a joint carries everything beyond it. `on_parent`: what acts
+/// on each body's parent because of it, besides.
 #[inline(always)]
-pub(crate) fn row_to_joints<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, row: &mut [T; B]) {
-    for &i in model.hinged[..model.hinged_count].iter().rev() {
-        let t = row[i];
-        row[model.parent[i]] += t;
+pub(crate) fn row_to_joints<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    row: &mut [T; B],
+    on_parent: &[T; B],
+) {
+    for parent in model.parents().iter().rev() {
+        let mut sum = T::ZERO;
+        for i in 0..B {
+            sum += parent.children[i] * (row[i] + on_parent[i]);
+        }
+        for i in 0..B {
+            row[i] += parent.own[i] * sum;
+        }
     }
 }
 

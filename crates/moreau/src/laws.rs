@@ -1,10 +1,9 @@
 //! The set-valued part of a step: which laws are in force, and what became of them.
 
-use crate::Scalar;
-use crate::linear::product;
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
-use crate::state::{Input, Scratch};
+use crate::state::{Input, Scratch, State};
+use crate::{Mask, Scalar};
 
 /// What a sliding law of the one-step problem stands for.
 #[derive(Debug, Clone, Copy)]
@@ -15,82 +14,138 @@ pub(crate) enum Law {
     Rigid,
 }
 
+/// Before a step's first iteration: forces and sides of the laws as the last step left them. A pivot that turned goes on being
+/// opposed, unless the predicted velocity `w` turns around: then it is expected to stick, as does one that stuck.
+#[inline(always)]
+pub(crate) fn begin<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    state: &State<T, B, Z>,
+    w0: &[T; B],
+    w: &[T; B],
+    scratch: &mut Scratch<T, B, Z, N>,
+) {
+    scratch.active = [T::Mask::splat(false); Z];
+    scratch.pivot_friction = state.pivot_friction;
+    scratch.rigid_force = state.rigid_force;
+    for &z in &model.sliding_zones[..model.sliding_count] {
+        scratch.tangential[z] = state.tangential[z];
+        scratch.side[z] = state.side[z];
+        scratch.has_slip_row[z] = false;
+    }
+    for i in 0..B {
+        // Without dry friction a pivot never sticks: its bound is zero, and so is its impulse.
+        let goes_on = settings.solver_tolerance.lt(w0[i].abs()).and(T::ZERO.lt(w0[i] * w[i]));
+        let moves = goes_on.or(model.dry[i].le(T::ZERO));
+        let against = T::select(T::ZERO.lt(w[i]), -T::ONE, T::ONE);
+        scratch.guess.pivot[i] = T::select(moves, against, T::ZERO);
+    }
+}
+
 /// Completes the linearised step with the laws in force and a warm start.
 #[inline(always)]
 pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
+    w0: &[T; B],
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
-    laws: &mut [Law; N],
 ) {
     let h = settings.step;
-    let Scratch { system, impulses, contacts, slip_row, site_row, pivot_friction, tangential, rigid_force, .. } =
-        &mut *scratch;
-    let set_valued = settings.friction == FrictionLaw::SetValued;
-    for i in 0..B {
-        system.pivot_bound[i] = if set_valued { h * model.dry[i] } else { T::ZERO };
-        impulses.pivot[i] = if set_valued { h * pivot_friction[i] } else { T::ZERO };
-    }
-    let mut n = 0;
-    let sliding = if set_valued { model.sliding_count } else { 0 };
-    for &z in &model.sliding_zones[..sliding] {
-        let contact = &contacts[z];
-        let Some(mu) = model.zones[z].friction else { continue };
-        if !contact.active || contact.force <= T::ZERO || n >= N {
-            continue;
-        }
-        laws[n] = Law::Zone(z);
-        let law = &mut system.sliding[n];
-        law.row = slip_row[z];
-        law.target = T::ZERO;
-        // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
-        let gradient = mu * contact.tangent;
-        law.bound = mu * h * contact.force - gradient * product(&contact.row, w);
+    let Scratch { system, impulses, guess, laws, contacts, active, slip_row, site_row, .. } = scratch;
+    let Scratch { pivot_friction, tangential, side, rigid_force, .. } = scratch;
+    if settings.friction != FrictionLaw::SetValued {
+        system.pivot_bound = [T::ZERO; B];
+        impulses.pivot = [T::ZERO; B];
+        guess.pivot = [T::ONE; B];
+        system.count = 0;
+    } else {
         for i in 0..B {
-            law.slope[i] = gradient * contact.row[i];
+            system.pivot_bound[i] = h * model.dry[i];
+            impulses.pivot[i] = h * pivot_friction[i];
         }
-        law.rigid = false;
-        impulses.sliding[n] = h * tangential[z];
-        n += 1;
+        let mut n = 0;
+        for &z in &model.sliding_zones[..model.sliding_count] {
+            let (contact, path) = (&contacts[z], &model.paths[z]);
+            let warm = tangential[z];
+            tangential[z] = T::ZERO;
+            let Some(mu) = model.zones[z].friction else { continue };
+            if !active[z] || contact.force <= T::ZERO || n >= N {
+                side[z] = T::ZERO;
+                continue;
+            }
+            laws[n] = Law::Zone(z);
+            let law = &mut system.sliding[n];
+            path.spread(&slip_row[z], T::ONE, &mut law.row);
+            law.target = T::ZERO;
+            // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
+            let gradient = mu * contact.tangent;
+            law.bound = mu * h * contact.force - gradient * path.product(&contact.row, w);
+            path.spread(&contact.row, gradient, &mut law.slope);
+            law.rigid = false;
+            impulses.sliding[n] = h * warm;
+            guess.sliding[n] = side[z];
+            if warm == T::ZERO && side[z] == T::ZERO {
+                // Touched for the first time: it slides as it arrives.
+                let u = path.product(&slip_row[z], w0);
+                guess.sliding[n] = if T::ZERO < u { -T::ONE } else { T::ONE };
+            }
+            n += 1;
+        }
+        system.count = n;
     }
+    let n = system.count;
     if let (Input::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
         laws[n] = Law::Rigid;
         let law = &mut system.sliding[n];
-        law.row = *site_row;
+        model.site_path.spread(site_row, T::ONE, &mut law.row);
         law.target = *velocity;
         law.rigid = true;
         impulses.sliding[n] = h * *rigid_force;
-        n += 1;
-    }
-    system.count = n;
-    if set_valued {
-        *tangential = [T::ZERO; Z];
+        guess.sliding[n] = T::ZERO;
+        system.count = n + 1;
     }
 }
 
-/// Stores the laws' forces p/h: the next warm start, and what the run reports.
+/// Stores the laws' forces p/h and sides: the next warm start, and what the run reports.
 #[inline(always)]
 pub(crate) fn keep_forces<T: Scalar, const B: usize, const Z: usize, const N: usize>(
-    h: T,
+    settings: &Settings<T>,
     scratch: &mut Scratch<T, B, Z, N>,
-    laws: &[Law; N],
 ) {
-    let inverse_h = T::ONE / h;
-    for i in 0..B {
-        if T::ZERO < scratch.system.pivot_bound[i] {
+    let inverse_h = T::ONE / settings.step;
+    if settings.friction == FrictionLaw::SetValued {
+        for i in 0..B {
             scratch.pivot_friction[i] = scratch.impulses.pivot[i] * inverse_h;
         }
     }
     for k in 0..scratch.system.count {
         let f = scratch.impulses.sliding[k] * inverse_h;
-        match laws[k] {
-            Law::Zone(z) => scratch.tangential[z] = f,
+        match scratch.laws[k] {
+            Law::Zone(z) => {
+                scratch.tangential[z] = f;
+                scratch.side[z] = scratch.guess.sliding[k];
+            }
             Law::Rigid => {
                 scratch.rigid_force = f;
                 scratch.drive_force = f;
             }
         }
+    }
+}
+
+/// What the step's end keeps of the laws.
+#[inline(always)]
+pub(crate) fn end<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    state: &mut State<T, B, Z>,
+    scratch: &Scratch<T, B, Z, N>,
+) {
+    state.pivot_friction = scratch.pivot_friction;
+    state.rigid_force = scratch.rigid_force;
+    for &z in &model.sliding_zones[..model.sliding_count] {
+        state.tangential[z] = scratch.tangential[z];
+        state.side[z] = scratch.side[z];
     }
 }

@@ -40,7 +40,7 @@ impl Energies {
             let mut branch = i;
             while model.parent[branch] < B {
                 let ancestor = model.parent[branch];
-                e.kinetic += (dot(pose.arm[branch], moment) * v * state.velocity[ancestor]).to_f64();
+                e.kinetic += (dot(pose.arm(branch), moment) * v * state.velocity[ancestor]).to_f64();
                 branch = ancestor;
             }
             // First moments about pivots: pivots that move are in their parents' moments already.
@@ -136,10 +136,7 @@ impl Ledger {
             }
         }
         for (z, zone) in model.zones().iter().enumerate() {
-            let contact = &scratch.contacts[z];
-            if !contact.active {
-                continue;
-            }
+            let Some(contact) = scratch.contact(model, settings, z) else { continue };
             lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
             let Some(mu) = zone.friction else { continue };
             let [u0, u1] = [scratch.slip[z][0].to_f64(), scratch.slip[z][1].to_f64()];

@@ -22,11 +22,14 @@ mod ledger;
 mod linear;
 mod model;
 pub mod osnsp;
+mod path;
 mod pose;
 mod real;
+pub mod rigid;
 mod settings;
 mod state;
 mod step;
+mod survey;
 mod vector;
 mod zones;
 

@@ -2,30 +2,48 @@
 
 use crate::Real;
 
-/// Factorises the lower triangle of `a` in place (strictly lower: L; the diagonal is left) and returns 1/D.
+/// Factorises the lower triangle of `a` in place (strictly lower: L) and returns 1/D; takes right-hand sides `x` along through
+/// the forward substitution, which then waits for nothing.
 ///
 /// `a` must be positive definite: here a mass matrix plus positive semidefinite terms.
 #[inline(always)]
-pub(crate) fn factor<T: Real, const B: usize>(a: &mut [[T; B]; B]) -> [T; B] {
+pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], x: [&mut [T; B]; R]) -> [T; B] {
     let mut inverse = [T::ZERO; B];
-    for j in 0..B {
-        let mut d = a[j][j];
-        let mut scaled = [T::ZERO; B];
-        for k in 0..j {
-            scaled[k] = a[j][k];
-            a[j][k] = scaled[k] * inverse[k];
-            d -= scaled[k] * a[j][k];
-        }
-        inverse[j] = T::ONE / d;
-        for i in j + 1..B {
-            let mut x = a[i][j];
+    // Row by row: while one row's division is under way, the next row's products can be.
+    for i in 0..B {
+        let mut scaled = a[i];
+        let mut d = a[i][i];
+        for j in 0..i {
             for k in 0..j {
-                x -= a[i][k] * a[j][k];
+                let t = scaled[k];
+                scaled[j] -= t * a[j][k];
             }
-            a[i][j] = x;
+            a[i][j] = scaled[j] * inverse[j];
+            d -= scaled[j] * a[i][j];
+        }
+        inverse[i] = T::ONE / d;
+        for r in 0..R {
+            for k in 0..i {
+                let t = x[r][k];
+                x[r][i] -= a[i][k] * t;
+            }
         }
     }
     inverse
+}
+
+/// The rest of A^-1 x, after [`factor`] has taken x along.
+#[inline(always)]
+pub(crate) fn back_substitute<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B], x: &mut [T; B]) {
+    for i in 0..B {
+        x[i] = x[i] * inverse_d[i];
+    }
+    for i in (0..B).rev() {
+        for k in 0..i {
+            let t = x[i];
+            x[k] -= l[i][k] * t;
+        }
+    }
 }
 
 /// A^-1 x from the factors.
@@ -38,14 +56,21 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
             y[i] -= l[i][k] * t;
         }
     }
-    for i in (0..B).rev() {
-        y[i] = y[i] * inverse_d[i];
-        for k in i + 1..B {
-            let t = y[k];
-            y[i] -= l[k][i] * t;
-        }
-    }
+    back_substitute(l, inverse_d, &mut y);
     y
+}
+
+/// Row i of a symmetric matrix, of which the lower triangle is given, times x.
+#[inline(always)]
+pub(crate) fn symmetric_product<T: Real, const B: usize>(a: &[[T; B]; B], i: usize, x: &[T; B]) -> T {
+    let mut sum = T::ZERO;
+    for j in 0..i {
+        sum += a[i][j] * x[j];
+    }
+    for j in i..B {
+        sum += a[j][i] * x[j];
+    }
+    sum
 }
 
 /// a . b.
@@ -72,7 +97,7 @@ mod tests {
             }
         }
         let mut l = a;
-        let d = factor(&mut l);
+        let d = factor(&mut l, []);
         let x = [1.0, -2.0, 0.5, 3.0, -1.0];
         let y = solve(&l, &d, &x);
         for i in 0..5 {

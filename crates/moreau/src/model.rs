@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use crate::vector::{Vector, add, dot, scale};
+use crate::joints::Parent;
+use crate::path::Path;
+use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Real, Scalar};
 
 /// The index that stands for the ground.
@@ -156,23 +158,37 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// The bodies that are hinged on another body, parents first.
     pub(crate) hinged: [usize; B],
     pub(crate) hinged_count: usize,
+    /// The bodies that others are hinged on, ascending.
+    parents: [Parent<T, B>; B],
+    parent_count: usize,
+    /// Whether a body is hinged on one that is hinged itself.
+    pub(crate) deep: bool,
+    /// The parent of a hinged body, and any body instead of the ground.
+    pub(crate) carrier: [usize; B],
     pub(crate) pivot: [Vector<T>; B],
+    /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the others.
+    pub(crate) link: [[T; B]; 2],
+    pub(crate) root: [[T; B]; 2],
     pub(crate) dry: [T; B],
     pub(crate) viscous: [T; B],
     /// Spring torque at relative angle 0, and stiffness.
     pub(crate) spring_torque: [T; B],
     pub(crate) spring_stiffness: [T; B],
-    /// Diagonal of the mass matrix: own inertia plus every descendant's mass at its branch's pivot.
+    /// Diagonal of the mass matrix in absolute velocities: own inertia plus every descendant's mass at its branch's pivot.
     pub(crate) inertia: [T; B],
+    /// What that diagonal contributes to the mass matrix in relative velocities; lower triangle.
+    pub(crate) joint_inertia: [[T; B]; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
+    pub(crate) moment_x: [T; B],
+    pub(crate) moment_y: [T; B],
     /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force change.
     pub(crate) weight: [T; B],
     pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
-    /// For every zone: +1 for joints that carry the curve only, -1 for the disc only; for the site: 1 for its joints.
-    pub(crate) carried: [[T; B]; Z],
-    pub(crate) site_carried: [T; B],
+    /// The joints that a zone's compression and the driven point depend on.
+    pub(crate) paths: [Path<T, B>; Z],
+    pub(crate) site_path: Path<T, B>,
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -240,18 +256,27 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             parent: [GROUND; B],
             hinged: [0; B],
             hinged_count: 0,
+            parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
+            parent_count: 0,
+            deep: false,
+            carrier: [0; B],
             pivot: [o; B],
+            link: [[T::ZERO; B]; 2],
+            root: [[T::ZERO; B]; 2],
             dry: [T::ZERO; B],
             viscous: [T::ZERO; B],
             spring_torque: [T::ZERO; B],
             spring_stiffness: [T::ZERO; B],
             inertia: [T::ONE; B],
+            joint_inertia: [[T::ZERO; B]; B],
             moment: [o; B],
+            moment_x: [T::ZERO; B],
+            moment_y: [T::ZERO; B],
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
             zones: [vacant(); Z],
-            carried: [[T::ZERO; B]; Z],
-            site_carried: [T::ZERO; B],
+            paths: [Path::empty(); Z],
+            site_path: Path::empty(),
             zone_count: zones.len(),
             sliding_zones: [0; Z],
             sliding_count: 0,
@@ -275,11 +300,28 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 model.hinged_count += 1;
             }
             model.pivot[i] = body.pivot;
+            let place = if body.parent == GROUND { &mut model.root } else { &mut model.link };
+            (place[0][i], place[1][i]) = (body.pivot[0], body.pivot[1]);
+            if body.parent != GROUND {
+                model.carrier[i] = body.parent;
+                model.deep |= bodies[body.parent].parent != GROUND;
+            }
             model.dry[i] = body.dry;
             model.viscous[i] = body.viscous;
             model.inertia[i] = body.inertia;
             model.moment[i] = scale(body.center_of_mass, body.mass);
             branch_mass[i] = body.mass;
+        }
+        for body in 0..bodies.len() {
+            let mut parent = Parent { body, children: [T::ZERO; B], own: [T::ZERO; B] };
+            parent.own[body] = T::ONE;
+            for i in body + 1..B {
+                parent.children[i] = if model.parent[i] == body { T::ONE } else { T::ZERO };
+            }
+            if parent.children.contains(&T::ONE) {
+                model.parents[model.parent_count] = parent;
+                model.parent_count += 1;
+            }
         }
         for i in (0..bodies.len()).rev() {
             let p = bodies[i].parent;
@@ -290,7 +332,18 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 model.moment[p] = add(model.moment[p], scale(bodies[i].pivot, m));
             }
         }
+        for i in 0..B {
+            // A body turns with every joint that carries it.
+            for j in 0..=i {
+                for k in 0..=j {
+                    if model.carries(j, i) && model.carries(k, i) {
+                        model.joint_inertia[j][k] += model.inertia[i];
+                    }
+                }
+            }
+        }
         for i in 0..bodies.len() {
+            [model.moment_x[i], model.moment_y[i]] = model.moment[i];
             let moment = dot(model.moment[i], model.moment[i]).sqrt();
             model.weight[i] = gravity.abs() * moment;
             let p = bodies[i].parent;
@@ -319,10 +372,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
-            let (curve, disc) = (model.joints_carrying(zone.curve_body), model.joints_carrying(zone.disc_body));
-            for k in 0..B {
-                model.carried[i][k] = curve[k] - disc[k];
-            }
+            model.paths[i] = model.path_of(zone);
             if zone.friction.is_some() {
                 model.sliding_zones[model.sliding_count] = i;
                 model.sliding_count += 1;
@@ -336,7 +386,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             if !finite(&numbers) {
                 return Err(ModelError::BadNumber);
             }
-            model.site_carried = model.joints_carrying(s.body);
+            model.site_path = model.path_to(s.body, s.point);
         }
         if !gravity.finite() {
             return Err(ModelError::BadNumber);
@@ -344,15 +394,64 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         Ok(model)
     }
 
-    /// 1 for every joint between a body and the ground, 0 for the others.
-    pub(crate) fn joints_carrying(&self, body: usize) -> [T; B] {
-        let mut carrying = [T::ZERO; B];
+    /// Whether a body turns with a joint.
+    fn carries(&self, joint: usize, body: usize) -> bool {
         let mut i = body;
-        while i < B {
-            carrying[i] = T::ONE;
+        while i < B && i != joint {
             i = self.parent[i];
         }
-        carrying
+        i == joint
+    }
+
+    /// The joints between a point of a body and the ground.
+    pub(crate) fn path_to(&self, body: usize, point: Vector<T>) -> Path<T, B> {
+        let mut path = Path::empty();
+        for j in 0..B {
+            if self.carries(j, body) {
+                path.push(j, T::ONE, self.extent(body, point, j));
+            }
+        }
+        path
+    }
+
+    /// The joints that a zone's compression depends on, and their longest levers about the disc's centre.
+    fn path_of(&self, zone: &Zone<T>) -> Path<T, B> {
+        let mut path = Path::empty();
+        for j in 0..B {
+            match (self.carries(j, zone.curve_body), self.carries(j, zone.disc_body)) {
+                (false, true) => path.push(j, -T::ONE, self.extent(zone.disc_body, zone.center, j)),
+                (true, false) => path.push(j, T::ONE, self.distance(j, zone)),
+                _ => {}
+            }
+        }
+        path
+    }
+
+    /// The farthest that a point of a body can be from the pivot of a joint that carries it, m: all links stretched.
+    fn extent(&self, body: usize, point: Vector<T>, joint: usize) -> T {
+        let (mut sum, mut i) = (length(point), body);
+        while i < B && i != joint {
+            sum += length(self.pivot[i]);
+            i = self.parent[i];
+        }
+        sum
+    }
+
+    /// The farthest that a zone's disc can be from the pivot of a joint that carries its curve, m.
+    fn distance(&self, joint: usize, zone: &Zone<T>) -> T {
+        // A point in the frame of the ground, and how far what hangs on it reaches.
+        let anchor = |body: usize, point: Vector<T>| {
+            let (mut at, mut reach, mut i) = (point, T::ZERO, body);
+            while i < B {
+                reach += length(at);
+                at = self.pivot[i];
+                i = self.parent[i];
+            }
+            (at, reach)
+        };
+        let (disc, disc_reach) = anchor(zone.disc_body, zone.center);
+        let (pivot, pivot_reach) = anchor(self.parent[joint], self.pivot[joint]);
+        length(sub(disc, pivot)) + disc_reach + pivot_reach
     }
 
     /// Number of zones in use.
@@ -374,6 +473,18 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
     pub fn site(&self) -> Option<&Site<T>> {
         self.site.as_ref()
     }
+}
+
+impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
+    /// The bodies that others are hinged on, parents first.
+    #[inline(always)]
+    pub(crate) fn parents(&self) -> &[Parent<T, B>] {
+        &self.parents[..self.parent_count]
+    }
+}
+
+fn length<T: Real>(a: Vector<T>) -> T {
+    dot(a, a).sqrt()
 }
 
 fn finite<T: Scalar>(numbers: &[T]) -> bool {

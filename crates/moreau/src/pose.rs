@@ -1,10 +1,11 @@
 //! Where every body is: the kinematic tree, evaluated once per Newton iteration.
 
 use crate::contact::{gap_of, gap_row_of};
-use crate::joints::row_to_angles;
+use crate::joints::{absolute, row_to_angles};
 use crate::model::{GROUND, Model};
+use crate::path::Path;
 use crate::real::sin_cos;
-use crate::vector::{Vector, add, cross};
+use crate::vector::{Vector, add, cross, sub};
 use crate::{Real, Scalar};
 
 /// Rotations and pivots of all bodies at one configuration.
@@ -16,30 +17,38 @@ pub struct Pose<T, const B: usize> {
     pub(crate) pivot_x: [T; B],
     pub(crate) pivot_y: [T; B],
     /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
-    pub(crate) arm: [Vector<T>; B],
+    pub(crate) arm_x: [T; B],
+    pub(crate) arm_y: [T; B],
 }
 
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
-        let o = [T::ZERO; 2];
-        Pose { cos: [T::ONE; B], sin: [T::ZERO; B], pivot_x: [T::ZERO; B], pivot_y: [T::ZERO; B], arm: [o; B] }
+        let zero = [T::ZERO; B];
+        Pose { cos: [T::ONE; B], sin: zero, pivot_x: zero, pivot_y: zero, arm_x: zero, arm_y: zero }
     }
 
     /// Places every body for the given absolute angles, parents first.
     #[inline(always)]
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
+        sin_cos(angle, &mut self.sin, &mut self.cos);
+        let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
+        let (mut x, mut y) = (*root_x, *root_y);
         for i in 0..B {
-            (self.sin[i], self.cos[i]) = sin_cos(angle[i]);
+            let (c, s) = (self.cos[model.carrier[i]], self.sin[model.carrier[i]]);
+            self.arm_x[i] = c * link_x[i] - s * link_y[i];
+            self.arm_y[i] = s * link_x[i] + c * link_y[i];
+            x[i] += self.arm_x[i];
+            y[i] += self.arm_y[i];
         }
-        for i in 0..B {
-            let parent = model.parent[i];
-            if parent < B {
-                self.arm[i] = self.rotate(parent, model.pivot[i]);
-                [self.pivot_x[i], self.pivot_y[i]] = add(self.pivot(parent), self.arm[i]);
-            } else {
-                [self.pivot_x[i], self.pivot_y[i]] = model.pivot[i];
-            }
-        }
+        // A pivot is carried along by its parent's: the same sum as that of velocities.
+        self.pivot_x = absolute(model, &x);
+        self.pivot_y = absolute(model, &y);
+    }
+
+    /// From the parent's pivot to a body's, in the world.
+    #[inline(always)]
+    pub(crate) fn arm(&self, body: usize) -> Vector<T> {
+        [self.arm_x[body], self.arm_y[body]]
     }
 
     /// A direction of a body's frame, in the world.
@@ -65,16 +74,12 @@ impl<T: Real, const B: usize> Pose<T, B> {
         [self.pivot_x[body], self.pivot_y[body]]
     }
 
-    /// The row that maps relative velocities to `n . velocity(x)`: every joint that carries x turns it about its pivot.
-    /// `carried` is +1 or -1 for those joints and 0 for the others, so that all are treated alike, without a branch.
+    /// The row that maps relative velocities to `n . velocity(x)`, for the joints of a path: each turns x about its pivot.
     #[inline(always)]
-    pub(crate) fn turning_row(&self, carried: &[T; B], x: Vector<T>, n: Vector<T>) -> [T; B] {
-        let at_x = cross(x, n);
-        let mut row = *carried;
-        for i in 0..B {
-            row[i] = row[i] * (at_x - (self.pivot_x[i] * n[1] - self.pivot_y[i] * n[0]));
+    pub(crate) fn turning_row(&self, path: &Path<T, B>, x: Vector<T>, n: Vector<T>, row: &mut [T; B]) {
+        for (k, j) in path.joints() {
+            row[k] = path.sign(k) * cross(sub(x, self.pivot(j)), n);
         }
-        row
     }
 }
 
@@ -94,9 +99,13 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         point: Vector<T>,
         n: Vector<T>,
     ) -> [T; B] {
-        let mut row = self.turning_row(&model.joints_carrying(body), self.point(body, point), n);
-        row_to_angles(model, &mut row);
-        row
+        let path = model.path_to(body, point);
+        let mut row = [T::ZERO; B];
+        self.turning_row(&path, self.point(body, point), n, &mut row);
+        let mut dense = [T::ZERO; B];
+        path.spread(&row, T::ONE, &mut dense);
+        row_to_angles(model, &mut dense);
+        dense
     }
 
     /// Compression of a zone at this pose, m; negative apart.
@@ -106,7 +115,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
 
     /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
     pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = gap_row_of(&model.zones[zone], &model.carried[zone], self);
+        let mut row = gap_row_of(&model.zones[zone], &model.paths[zone], self);
         row_to_angles(model, &mut row);
         row
     }

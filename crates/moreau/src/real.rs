@@ -15,6 +15,12 @@ pub trait Mask: Copy + Debug {
     fn all(self) -> bool;
     /// Lane-wise conjunction.
     fn and(self, other: Self) -> Self;
+    /// Lane-wise disjunction.
+    fn or(self, other: Self) -> Self;
+    /// Lane-wise negation.
+    fn not(self) -> Self;
+    /// The same in every lane.
+    fn splat(value: bool) -> Self;
 }
 
 impl Mask for bool {
@@ -29,6 +35,18 @@ impl Mask for bool {
     #[inline(always)]
     fn and(self, other: Self) -> Self {
         self & other
+    }
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        self | other
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        !self
+    }
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        value
     }
 }
 
@@ -84,16 +102,41 @@ pub trait Scalar: Real<Mask = bool> + PartialOrd {
     fn to_f64(self) -> f64;
 }
 
-/// Sine and cosine, radians.
+/// Sines and cosines of angles, radians.
 ///
 /// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (coefficients of
 /// fdlibm's `__kernel_sin` and `__kernel_cos`, error below one unit in the last place); elsewhere `libm`.
 #[inline(always)]
-pub(crate) fn sin_cos<T: Real>(x: T) -> (T, T) {
-    let quarter_pi = T::from_f64(core::f64::consts::FRAC_PI_4);
-    if !x.abs().le(quarter_pi).all() {
-        return x.sin_cos_any();
+pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
+    // Results are stored at the end, so that the compiler can work on several angles at once.
+    let (mut s, mut c, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
+    for i in 0..B {
+        (s[i], c[i]) = near_zero(angle[i]);
     }
+    for i in 0..B {
+        largest = largest.max(angle[i].abs());
+    }
+    (*sin, *cos) = (s, c);
+    // What is not a number is not larger either; its sine is not a number in both branches.
+    if T::from_f64(core::f64::consts::FRAC_PI_4).lt(largest).any() {
+        far_from_zero(angle, sin, cos);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
+    for i in 0..B {
+        let far = T::from_f64(core::f64::consts::FRAC_PI_4).lt(angle[i].abs());
+        if far.any() {
+            let (s, c) = angle[i].sin_cos_any();
+            (sin[i], cos[i]) = (T::select(far, s, sin[i]), T::select(far, c, cos[i]));
+        }
+    }
+}
+
+#[inline(always)]
+fn near_zero<T: Real>(x: T) -> (T, T) {
     let c = T::from_f64;
     let z = x * x;
     let s = c(8.333_333_333_322_49e-3)
@@ -126,7 +169,7 @@ macro_rules! real_for {
             }
             #[inline(always)]
             fn abs(self) -> Self {
-                if self < 0.0 { -self } else { self }
+                $t::abs(self)
             }
             #[inline(always)]
             fn max(self, other: Self) -> Self {
@@ -185,11 +228,15 @@ mod tests {
     fn sin_cos_matches_libm() {
         for i in -1000..=1000 {
             let x = f64::from(i) * core::f64::consts::FRAC_PI_4 / 1000.0;
-            let (s, c) = sin_cos(x);
+            let (mut s, mut c) = ([0.0], [0.0]);
+            sin_cos(&[x], &mut s, &mut c);
+            let (s, c) = (s[0], c[0]);
             let (s_ref, c_ref) = libm::sincos(x);
             assert!((s - s_ref).abs() <= 2.0 * f64::EPSILON * s_ref.abs(), "sin {x}");
             assert!((c - c_ref).abs() <= 2.0 * f64::EPSILON, "cos {x}");
         }
-        assert_eq!(sin_cos(10.0_f64), libm::sincos(10.0));
+        let (mut s, mut c) = ([0.0], [0.0]);
+        sin_cos(&[10.0_f64], &mut s, &mut c);
+        assert_eq!((s[0], c[0]), libm::sincos(10.0));
     }
 }

@@ -1,14 +1,17 @@
 //! Where a mechanism is now, what drives it in a step, and the step's working memory.
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Ease, Timing};
+use crate::laws::Law;
+use crate::osnsp::active_set::{Condensed, Guess};
 use crate::osnsp::{Impulses, System};
 use crate::pose::Pose;
+use crate::survey::Survey;
 use crate::vector::dot;
-use crate::{Model, Real, Scalar};
+use crate::{Mask, Model, Real, Scalar, Settings};
 
 /// Where a mechanism is: everything that the next step depends on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct State<T, const B: usize, const Z: usize> {
+pub struct State<T: Real, const B: usize, const Z: usize> {
     /// Absolute angles q, rad.
     pub angle: [T; B],
     /// Absolute angular velocities v, rad/s.
@@ -21,13 +24,26 @@ pub struct State<T, const B: usize, const Z: usize> {
     pub tangential: [T; Z],
     /// Force of a rigid drive over the last step, N.
     pub rigid_force: T,
+    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first guess.
+    pub(crate) side: [T; Z],
+    /// The zones that may be touched.
+    pub(crate) survey: Survey<T, B, Z>,
 }
 
 impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// At rest at the given absolute angles.
     pub fn at_rest(angle: [T; B]) -> Self {
         let z = T::ZERO;
-        State { angle, velocity: [z; B], trend: [z; B], pivot_friction: [z; B], tangential: [z; Z], rigid_force: z }
+        State {
+            angle,
+            velocity: [z; B],
+            trend: [z; B],
+            pivot_friction: [z; B],
+            tangential: [z; Z],
+            rigid_force: z,
+            side: [z; Z],
+            survey: Survey::none(),
+        }
     }
 }
 
@@ -55,11 +71,16 @@ pub enum Input<T> {
 
 /// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
 #[derive(Debug, Clone)]
-pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
+pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The pose at which the last Newton iteration evaluated the forces.
     pub pose: Pose<T, B>,
-    /// The zones there.
-    pub contacts: [Contact<T, B>; Z],
+    /// The zones there, as far as they are touched during the step.
+    pub(crate) contacts: [Contact<T, B>; Z],
+    pub(crate) active: [T::Mask; Z],
+    /// Quick bounds of what the felts' linearisation leaves out.
+    pub(crate) ease: Ease<T>,
+    /// The last Newton correction of the relative velocities.
+    pub(crate) change: [T; B],
     /// Absolute angular velocities at t0 + theta h.
     pub velocity: [T; B],
     /// Relative ones.
@@ -75,15 +96,21 @@ pub struct Scratch<T, const B: usize, const Z: usize, const N: usize> {
     pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
     pub(crate) has_slip_row: [bool; Z],
-    /// M(q_*) in relative velocities, and M w0.
-    pub(crate) mass: [[T; B]; B],
+    /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
+    pub(crate) coupling: [T; B],
+    pub(crate) deep_coupling: [[T; B]; B],
     pub(crate) momentum: [T; B],
     pub(crate) site_row: [T; B],
     pub(crate) system: System<T, B, N>,
     pub(crate) impulses: Impulses<T, B, N>,
-    /// Forces of the set-valued laws, kept from iteration to iteration.
+    pub(crate) guess: Guess<T, B, N>,
+    pub(crate) condensed: Condensed<T, B, N>,
+    /// What the sliding laws stand for.
+    pub(crate) laws: [Law; N],
+    /// Forces and sides of the set-valued laws, kept from iteration to iteration.
     pub(crate) pivot_friction: [T; B],
     pub(crate) tangential: [T; Z],
+    pub(crate) side: [T; Z],
     pub(crate) rigid_force: T,
 }
 
@@ -94,6 +121,9 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
         Scratch {
             pose: Pose::new(),
             contacts: [Contact::apart(); Z],
+            active: [T::Mask::splat(false); Z],
+            ease: Ease::new(),
+            change: [z; B],
             velocity: [z; B],
             joint_velocity: [z; B],
             momentum: [z; B],
@@ -104,25 +134,30 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
             has_slip_row: [false; Z],
-            mass: [[z; B]; B],
+            coupling: [z; B],
+            deep_coupling: [[z; B]; B],
             site_row: [z; B],
             system: System::new(),
             impulses: Impulses::new(),
+            guess: Guess::new(),
+            condensed: Condensed::new(),
+            laws: [Law::Rigid; N],
             pivot_friction: [z; B],
             tangential: [z; Z],
+            side: [z; Z],
             rigid_force: z,
         }
     }
-}
 
-impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N> {
-    /// Before a step: warm-starts the laws, forgets the zones' slip rows.
-    #[inline(always)]
-    pub(crate) fn begin(&mut self, state: &State<T, B, Z>) {
-        self.has_slip_row = [false; Z];
-        self.pivot_friction = state.pivot_friction;
-        self.tangential = state.tangential;
-        self.rigid_force = state.rigid_force;
+    /// A zone as it acted during the last step; `None` if it was not touched.
+    pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T, B>> {
+        if !self.active[zone].any() {
+            return None;
+        }
+        let (mut contact, timing) = (self.contacts[zone], Timing::new(settings.step, settings.theta));
+        let (form, path) = (&model.zones[zone], &model.paths[zone]);
+        contact.complete(form, path, &self.pose, &self.change, &timing, self.active[zone]);
+        Some(contact)
     }
 }
 

@@ -1,13 +1,13 @@
 //! The inner step: one Moreau-Jean theta step. The equations stand in this crate's README, "The step".
 
-use crate::forces::{joint_momentum, linearise};
+use crate::contact::Timing;
+use crate::forces::{joint_momentum, linearise, regularised_friction};
 use crate::joints::{absolute, relative};
-use crate::laws::{Law, keep_forces, one_step_problem};
-use crate::linear::product;
+use crate::laws::{begin, end, keep_forces, one_step_problem};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
-use crate::zones::{evaluate_zones, follow, remainder};
+use crate::zones::{add_zones, linear_enough};
 use crate::{Real, Scalar};
 
 /// How a step ended.
@@ -47,45 +47,44 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> StepReport {
     let (h, theta) = (settings.step, settings.theta);
+    let timing = Timing::new(h, theta);
     let (q0, w0) = (state.angle, relative(model, &state.velocity));
     // The remainder knows the felts' curvature, not a regularised friction law's, whose stiffness also makes trends alternate.
     let smooth = settings.friction == FrictionLaw::SetValued;
     let mut w = if smooth { extrapolate(model, &w0, &state.trend) } else { w0 };
     let mut report = StepReport { outcome: Outcome::IterationLimit, newton: 0, solver: 0 };
-    let mut laws = [Law::Rigid; N];
-    scratch.begin(state);
+    begin(model, settings, state, &w0, &w, scratch);
 
     for iteration in 0..settings.newton_limit {
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
             // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
-            joint_momentum(model, &w0, scratch);
+            joint_momentum(model, &state.velocity, scratch);
+            state.survey.renew(model, &scratch.pose, &q_theta, &scratch.joint_velocity, &timing);
         }
-        evaluate_zones(model, settings, iteration > 0, scratch);
-        linearise(model, settings, input, &w, &q_theta, scratch);
-        one_step_problem(model, settings, input, &w, scratch, &mut laws);
-        let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
-        let (next, solved) = settings.solver.solve(&scratch.system, &mut scratch.impulses, tolerance, limit);
-        keep_forces(h, scratch, &laws);
+        let near = state.survey.near();
+        linearise(model, &timing, input, &w, &q_theta, scratch);
+        add_zones(model, &timing, near, iteration > 0, &w, scratch);
+        if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
+            regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
+        }
+        one_step_problem(model, settings, input, &w0, &w, scratch);
+        let mut next = [T::ZERO; B];
+        let solved = settings.solver.solve(settings, scratch, &mut next);
+        keep_forces(settings, scratch);
         report.newton = iteration + 1;
         report.solver += solved.iterations;
 
-        let (change, correction, finite) = correction(&w, &next);
+        let (change, small, finite) = correction(&w, &next, settings.tolerance);
         if !finite {
             report.outcome = Outcome::NonFinite;
             return report;
         }
-        // Nothing at all changes where everything sticks.
-        let still = correction <= T::ZERO;
-        let settled = still
-            || (remainder(model, settings, &change, &next, scratch) <= settings.tolerance && smooth)
-            || correction <= settings.tolerance;
+        scratch.change = change;
+        let settled = linear_enough(model, settings, &timing, near, &change, &next, scratch) || small;
         if settled && solved.converged {
             w = next;
-            if !still {
-                follow(model, settings, &change, scratch);
-            }
             report.outcome = Outcome::Converged;
             break;
         }
@@ -111,9 +110,7 @@ fn extrapolate<T: Scalar, const B: usize, const Z: usize>(
     let mut w = *w0;
     let trend = relative(model, trend);
     for i in 0..B {
-        if w0[i] != T::ZERO {
-            w[i] += trend[i];
-        }
+        w[i] += T::select(T::ZERO.lt(w0[i].abs()), trend[i], T::ZERO);
     }
     w
 }
@@ -140,16 +137,17 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     q
 }
 
-/// The change of the joints' velocities, the largest of them relative to 1 rad/s + |velocity|, and whether all are finite.
+/// The change of the joints' velocities, whether all are small against the tolerance, and whether all are finite.
 #[inline(always)]
-fn correction<T: Scalar, const B: usize>(w: &[T; B], next: &[T; B]) -> ([T; B], T, bool) {
-    let (mut change, mut largest, mut finite) = (*next, T::ZERO, true);
+fn correction<T: Scalar, const B: usize>(w: &[T; B], next: &[T; B], tolerance: T) -> ([T; B], bool, bool) {
+    let (mut change, mut small, mut sum) = (*next, true, T::ZERO);
     for i in 0..B {
         change[i] -= w[i];
-        largest = largest.max(change[i].abs() / (T::ONE + next[i].abs()));
-        finite &= next[i].finite();
+        small &= change[i].abs() <= tolerance * (T::ONE + next[i].abs());
+        // Zero times what is not finite is not a number.
+        sum += T::ZERO * next[i];
     }
-    (change, largest, finite)
+    (change, small, sum == T::ZERO)
 }
 
 /// q1 = q0 + h ((1 - theta) v0 + theta v1); leaves the slips and the drive's speed to be read. False if not finite.
@@ -167,13 +165,12 @@ fn finish<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 ) -> bool {
     let q0 = state.angle;
     theta_point(model, &q0, w0, w, h, theta, scratch);
-    let mut q = q0;
-    let mut finite = true;
+    let (mut q, mut sum) = (q0, T::ZERO);
     for i in 0..B {
         q[i] += h * scratch.velocity[i];
-        finite &= q[i].finite();
+        sum += T::ZERO * q[i];
     }
-    if !finite {
+    if sum != T::ZERO {
         return false;
     }
     state.angle = q;
@@ -182,14 +179,14 @@ fn finish<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         state.trend[i] = v[i] - state.velocity[i];
     }
     state.velocity = v;
-    state.pivot_friction = scratch.pivot_friction;
-    state.tangential = scratch.tangential;
-    state.rigid_force = scratch.rigid_force;
+    end(model, state, scratch);
     let driven = !matches!(input, Input::Free);
-    scratch.drive_velocity = if driven { product(&scratch.site_row, &scratch.joint_velocity) } else { T::ZERO };
+    scratch.drive_velocity =
+        if driven { model.site_path.product(&scratch.site_row, &scratch.joint_velocity) } else { T::ZERO };
     for &z in &model.sliding_zones[..model.sliding_count] {
         if scratch.has_slip_row[z] {
-            scratch.slip[z] = [product(&scratch.slip_row[z], w0), product(&scratch.slip_row[z], w)];
+            let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
+            scratch.slip[z] = [path.product(row, w0), path.product(row, w)];
         }
     }
     true

@@ -1,101 +1,114 @@
 //! All contact zones of a step.
 
-use crate::Scalar;
-use crate::linear::product;
+use crate::contact::{Ease, Timing};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::Scratch;
+use crate::{Mask, Scalar};
 
-/// Geometry and felt of every zone during the step; slip rows once, where a zone with friction first touches.
+/// Geometry and felt of the zones near contact during the step, and their part of A w1 = b; slip rows once, where a zone with
+/// friction first touches.
 #[inline(always)]
-pub(crate) fn evaluate_zones<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn add_zones<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
-    settings: &Settings<T>,
+    timing: &Timing<T>,
+    near: &[usize],
     again: bool,
+    w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let Scratch { pose, contacts, slip_row, has_slip_row, joint_velocity, .. } = scratch;
-    for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
-        let contact = &mut contacts[z];
+    let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, system, .. } = scratch;
+    let mut ease = Ease::new();
+    for &z in near {
+        let (zone, path, contact) = (&model.zones[z], &model.paths[z], &mut contacts[z]);
         // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
-        if again && contact.out_of_reach {
+        let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
+        let touched = contact.evaluate(zone, path, pose, joint_velocity, timing, candidates);
+        active[z] = touched;
+        if !contact.in_reach.any() {
             continue;
         }
-        contact.evaluate(zone, &model.carried[z], pose, joint_velocity, settings.step, settings.theta);
-        if contact.active && zone.friction.is_some() && !has_slip_row[z] {
-            slip_row[z] = contact.slip_row(&model.carried[z], pose);
-            has_slip_row[z] = true;
-        }
-    }
-}
-
-/// Takes the zones' forces along to the step's final velocities (after [`remainder`] has seen the change), so that what can
-/// be read afterwards is what acted.
-#[inline(always)]
-pub(crate) fn follow<T: Scalar, const B: usize, const Z: usize, const N: usize>(
-    model: &Model<T, B, Z>,
-    settings: &Settings<T>,
-    change: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
-) {
-    for (contact, zone) in scratch.contacts.iter_mut().zip(&model.zones[..model.zone_count]) {
-        contact.follow(zone, settings.step, settings.theta);
-    }
-    if T::ZERO < scratch.drive_tangent {
-        scratch.drive_force = pull_after(settings, change, scratch).max(T::ZERO);
-    }
-}
-
-/// Force of an elastic drive before its clamp, after the velocities have changed.
-#[inline(always)]
-fn pull_after<T: Scalar, const B: usize, const Z: usize, const N: usize>(
-    settings: &Settings<T>,
-    change: &[T; B],
-    scratch: &Scratch<T, B, Z, N>,
-) -> T {
-    scratch.drive_pull - scratch.drive_tangent * product(&scratch.site_row, change) / settings.step
-}
-
-/// The largest velocity (relative to 1 rad/s + |velocity|) that the felts' curvature, and what the linearisation leaves out,
-/// may still bring about after the iterate has changed by `change` to `next`: the error that one more Newton iteration would
-/// remove.
-#[inline(always)]
-pub(crate) fn remainder<T: Scalar, const B: usize, const Z: usize, const N: usize>(
-    model: &Model<T, B, Z>,
-    settings: &Settings<T>,
-    change: &[T; B],
-    next: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
-) -> T {
-    let (h, h_theta) = (settings.step, settings.step * settings.theta);
-    let mut impulse = [T::ZERO; B];
-    for i in 0..B {
-        // Weight and centrifugal force, whose gradients the linearisation leaves out.
-        let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
-        impulse[i] = h_theta * (h * model.weight[i] + spin) * change[i].abs();
-    }
-    for (z, zone) in model.zones[..model.zone_count].iter().enumerate() {
-        let contact = &mut scratch.contacts[z];
-        let p = h * contact.remainder(zone, change, settings.step, settings.theta);
-        if T::ZERO < p {
-            for i in 0..B {
-                impulse[i] += p * contact.row[i].abs();
+        contact.ease(path, timing, touched, &mut ease);
+        if touched.any() {
+            let p = -(timing.step * contact.force);
+            path.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, p, w);
+            if zone.friction.is_some() && !has_slip_row[z] {
+                contact.slip_row(zone, path, pose, &mut slip_row[z]);
+                has_slip_row[z] = true;
             }
         }
     }
-    if settings.friction != FrictionLaw::SetValued {
-        // The regularised law bends too sharply for an estimate.
-        return T::ONE / T::ZERO;
+    scratch.ease = ease;
+}
+
+/// Whether the linearisation holds where `change` has taken the velocities, to `next`: for every joint, what the felts' curvature,
+/// weight and centrifugal force may still bring about (what one more Newton iteration would remove) is below the tolerance.
+///
+/// A bound that is the same for all joints settles most steps; the others are looked at zone by zone.
+#[inline(always)]
+pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    timing: &Timing<T>,
+    near: &[usize],
+    change: &[T; B],
+    next: &[T; B],
+    scratch: &mut Scratch<T, B, Z, N>,
+) -> bool {
+    let h = timing.step;
+    // The regularised law bends too sharply for an estimate.
+    let mut holds = settings.friction == FrictionLaw::SetValued;
+    if T::ZERO < scratch.drive_tangent {
+        let before = T::ZERO < scratch.drive_pull;
+        scratch.drive_pull -= scratch.drive_tangent * model.site_path.product(&scratch.site_row, change) / h;
+        scratch.drive_force = scratch.drive_pull.max(T::ZERO);
+        // The finger may have come or gone.
+        holds &= before == (T::ZERO < scratch.drive_pull);
     }
-    if T::ZERO < scratch.drive_tangent
-        && (T::ZERO < scratch.drive_pull) != (T::ZERO < pull_after(settings, change, scratch))
-    {
-        // The finger has come or gone.
-        return T::ONE / T::ZERO;
-    }
-    let mut largest = T::ZERO;
+    let (mut impulse, mut allowed, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
     for i in 0..B {
-        largest = largest.max(impulse[i] / (scratch.system.a[i][i] * (T::ONE + next[i].abs())));
+        // Weight and centrifugal force, whose gradients the linearisation leaves out.
+        let size = change[i].abs();
+        let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
+        impulse[i] = timing.h_theta * (h * model.weight[i] + spin) * size;
+        allowed[i] = settings.tolerance * scratch.system.a[i][i] * (T::ONE + next[i].abs());
+        largest = largest.max(size);
     }
-    largest
+    let x = timing.theta * largest;
+    let ease = &scratch.ease;
+    let bound = h * ease.square * x * x;
+    let mut surely = (x * ease.linear < ease.slack) & (x * ease.reach < ease.clear);
+    for i in 0..B {
+        surely &= impulse[i] + bound <= allowed[i];
+    }
+    if !surely && holds {
+        holds = zone_by_zone(model, timing, near, change, scratch, impulse, &allowed);
+    }
+    holds
+}
+
+#[inline(never)]
+fn zone_by_zone<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    near: &[usize],
+    change: &[T; B],
+    scratch: &Scratch<T, B, Z, N>,
+    mut impulse: [T; B],
+    allowed: &[T; B],
+) -> bool {
+    for &z in near {
+        let (zone, path, contact) = (&model.zones[z], &model.paths[z], &scratch.contacts[z]);
+        if contact.in_reach.any() {
+            let p = timing.step * contact.remainder(zone, path, change, timing, scratch.active[z]);
+            for (k, j) in path.joints() {
+                impulse[j] += p * contact.row[k].abs();
+            }
+        }
+    }
+    let mut holds = true;
+    for i in 0..B {
+        holds &= impulse[i] <= allowed[i];
+    }
+    holds
 }

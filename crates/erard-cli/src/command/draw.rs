@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use erard::run::{Events, Run};
 use erard::simulation::Setup;
 use moreau::Settings;
 
@@ -21,9 +22,10 @@ pub struct Draw {
     stroke: StrokeOptions,
     #[command(flatten)]
     instrument: InstrumentOption,
-    /// Instant of the stroke to draw, ms after its start; 0 is rest
-    #[arg(long, value_name = "MILLISECONDS", default_value_t = 0.0, allow_negative_numbers = true)]
-    at: f64,
+    /// Instant of the stroke to draw: ms after its start, where 0 is rest, or an event: key-start, toe-contact, let-off,
+    /// hammer-contact, key-bottom, check
+    #[arg(long, value_name = "MILLISECONDS-OR-EVENT", default_value = "0", value_parser = parse_at, allow_negative_numbers = true)]
+    at: At,
     /// Name the main parts
     #[arg(long)]
     labels: bool,
@@ -35,6 +37,59 @@ pub struct Draw {
     out: PathBuf,
 }
 
+/// Which instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum At {
+    /// ms after the stroke's start.
+    Ms(f64),
+    /// When this happens.
+    Event(EventName),
+}
+
+/// An event of a key press.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EventName {
+    KeyStart,
+    ToeContact,
+    LetOff,
+    HammerContact,
+    KeyBottom,
+    Check,
+}
+
+impl EventName {
+    /// When it happened in a run, s.
+    fn time_s(self, events: &Events) -> Option<f64> {
+        match self {
+            EventName::KeyStart => events.key_start_s,
+            EventName::ToeContact => events.toe_contact_s,
+            EventName::LetOff => events.let_off_s,
+            EventName::HammerContact => events.hammer_contact_s,
+            EventName::KeyBottom => events.key_bottom_s,
+            EventName::Check => events.check_s,
+        }
+    }
+
+    /// Its name on the command line and in captions.
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
+    }
+}
+
+fn parse_at(text: &str) -> Result<At, String> {
+    if let Ok(ms) = text.parse() {
+        return if (0.0..=LATEST_MS).contains(&ms) {
+            Ok(At::Ms(ms))
+        } else {
+            Err(format!("expected 0 to {LATEST_MS} ms"))
+        };
+    }
+    EventName::from_str(text, false).map(At::Event).map_err(|_| {
+        let names: Vec<String> = EventName::value_variants().iter().map(|e| e.name()).collect();
+        format!("expected a number of milliseconds, or one of {}", names.join(", "))
+    })
+}
+
 /// Step of the run that leads to the pose, s.
 const STEP_S: f64 = 50e-6;
 /// Farthest instant that is drawn, ms.
@@ -43,27 +98,32 @@ const LATEST_MS: f64 = 600_000.0;
 impl Draw {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
-        if !(0.0..=LATEST_MS).contains(&self.at) {
-            return Err(Failure::Usage(format!("--at {}: expected 0 to {LATEST_MS} ms", self.at)));
-        }
         let stroke = self.stroke.load()?;
         let instrument = self.instrument.load()?;
         let setup = Setup {
             settings: Settings::new(STEP_S),
             start_s: stroke.start_s,
-            duration_s: (self.at * 1e-3).max(STEP_S),
+            duration_s: match self.at {
+                At::Ms(ms) => (ms * 1e-3).max(STEP_S),
+                At::Event(_) => stroke.duration_s,
+            },
             record_every: None,
         };
         let mut output = Output::prepare(&self.out)?;
         let run = play(&instrument, &stroke, &setup)?;
-        let row = if self.at > 0.0 { run.time_s.len() - 1 } else { 0 };
+        let row = self.row(&run)?;
         let options = PoseOptions {
             labels: self.labels,
             forces: if self.forces { forces_at(&instrument, &run, row) } else { Vec::new() },
             caption: Some(if row == 0 {
                 format!("{}, at rest", run.instrument)
             } else {
-                format!("{}, {}, {:.1} ms", run.instrument, stroke.title, self.at)
+                let ms = (run.time_s[row] - stroke.start_s) * 1e3;
+                let event = match self.at {
+                    At::Ms(_) => String::new(),
+                    At::Event(event) => format!(", {}", event.name().replace('-', " ")),
+                };
+                format!("{}, {}, {ms:.1} ms{event}", run.instrument, stroke.title)
             }),
             ..PoseOptions::default()
         };
@@ -75,5 +135,20 @@ impl Draw {
             say!("{}", path.display());
         }
         Ok(())
+    }
+
+    /// The row of a run to draw.
+    fn row(&self, run: &Run) -> Result<usize, Failure> {
+        match self.at {
+            At::Ms(ms) => Ok(if ms > 0.0 { run.time_s.len() - 1 } else { 0 }),
+            At::Event(event) => {
+                let name = event.name();
+                let time_s = event.time_s(&run.events).ok_or_else(|| {
+                    Failure::Usage(format!("--at {name}: there is no {} in this stroke", name.replace('-', " ")))
+                })?;
+                // The first row that is not before it.
+                Ok(run.time_s.partition_point(|&t| t < time_s).min(run.time_s.len() - 1))
+            }
+        }
     }
 }

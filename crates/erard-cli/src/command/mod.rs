@@ -8,6 +8,8 @@ mod measure;
 mod options;
 mod press;
 mod regulate;
+mod reproduce;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -35,10 +37,14 @@ enum Sub {
     Measure(measure::Measure),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
     Regulate(Box<regulate::Regulate>),
+    /// Holds an instrument against what has been measured on real pianos.
+    Validate(validate::Validate),
     /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
     Compare(compare::Compare),
+    /// Computes the papers' figures and claims anew and shows which hold.
+    Reproduce(reproduce::Reproduce),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
@@ -52,8 +58,10 @@ pub fn run() -> ExitCode {
         Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Measure(measure) => measure.run(),
         Sub::Regulate(regulate) => regulate.run(),
+        Sub::Validate(validate) => validate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
+        Sub::Reproduce(reproduce) => reproduce.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

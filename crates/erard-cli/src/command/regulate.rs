@@ -16,7 +16,7 @@ use crate::say;
 /// What stands below the options.
 const AFTER: &str = "\
 Without any goal the trade's norms are asked for: jack position 1.5 mm, lever height 0.1 mm, blow 46 mm, dip 10 mm, let-off
-1.5 mm, drop 1.5 mm, check 15 mm, spring 200 mm/s, damper 50 %. Values are in mm (or cm, m, in), mm/s (or m/s), and %.
+1.5 mm, drop 1.5 mm, check 15 mm, spring 300 mm/s, damper 50 %. Values are in mm (or cm, m, in), mm/s (or m/s), and %.
 
 How it is measured: a slow finger (2 mm/s) for blow, dip (under 5 N), let-off, drop (the key held where it lets off) and
 damper; a blow of 4 N for the check distance, and then the key let up until the check lets go for rise and spring (the
@@ -72,7 +72,7 @@ struct Goals {
     #[arg(long, value_name = "12mm", allow_hyphen_values = true)]
     repetition_rise: Option<String>,
     /// Strength of the repetition spring: the hammer's largest speed in that rise
-    #[arg(long, value_name = "200mm/s", allow_hyphen_values = true)]
+    #[arg(long, value_name = "300mm/s", allow_hyphen_values = true)]
     spring: Option<String>,
     /// Middle of the knuckle to the rear edge of the jack's top
     #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]

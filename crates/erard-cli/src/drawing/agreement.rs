@@ -1,12 +1,12 @@
-//! The shipped grand's picture against its mechanics: where two felts meet, two outlines must meet.
+//! The shipped instruments' pictures against their mechanics: where two felts meet, two outlines must meet.
 
 use super::pose::{carrier, drawn_angles, placements};
 use super::{parts, path};
 use erard::instrument::{Curve, Instrument, Part, Vec2};
 
-/// The grand with the outlines that are shipped for it.
-fn grand() -> Instrument {
-    Instrument::builtin("concert-grand").unwrap()
+/// All instruments with the outlines that are shipped for them.
+fn shipped() -> impl Iterator<Item = Instrument> {
+    Instrument::builtin_names().map(|name| Instrument::builtin(name).unwrap())
 }
 
 /// Points along the drawn path of a part, in its body's frame, m; a tenth of a millimetre apart or closer.
@@ -57,40 +57,42 @@ fn rotated(v: Vec2, angle: f64) -> Vec2 {
 /// picture of the whole action; most agree to a tenth.
 #[test]
 fn what_touches_is_drawn_touching() {
-    let grand = grand();
-    let placed = placements(&grand, &drawn_angles(&grand));
-    for zone in &grand.zones {
-        let disc_frame = carrier(&placed, zone.disc_body);
-        let curve_frame = carrier(&placed, zone.curve_body);
-        let (normal, on_curve) = match zone.curve {
-            Curve::Line { point_m, normal } => (normal, point_m),
-            Curve::Segment { from_m, to_m, rounding_m } => {
-                let tangent = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
-                let length = tangent[0].hypot(tangent[1]);
-                let normal = [-tangent[1] / length, tangent[0] / length];
-                let middle = [0.5 * (from_m[0] + to_m[0]), 0.5 * (from_m[1] + to_m[1])];
-                (normal, [middle[0] + rounding_m * normal[0], middle[1] + rounding_m * normal[1]])
-            }
-            Curve::Disc { .. } => panic!("{}: the grand has no disc on this side", zone.name),
-        };
-        let toward = rotated(normal, curve_frame.angle_rad - disc_frame.angle_rad);
-        let on_disc = [
-            zone.disc_center_m[0] - zone.disc_radius_m * toward[0],
-            zone.disc_center_m[1] - zone.disc_radius_m * toward[1],
-        ];
-        let disc_off = to_outline(&grand, zone.disc_body, on_disc);
-        let curve_off = to_outline(&grand, zone.curve_body, on_curve);
-        assert!(disc_off < 0.5e-3, "{}: disc side drawn {:.2} mm off", zone.name, disc_off * 1e3);
-        assert!(curve_off < 0.5e-3, "{}: curve side drawn {:.2} mm off", zone.name, curve_off * 1e3);
+    for instrument in shipped() {
+        let placed = placements(&instrument, &drawn_angles(&instrument));
+        for zone in &instrument.zones {
+            let disc_frame = carrier(&placed, zone.disc_body);
+            let curve_frame = carrier(&placed, zone.curve_body);
+            let (normal, on_curve) = match zone.curve {
+                Curve::Line { point_m, normal } => (normal, point_m),
+                Curve::Segment { from_m, to_m, rounding_m } => {
+                    let tangent = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+                    let length = tangent[0].hypot(tangent[1]);
+                    let normal = [-tangent[1] / length, tangent[0] / length];
+                    let middle = [0.5 * (from_m[0] + to_m[0]), 0.5 * (from_m[1] + to_m[1])];
+                    (normal, [middle[0] + rounding_m * normal[0], middle[1] + rounding_m * normal[1]])
+                }
+                Curve::Disc { .. } => panic!("{}: a grand has no disc on this side", zone.name),
+            };
+            let toward = rotated(normal, curve_frame.angle_rad - disc_frame.angle_rad);
+            let on_disc = [
+                zone.disc_center_m[0] - zone.disc_radius_m * toward[0],
+                zone.disc_center_m[1] - zone.disc_radius_m * toward[1],
+            ];
+            let disc_off = to_outline(&instrument, zone.disc_body, on_disc);
+            let curve_off = to_outline(&instrument, zone.curve_body, on_curve);
+            assert!(disc_off < 0.5e-3, "{}: disc side drawn {:.2} mm off", zone.name, disc_off * 1e3);
+            assert!(curve_off < 0.5e-3, "{}: curve side drawn {:.2} mm off", zone.name, curve_off * 1e3);
+        }
     }
 }
 
-/// Every body of the grand is drawn, and the picture stays within reach of its mechanics.
+/// Every body is drawn, and the picture stays within reach of its mechanics.
 #[test]
 fn every_body_is_drawn() {
-    let grand = grand();
-    for (index, body) in grand.bodies.iter().enumerate() {
-        assert!(grand.parts.iter().any(|part| part.body == Some(index)), "{}", body.name);
+    for instrument in shipped() {
+        for (index, body) in instrument.bodies.iter().enumerate() {
+            assert!(instrument.parts.iter().any(|part| part.body == Some(index)), "{}", body.name);
+        }
+        assert!(instrument.parts.iter().flat_map(|part| &part.outline_m).flatten().all(|c| c.abs() < 0.4));
     }
-    assert!(grand.parts.iter().flat_map(|part| &part.outline_m).flatten().all(|c| c.abs() < 0.4));
 }

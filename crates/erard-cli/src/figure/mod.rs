@@ -17,7 +17,7 @@ mod ticks;
 pub use decimate::decimate;
 pub use png::{PngError, png_from_svg};
 pub use run::{events, instants, run_figure, run_svg, windows};
-pub(crate) use ticks::range as padded_range;
+pub(crate) use ticks::{range as padded_range, tick_label as round_label, ticks as round_ticks};
 
 use crate::drawing::FONTS;
 use crate::svg::{escape, number};

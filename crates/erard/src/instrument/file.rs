@@ -16,7 +16,11 @@ use super::serde_fault::serde_fault;
 pub const MAX_FILE_BYTES: usize = 4 << 20;
 
 /// The instruments that come with the program, by name.
-const BUILTIN: [(&str, &str); 1] = [("concert-grand", include_str!("../../../../instruments/concert-grand.toml"))];
+const BUILTIN: [(&str, &str); 3] = [
+    ("concert-grand", include_str!("../../../../instruments/concert-grand.toml")),
+    ("steinway-o", include_str!("../../../../instruments/steinway-o.toml")),
+    ("heavy-touch", include_str!("../../../../instruments/heavy-touch.toml")),
+];
 
 /// An instrument file, read: the instrument in SI units and where its numbers come from.
 #[derive(Debug, Clone, PartialEq)]

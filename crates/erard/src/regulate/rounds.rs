@@ -271,7 +271,8 @@ fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), R
     Ok(())
 }
 
-/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each.
+/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each. A goal that has to be
+/// kept meanwhile is met again after every turn.
 fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let (goal, target) = (tasks[n].goal, tasks[n].target);
     let near_enough = WORKING_SHARE * goal.tolerance(target);
@@ -283,33 +284,41 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
     {
         return Ok(());
     }
+    let kept = goal.keeps().and_then(|kept| tasks.iter().position(|task| task.goal == kept));
     let (mut ends, mut tried) = (Vec::new(), Vec::new());
     for at in 0..tasks[n].screws.len() {
         let (screw, known, expected, found) = tasks[n].screws[at];
         let limits = known.limits(&shop.instrument, &shop.instrument.screws[screw]);
         let turning = Turning { slope: expected, limits, stride: (limits[1] - limits[0]) / 8.0 };
         let mut search = Search::new(turning, found, target);
-        let (began, began_with) = (shop.value(goal)?.unwrap_or(goal.missing()), shop.settings());
-        let mut best_with = began_with.clone();
+        let began = shop.value(goal)?.unwrap_or(goal.missing());
+        // The nearest so far with the settings of all screws, because what is kept meanwhile belongs to it.
+        let (mut nearest, mut nearest_with) = (began, shop.settings());
         for _ in 0..tries {
             let (setting, value) = (shop.setting(screw), shop.value(goal)?.unwrap_or(goal.missing()));
-            if (value - target).abs() <= near_enough {
+            let off = (value - target).abs();
+            let is_kept = match kept {
+                Some(kept) => is_met(&tasks[kept], shop)?,
+                None => true,
+            };
+            if is_kept && off <= near_enough {
                 tasks[n].screws[at].3 = Some(search.slope());
                 (tasks[n].miss, tasks[n].nearest) = (None, None);
                 return Ok(());
             }
-            let next = search.next(setting, value);
-            if search.best == Some((setting, value)) {
-                best_with = shop.settings();
+            // A screw that hardly helps is left where it was.
+            let helps = off < (nearest - target).abs() && off + tolerance <= (began - target).abs();
+            if is_kept && helps {
+                (nearest, nearest_with) = (value, shop.settings());
             }
-            let Some(next) = next else { break };
+            let Some(next) = search.next(setting, value) else { break };
             shop.turn(screw, next);
-            keep(tasks, goal, shop)?;
+            if let Some(kept) = kept {
+                work(tasks, kept, MOST_TRIES_TO_KEEP, shop)?;
+            }
         }
-        if let Some((setting, value)) = search.best {
-            // A screw that hardly helps is left where it was, and what was kept with it.
-            let helps = (value - target).abs() + tolerance <= (began - target).abs();
-            shop.restore(if helps { &best_with } else { &began_with });
+        shop.restore(&nearest_with);
+        if let Some((setting, _)) = search.best {
             let at_end = limits.iter().any(|end| (setting - end).abs() < 1e-3 * (limits[1] - limits[0]));
             if at_end {
                 ends.push(known.name)
@@ -329,12 +338,4 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
         (false, false) => Some(Miss::NoSetting(tried)),
     };
     Ok(())
-}
-
-/// Meets again the goal that has to be kept while `goal`'s screw is turned.
-fn keep(tasks: &mut [Task], goal: Goal, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
-    match goal.keeps().and_then(|kept| tasks.iter().position(|task| task.goal == kept)) {
-        Some(kept) => work(tasks, kept, MOST_TRIES_TO_KEEP, shop),
-        None => Ok(()),
-    }
 }

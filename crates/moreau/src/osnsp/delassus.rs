@@ -98,12 +98,14 @@ impl<T: Scalar, const B: usize, const N: usize> Dense<T, B, N> {
     /// W = D^T A^-1 D and u_free of a system, warm-started.
     pub fn new(system: &System<T, B, N>, impulses: &Impulses<T, B, N>) -> Self {
         let mut factors = system.a;
-        let inverse_d = linear::factor(&mut factors);
+        let mut free = system.b;
+        let inverse_d = linear::factor(&mut factors, [&mut free]);
+        linear::back_substitute(&factors, &inverse_d, &mut free);
         let mut dense = Dense {
             problem: OneStepProblem::new(),
             impulse: [T::ZERO; N],
             columns: [[T::ZERO; B]; N],
-            free: linear::solve(&factors, &inverse_d, &system.b),
+            free,
             pivot: [0; N],
             pivots: 0,
         };

@@ -11,12 +11,13 @@ pub mod delassus;
 pub mod projected_gauss_seidel;
 pub mod relay;
 
-use crate::{Real, Scalar};
+use crate::state::Scratch;
+use crate::{Real, Scalar, Settings};
 
 /// One linearised step, in relative velocities.
 #[derive(Debug, Clone)]
 pub struct System<T, const B: usize, const N: usize> {
-    /// A, symmetric positive definite.
+    /// A, symmetric positive definite; the lower triangle is in use.
     pub a: [[T; B]; B],
     /// b: the impulse that would bring about the step without set-valued laws, plus A w for the iterate w.
     pub b: [T; B],
@@ -86,18 +87,24 @@ pub struct SolveReport {
 }
 
 impl Solver {
-    /// Solves a system from a warm start, which it overwrites; returns the relative velocities.
+    /// Solves the scratch's system from its warm start, which is overwritten; `w`: the relative velocities.
     #[inline(always)]
-    pub fn solve<T: Scalar, const B: usize, const N: usize>(
+    pub(crate) fn solve<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         self,
-        system: &System<T, B, N>,
-        impulses: &mut Impulses<T, B, N>,
-        tolerance: T,
-        limit: u32,
-    ) -> ([T; B], SolveReport) {
+        settings: &Settings<T>,
+        scratch: &mut Scratch<T, B, Z, N>,
+        w: &mut [T; B],
+    ) -> SolveReport {
+        let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
+        let Scratch { system, impulses, guess, condensed, .. } = scratch;
         match self {
-            Solver::ActiveSet => active_set::solve(system, impulses, tolerance, limit),
-            Solver::ProjectedGaussSeidel => projected_gauss_seidel::solve(system, impulses, tolerance, limit),
+            Solver::ActiveSet => active_set::solve(system, impulses, guess, condensed, tolerance, limit, w),
+            Solver::ProjectedGaussSeidel => {
+                let (velocities, report) = projected_gauss_seidel::solve(system, impulses, tolerance, limit);
+                *w = velocities;
+                guess.read(system, impulses);
+                report
+            }
         }
     }
 }

@@ -126,6 +126,12 @@ fn impulses_of_guess<T: Scalar, const N: usize>(
     dependent
 }
 
+/// Whether a pivot has vanished against its scale.
+#[inline(always)]
+pub(super) fn is_dependent<T: Scalar>(pivot: T, scale: T) -> bool {
+    pivot.abs() <= scale * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON)
+}
+
 /// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not determined,
 /// and keeps the value that `x` came with. Returns which rows those are. `diagonal` is what pivots are compared with.
 #[inline(always)]
@@ -139,7 +145,7 @@ pub(super) fn eliminate<T: Scalar, const N: usize>(
     let mut dependent = [false; N];
     let mut inverse = [T::ZERO; N];
     for k in 0..m {
-        if a[k][k].abs() <= diagonal[k] * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON) {
+        if is_dependent(a[k][k], diagonal[k]) {
             dependent[k] = true;
             continue;
         }

@@ -1,0 +1,85 @@
+//! `erard reproduce`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use erard::reproduce::{Subject, subjects};
+
+use super::options::load_instrument;
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::report::{Reproduced, page};
+
+/// Computes the papers' figures and claims anew, and writes one page that shows which hold.
+#[derive(Debug, Args)]
+pub struct Reproduce {
+    /// Instrument: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
+    instrument: String,
+    /// Only this subject, or all whose names start so; may be repeated
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// List the subjects, and do nothing else
+    #[arg(long, conflicts_with_all = ["only", "out"])]
+    list: bool,
+    /// Output folder
+    #[arg(long, value_name = "DIR", default_value = "erard-out")]
+    out: PathBuf,
+}
+
+impl Reproduce {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        if self.list {
+            for subject in subjects() {
+                println!("{:<20} {}", subject.name, subject.title);
+            }
+            return Ok(());
+        }
+        let chosen = self.chosen()?;
+        let instrument = load_instrument(&self.instrument)?;
+        let mut output = Output::prepare(&self.out)?;
+        let all: f64 = chosen.iter().map(|s| s.weight).sum();
+        let mut done = 0.0;
+        let mut reproduced = Vec::new();
+        for subject in chosen {
+            let mut progress = Progress::new(subject.name);
+            let section =
+                (subject.run)(&instrument, &mut |share| progress.tell((done + share * subject.weight) / all))?;
+            drop(progress);
+            done += subject.weight;
+            for claim in &section.claims {
+                let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
+                println!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
+                println!("{:<18} {:<13} {}", "", "", claim.measured);
+            }
+            reproduced.push(Reproduced { subject, section });
+        }
+        let html = page(&instrument.name, &reproduced);
+        output.stage("report.html", |w| w.write_all(html.as_bytes()))?;
+        output.commit()?;
+        let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
+        println!();
+        println!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
+        println!("Written to {}: report.html", self.out.display());
+        Ok(())
+    }
+
+    /// The subjects that were asked for, in their own order.
+    fn chosen(&self) -> Result<Vec<Subject>, Failure> {
+        let known = subjects();
+        for name in &self.only {
+            if name.is_empty() || !known.iter().any(|s| s.name.starts_with(name.as_str())) {
+                let names: Vec<&str> = known.iter().map(|s| s.name).collect();
+                return Err(Failure::Usage(format!(
+                    "--only {name}: there is no such subject; expected one of {}, or how some of them begin",
+                    names.join(", ")
+                )));
+            }
+        }
+        let wanted =
+            |s: &Subject| self.only.is_empty() || self.only.iter().any(|name| s.name.starts_with(name.as_str()));
+        Ok(known.into_iter().filter(wanted).collect())
+    }
+}

@@ -1,0 +1,96 @@
+//! Links and pictures of a chapter.
+
+use super::{Page, source};
+
+/// Targets of all links and pictures outside code, in order.
+pub fn targets(text: &str) -> Vec<String> {
+    // Inline code may hold brackets too, and lines end anywhere.
+    let prose = prose(text).collect::<Vec<_>>().join("\n");
+    let plain = prose.split('`').step_by(2).collect::<Vec<_>>().join("_");
+    let after = plain.split("](").skip(1).filter_map(|piece| piece.split_once(')'));
+    after.map(|(target, _)| target.split_whitespace().next().unwrap_or_default().to_owned()).collect()
+}
+
+/// Pictures of a chapter, as paths below `book/src`.
+pub fn pictures(text: &str) -> Vec<String> {
+    let is_picture = |t: &String| t.ends_with(".svg") || t.ends_with(".png");
+    targets(text).into_iter().filter(is_picture).map(|t| t.trim_start_matches("../").to_owned()).collect()
+}
+
+/// Links of a chapter that lead nowhere within the book.
+pub fn faults(page: &Page, pages: &[Page]) -> Vec<String> {
+    let mut faults = Vec::new();
+    for target in targets(&page.text) {
+        if target.starts_with("https://") {
+            continue;
+        }
+        let (file, anchor) = target.split_once('#').unwrap_or((&target, ""));
+        let path = resolve(&page.name, file);
+        if !source().join(&path).is_file() {
+            faults.push(format!("book/src/{}: {target} is not there", page.name));
+        } else if !anchor.is_empty() {
+            let there =
+                pages.iter().find(|p| p.name == path).is_some_and(|p| anchors(&p.text).contains(&anchor.to_owned()));
+            if !there {
+                faults.push(format!("book/src/{}: {target}: no such heading", page.name));
+            }
+        }
+    }
+    faults
+}
+
+/// Lines outside fenced blocks.
+fn prose(text: &str) -> impl Iterator<Item = &str> {
+    let mut code = false;
+    text.lines().filter(move |line| {
+        let fence = line.starts_with("```");
+        code ^= fence;
+        !code && !fence
+    })
+}
+
+/// A relative target as a path below `book/src`.
+fn resolve(from: &str, target: &str) -> String {
+    if target.is_empty() {
+        return from.to_owned();
+    }
+    let mut path: Vec<&str> = from.split('/').collect();
+    path.pop();
+    for step in target.split('/') {
+        match step {
+            ".." => {
+                path.pop();
+            }
+            "." => {}
+            step => path.push(step),
+        }
+    }
+    path.join("/")
+}
+
+/// The anchors that mdBook gives to a chapter's headings.
+fn anchors(text: &str) -> Vec<String> {
+    prose(text)
+        .filter_map(|line| line.strip_prefix('#'))
+        .map(|line| {
+            let title = line.trim_start_matches('#').trim().to_lowercase();
+            title
+                .chars()
+                .filter_map(|c| match c {
+                    c if c.is_alphanumeric() || c == '_' || c == '-' => Some(c),
+                    c if c.is_whitespace() => Some('-'),
+                    _ => None,
+                })
+                .collect()
+        })
+        .collect()
+}
+
+#[test]
+fn links_are_found_outside_code() {
+    let text = "[a](b.md) and ![p](../pictures/x/y.svg) `[no](c.md)`\n```text\n[no](d.md)\n```\n[e](f.md#g)\n";
+    assert_eq!(targets(text), ["b.md", "../pictures/x/y.svg", "f.md#g"]);
+    assert_eq!(pictures(text), ["pictures/x/y.svg"]);
+    assert_eq!(resolve("model/a.md", "../b.md"), "b.md");
+    assert_eq!(anchors("# One, two: `x`\n## F = k g^r\n"), ["one-two-x", "f--k-gr"]);
+}

@@ -1,0 +1,52 @@
+//! A step takes no memory from the heap, whatever happens in it.
+//!
+//! The counting allocator belongs to this test's process only (`allocation-counter`).
+
+use erard::instrument::Instrument;
+use erard::mechanism::mechanism;
+use moreau::{FrictionLaw, Input, Settings, Solver};
+
+/// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step occurs.
+fn input(n: u64) -> Input<f64> {
+    let phase = (n % 2000) as f64 / 2000.0;
+    match n / 2000 % 5 {
+        0 => Input::Free,
+        1 => Input::Force(40.0 * phase),
+        2 => Input::Motion { position: 0.01 * phase, velocity: 0.1 },
+        3 => Input::Rigid { velocity: 0.05 * (0.5 - phase) },
+        _ => Input::Force(0.0),
+    }
+}
+
+/// Ten seconds of playing, for both solvers, both friction laws, and with the iteration limit reached in every step.
+#[test]
+fn a_step_never_allocates() {
+    let grand = Instrument::builtin("concert-grand").expect("built in");
+    let usual = Settings::new(50e-6);
+    let tanh = FrictionLaw::Regularised { pivot_width: 0.01, sliding_width: 0.001 };
+    let variants = [
+        usual,
+        Settings { solver: Solver::ProjectedGaussSeidel, ..usual },
+        Settings { friction: tanh, ..usual },
+        Settings { tolerance: 0.0, newton_limit: 3, solver_limit: 3, ..usual },
+    ];
+    for settings in variants {
+        let mut m = mechanism(&grand, settings).expect("assembles");
+        let mut steps = 0;
+        let counted = allocation_counter::measure(|| {
+            for n in 0..40_000 {
+                m.step(&input(n));
+                steps += 1;
+            }
+        });
+        assert_eq!(steps, 40_000);
+        assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{settings:?}: {counted:?}");
+    }
+}
+
+/// The counter counts: what does allocate is seen.
+#[test]
+fn the_counter_sees_an_allocation() {
+    let counted = allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1.0_f64))));
+    assert_eq!(counted.count_total, 1);
+}

@@ -1,0 +1,60 @@
+//! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
+
+use erard::instrument::Instrument;
+use erard::mechanism::mechanism;
+use moreau::{Input, Outcome, Settings};
+
+/// With no tolerance at all, an iteration is accepted only when it changes nothing: steps that move run into the bound. Two seconds of blows of 40 N and
+/// releases, with one, two and five iterations allowed.
+///
+/// What is claimed: no step takes more iterations than allowed; every step ends, and says how; the state stays finite; and the energy
+/// stored is never more than what was there and what the drive has put in, to a percent (one iteration alone leaves the felts
+/// linear over a step, which is what the percent is for).
+#[test]
+fn the_bound_is_reached_and_nothing_blows_up() {
+    let grand = Instrument::builtin("concert-grand").expect("built in");
+    for newton_limit in [1, 2, 5] {
+        let settings = Settings { tolerance: 0.0, newton_limit, ..Settings::new(50e-6) };
+        let mut m = mechanism(&grand, settings).expect("assembles");
+        m.open_ledger();
+        let (mut limited, mut most_sets) = (0, 0);
+        for n in 0..40_000 {
+            let force = if n % 4000 < 2000 { 40.0 } else { 0.0 };
+            let report = m.step(&Input::Force(force));
+            assert!(report.newton <= newton_limit, "{report:?}");
+            assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
+            limited += u32::from(report.outcome == Outcome::IterationLimit);
+            most_sets = most_sets.max(report.solver);
+            if n % 100 == 0 {
+                let ledger = m.ledger();
+                let (stored, put_in) = (ledger.now.total() - ledger.start.total(), ledger.drive_work);
+                assert!(stored.is_finite() && stored <= put_in + 0.01 * ledger.drive_work_in, "step {n}: {ledger:?}");
+                assert!(m.angles().iter().chain(m.velocities()).all(|x| x.is_finite()), "step {n}");
+            }
+        }
+        println!(
+            "at most {newton_limit}: {limited} of 40000 steps ran into the bound, at most {most_sets} active sets"
+        );
+        assert!(limited > 1000, "the bound is reached: {limited}");
+    }
+}
+
+/// The one-step solver's bound likewise: with one sweep of Gauss-Seidel allowed, steps say that they have not converged, and go on.
+#[test]
+fn one_sweep_is_no_disaster() {
+    let grand = Instrument::builtin("concert-grand").expect("built in");
+    let usual = Settings::new(50e-6);
+    let settings = Settings { solver: moreau::Solver::ProjectedGaussSeidel, solver_limit: 1, newton_limit: 4, ..usual };
+    let mut m = mechanism(&grand, settings).expect("assembles");
+    let mut limited = 0;
+    for n in 0..20_000 {
+        let report = m.step(&Input::Force(if n < 10_000 { 40.0 } else { 0.0 }));
+        assert!(report.newton <= 4 && report.solver <= 4, "{report:?}");
+        assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
+        limited += u32::from(report.outcome == Outcome::IterationLimit);
+    }
+    let energies = m.energies_at(m.velocities());
+    println!("{limited} of 20000 steps ran into the bound; energies {energies:?}");
+    assert!(limited > 1000 && energies.total().is_finite());
+    assert!(m.angles().iter().all(|q| q.abs() < 1.0), "{:?}", m.angles());
+}

@@ -1,0 +1,90 @@
+//! Which joints a relative motion of two points depends on.
+
+use crate::Real;
+
+/// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
+/// not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to `joint[k]`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Path<T, const B: usize> {
+    count: usize,
+    /// Ascending.
+    joint: [usize; B],
+    /// +1 for joints that carry the curve, -1 for the disc.
+    sign: [T; B],
+    /// The longest lever that an entry of the row can have in any pose, m.
+    lever: [T; B],
+}
+
+impl<T: Real, const B: usize> Path<T, B> {
+    /// Through no joint at all.
+    pub fn empty() -> Self {
+        Path { count: 0, joint: [0; B], sign: [T::ZERO; B], lever: [T::ZERO; B] }
+    }
+
+    /// Appends a joint; joints must come in ascending order.
+    pub fn push(&mut self, joint: usize, sign: T, lever: T) {
+        (self.joint[self.count], self.sign[self.count], self.lever[self.count]) = (joint, sign, lever);
+        self.count += 1;
+    }
+
+    /// The joints with their places in a row.
+    #[inline(always)]
+    pub fn joints(&self) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
+        self.joint[..self.count].iter().copied().enumerate()
+    }
+
+    /// Sign of an entry.
+    #[inline(always)]
+    pub fn sign(&self, entry: usize) -> T {
+        self.sign[entry]
+    }
+
+    /// The longest lever of an entry, m.
+    #[inline(always)]
+    pub fn lever(&self, entry: usize) -> T {
+        self.lever[entry]
+    }
+
+    /// row . w.
+    #[inline(always)]
+    pub fn product(&self, row: &[T; B], w: &[T; B]) -> T {
+        let mut sum = T::ZERO;
+        for (k, j) in self.joints() {
+            sum += row[k] * w[j];
+        }
+        sum
+    }
+
+    /// The largest |row . w| for |w| of at most 1 in every joint.
+    #[inline(always)]
+    pub fn sum_of_levers(&self, row: &[T; B]) -> T {
+        let mut sum = T::ZERO;
+        for (k, _) in self.joints() {
+            sum += row[k].abs();
+        }
+        sum
+    }
+
+    /// A multiple of the row, with an entry for every joint.
+    #[inline(always)]
+    pub fn spread(&self, row: &[T; B], factor: T, dense: &mut [T; B]) {
+        *dense = [T::ZERO; B];
+        for (k, j) in self.joints() {
+            dense[j] = factor * row[k];
+        }
+    }
+
+    /// Adds a force along a row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row (lower
+    /// triangle), b += row^T (p + tangent row . w).
+    #[inline(always)]
+    pub fn add_term(&self, a: &mut [[T; B]; B], b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
+        let total = p + tangent * self.product(row, w);
+        for (k, i) in self.joints() {
+            b[i] += row[k] * total;
+            let t = tangent * row[k];
+            for (l, &j) in self.joint[..=k].iter().enumerate() {
+                a[i][j] += t * row[l];
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Where the bodies are, how a step is to be taken, and a step's working memory.
+
+use super::mixed::{Mode, Problem};
+use super::rows::Row;
+use crate::vector::{Vector, add};
+use crate::{GROUND, Scalar};
+
+/// Position of a body: its centre of mass and its angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement<T> {
+    /// Centre of mass in the world, m.
+    pub at: Vector<T>,
+    /// Absolute angle, rad, counter-clockwise.
+    pub angle: T,
+}
+
+impl<T: Scalar> Placement<T> {
+    /// A vector of the body's frame, in the world.
+    pub(super) fn turn(&self, v: Vector<T>) -> Vector<T> {
+        let (s, c) = self.angle.sin_cos_any();
+        [c * v[0] - s * v[1], s * v[0] + c * v[1]]
+    }
+
+    /// A point of the body's frame, in the world.
+    pub fn point(&self, point: Vector<T>) -> Vector<T> {
+        add(self.at, self.turn(point))
+    }
+
+    pub(super) fn origin() -> Self {
+        Placement { at: [T::ZERO; 2], angle: T::ZERO }
+    }
+}
+
+/// The placement of a body or of the ground.
+pub(super) fn placed<T: Scalar>(places: &[Placement<T>], body: usize) -> Placement<T> {
+    if body == GROUND { Placement::origin() } else { places[body] }
+}
+
+/// Velocity of a body: of its centre of mass, m/s, and its angular velocity, rad/s.
+pub type Twist<T> = [T; 3];
+
+/// Where a mechanism is: everything that the next step depends on. `B` bodies at most, `N` laws.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<T, const B: usize, const N: usize> {
+    /// Of every body.
+    pub placement: [Placement<T>; B],
+    /// Of every body.
+    pub velocity: [Twist<T>; B],
+    /// Impulses of the laws over the last step, N s or N m s; warm-start the next one.
+    pub impulse: [T; N],
+    /// What every law did in the last step.
+    pub mode: [Mode; N],
+}
+
+impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
+    /// At given placements and velocities; bodies without one are at the origin, at rest.
+    pub fn new(bodies: &[(Placement<T>, Twist<T>)]) -> Self {
+        let mut state = State {
+            placement: [Placement::origin(); B],
+            velocity: [[T::ZERO; 3]; B],
+            impulse: [T::ZERO; N],
+            mode: [Mode::Hold; N],
+        };
+        for (i, (placement, velocity)) in bodies.iter().enumerate().take(B) {
+            state.placement[i] = *placement;
+            state.velocity[i] = *velocity;
+        }
+        state
+    }
+}
+
+/// How a step is to be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings<T> {
+    /// Step h, s. Errors fall with its square on smooth motion at theta = 1/2, with itself across impacts and reversals.
+    pub step: T,
+    /// theta of the theta-method, in [1/2, 1].
+    pub theta: T,
+    /// The iteration on forces and rows ends when no velocity changes by more than this times (1 + |velocity|). 1e-11 is usual:
+    /// each iteration gains two or three digits, so that what is left is far less.
+    pub tolerance: T,
+    /// Largest number of those iterations; three to six are usual. Springs converge where h^2 k < 4 m.
+    pub iteration_limit: u32,
+    /// What a law's velocity may miss, times (1 + |largest velocity|). 1e-12 is usual.
+    pub solver_tolerance: T,
+    /// Largest number of guesses in one one-step problem. Four for every contact and three for every dry joint, multiplied, are
+    /// all that there are.
+    pub solver_limit: u32,
+    /// What a joint may be open after a step, m or rad, before its position is corrected again. 1e-12 is usual.
+    pub position_tolerance: T,
+    /// A contact is closed from this distance on, m: more than rounding, less than matters. 1e-10 is usual.
+    pub contact_tolerance: T,
+}
+
+impl<T: Scalar> Settings<T> {
+    /// The usual settings at step `h`: theta = 1/2.
+    pub fn new(h: T) -> Self {
+        let at_least = |x: f64, ulps: f64| T::from_f64(x).max(T::from_f64(ulps) * T::EPSILON);
+        Settings {
+            step: h,
+            theta: T::from_f64(0.5),
+            tolerance: at_least(1e-11, 64.0),
+            iteration_limit: 30,
+            solver_tolerance: at_least(1e-12, 256.0),
+            solver_limit: 50_000,
+            position_tolerance: at_least(1e-12, 64.0),
+            contact_tolerance: at_least(1e-10, 64.0),
+        }
+    }
+}
+
+/// Working memory of a step.
+#[derive(Debug, Clone)]
+pub struct Scratch<T, const B: usize, const N: usize> {
+    /// Along which impulses act: the rows at t0 + theta h.
+    pub(super) rows: [Row<T>; N],
+    /// Whose velocity the laws speak of: the rows at t0 + h.
+    pub(super) end_rows: [Row<T>; N],
+    pub(super) problem: Problem<T, N>,
+}
+
+impl<T: Scalar, const B: usize, const N: usize> Scratch<T, B, N> {
+    /// Fresh working memory; results do not depend on what it held before.
+    pub fn new() -> Self {
+        Scratch { rows: [Row::none(); N], end_rows: [Row::none(); N], problem: Problem::new() }
+    }
+}
+
+impl<T: Scalar, const B: usize, const N: usize> Default for Scratch<T, B, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

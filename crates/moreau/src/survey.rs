@@ -1,0 +1,101 @@
+//! Which zones can be touched at all while the mechanism stays near a pose: the others are not looked at.
+//!
+//! A zone's gap changes by at most lever times angle for every joint that it depends on. So a zone with a clearance c at the
+//! pose of the survey cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This is a bound and no
+//! estimate: with or without a survey, a step gives the same bits.
+
+use crate::contact::{Timing, gap_of};
+use crate::joints::relative;
+use crate::model::Model;
+use crate::pose::Pose;
+use crate::{Mask, Real};
+
+/// A zone that could be touched within so many steps at the present speeds is looked at in every step. More means fewer surveys
+/// and more zones to look at.
+const STEPS: f64 = 32.0;
+/// m; the same from rest.
+const CLEARANCE: f64 = 5e-5;
+
+/// The zones near contact around one pose.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Survey<T, const B: usize, const Z: usize> {
+    /// Joint angles of the survey's pose, rad.
+    angle: [T; B],
+    /// For every joint, the part of the tightest clearance that turning by a radian can use up.
+    spent: [T; B],
+    /// Smallest clearance that counted as none, m.
+    reach: T,
+    near: [usize; Z],
+    near_count: usize,
+}
+
+/// A survey says nothing of where the mechanism is: it never distinguishes two states.
+impl<T, const B: usize, const Z: usize> PartialEq for Survey<T, B, Z> {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
+    /// None yet.
+    pub fn none() -> Self {
+        Survey { angle: [T::ZERO; B], spent: [T::ZERO; B], reach: -T::ONE, near: [0; Z], near_count: 0 }
+    }
+
+    /// The zones that may be touched.
+    #[inline(always)]
+    pub fn near(&self) -> &[usize] {
+        &self.near[..self.near_count]
+    }
+
+    /// Surveys again if the zones left out could now be closer than `reach` (m).
+    #[inline(always)]
+    pub fn renew(
+        &mut self,
+        model: &Model<T, B, Z>,
+        pose: &Pose<T, B>,
+        angle: &[T; B],
+        joint_velocity: &[T; B],
+        timing: &Timing<T>,
+    ) {
+        let joint = relative(model, angle);
+        let mut spent = T::ZERO;
+        for i in 0..B {
+            spent += (joint[i] - self.angle[i]).abs() * self.spent[i];
+        }
+        // The last thousandth is left to rounding.
+        let holds = spent.lt(T::from_f64(0.999)).and(timing.reach.le(self.reach));
+        if !holds.all() {
+            self.take(model, pose, &joint, joint_velocity, timing);
+        }
+    }
+
+    #[inline(never)]
+    fn take(
+        &mut self,
+        model: &Model<T, B, Z>,
+        pose: &Pose<T, B>,
+        joint: &[T; B],
+        joint_velocity: &[T; B],
+        timing: &Timing<T>,
+    ) {
+        *self = Survey { angle: *joint, reach: timing.reach, ..Survey::none() };
+        for z in 0..model.zone_count {
+            let clearance = -gap_of(&model.zones[z], pose) - timing.reach;
+            let mut speed = T::ZERO;
+            for (k, j) in model.paths[z].joints() {
+                speed += model.paths[z].lever(k) * joint_velocity[j].abs();
+            }
+            let needed = T::from_f64(CLEARANCE) + T::from_f64(STEPS) * timing.step * speed;
+            if needed.lt(clearance).all() {
+                let inverse = T::ONE / clearance;
+                for (k, j) in model.paths[z].joints() {
+                    self.spent[j] = self.spent[j].max(model.paths[z].lever(k) * inverse);
+                }
+            } else {
+                self.near[self.near_count] = z;
+                self.near_count += 1;
+            }
+        }
+    }
+}
