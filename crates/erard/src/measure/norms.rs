@@ -345,10 +345,13 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
     if let Some(weights) = sheet.strike_weight_ratio_weights {
         let apart = weights / sheet.strike_weight_ratio_kinematics - 1.0;
         if apart.abs() > RATIOS_AGREE {
-            flags.push(Flag {
-                key: "strike_weight_ratio_weights",
-                message: format!("R by weights and R by the geometry are {:.1} % apart", 100.0 * apart.abs()),
-            });
+            let mut message = format!("R by weights and R by the geometry are {:.1} % apart", 100.0 * apart.abs());
+            if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
+                // Down-weight and up-weight are decided at different places: friction that differs between them stays in BW.
+                let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
+                message += &format!("; half-way, where friction goes out, {:.1} %", 100.0 * there.abs());
+            }
+            flags.push(Flag { key: "strike_weight_ratio_weights", message });
         }
     }
     for (key, what, tried, read) in [
