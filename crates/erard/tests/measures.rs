@@ -20,9 +20,11 @@ use erard::one_dof;
 use erard::simulation::{Drive, Setup, simulate};
 use moreau::{Input, Settings};
 
-/// A weight on the key is searched to a fiftieth of a gram, and a key that sinks so slowly that it takes longer than the search
-/// waits costs as much again: two weights together, and the curves' last swing, stay below this, g.
+/// Two weights are searched to a fiftieth of a gram each, and a key that is caught at a millimetre per second is carried over a tenth
+/// of a gram for a sixth of a millimetre: g.
 const SCALE_G: f64 = 0.1;
+/// What is left of the hammer's swing in the curve of a slow loop, whose largest and smallest force are read: a millinewton, g.
+const SWING_G: f64 = 0.1;
 
 fn go() -> bool {
     true
@@ -123,8 +125,13 @@ fn weights_and_loop_agree() {
     let w = grand_weighed();
     for (damper, key) in [("pedal down", &w.pedal_down), ("dampers down", w.dampers_down.as_ref().unwrap())] {
         let (tried, read) = (key.by_weights, key.by_loop);
-        near(&format!("{damper}: down-weight"), tried.down_weight_g.unwrap(), read.down_weight_g.unwrap(), SCALE_G);
-        near(&format!("{damper}: up-weight"), tried.up_weight_g.unwrap(), read.up_weight_g.unwrap(), SCALE_G);
+        near(
+            &format!("{damper}: down-weight"),
+            tried.down_weight_g.unwrap(),
+            read.down_weight_g.unwrap(),
+            SCALE_G + SWING_G,
+        );
+        near(&format!("{damper}: up-weight"), tried.up_weight_g.unwrap(), read.up_weight_g.unwrap(), SCALE_G + SWING_G);
     }
 }
 
@@ -139,10 +146,14 @@ fn the_concert_grand_is_within_the_norms() {
     within("up-weight", up(w), 20.0, 30.0);
     within("friction weight", touch.friction_weight_g().unwrap(), 8.0, 14.0);
     within("balance weight", balance(w), 34.0, 40.0);
-    let (weights, kinematics) = (w.strike_weight_ratio().unwrap(), w.strike_ratio.half_way);
+    let (weights, kinematics) = (w.strike_weight_ratio().unwrap(), w.strike_ratio.where_weighed);
     within("R by weights", weights, 5.0, 6.1);
     within("R by kinematics", kinematics, 5.0, 6.1);
     near("R by weights over R by kinematics", weights / kinematics, 1.0, 0.02);
+    // At one place both ways the friction goes out, whatever it is.
+    let half_way = w.pedal_down.balance_weight_at(0.5 * w.free_way.end_m, grand.gravity_m_s2).unwrap();
+    let ratio = w.parts.strike_weight_ratio(half_way).unwrap() / w.strike_ratio.half_way;
+    near("R by weights over R by kinematics, half-way", ratio, 1.0, 0.01);
     within("effective inertia", effective_kg(&grand, w), 0.2, 0.35);
 }
 
@@ -221,8 +232,8 @@ fn knuckle_in_is_heavier() {
 /// in the middle of the way, so that its arm is 130 mm there within a hundredth.
 ///
 /// The law is one of levers. It needs the hammer at the height that it had (a heavier one sinks into its felts and is screwed up
-/// again), and a knuckle without friction: as it is, the jack carries more of a heavier hammer, rubs on the way down where the
-/// lever carries it on the way up, and the balance weight, a mean of the two, sees half of that.
+/// again), and a knuckle without friction: as it is, jack and lever share a heavier hammer in another way, and the balance weight,
+/// a mean of two ways, sees half of what one of them rubs more than the other.
 #[test]
 fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
     let grand = grand();
@@ -238,15 +249,14 @@ fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
     near("strike weight", after.parts.strike_weight_g - before.parts.strike_weight_g, 1.0, 1e-9);
     let raised = balance(&after) - balance(&before);
     near("balance weight, R by weights", raised, before.strike_weight_ratio().unwrap(), SCALE_G);
-    near("balance weight, R by kinematics", raised, before.strike_ratio.half_way, SCALE_G);
+    near("balance weight, R by kinematics", raised, before.strike_ratio.where_weighed, SCALE_G);
 
     let (before, after) = heavier(&grand);
     let raised = balance(&after) - balance(&before);
-    let ratio = before.strike_ratio.half_way;
+    let ratio = before.strike_ratio.where_weighed;
     // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times what the knuckle slides of the key's way.
     let rubs = 9.7 * (138.0 / 21.0) * 0.25 * (0.87 / 5.54);
-    println!("with friction {raised:.3}, R {ratio:.3}, at most {rubs:.3} of friction on the way down");
-    assert!(raised > ratio - SCALE_G && raised < ratio + 0.5 * rubs + SCALE_G);
+    near("balance weight, with a knuckle that rubs", raised, ratio, SCALE_G + 0.5 * rubs);
 }
 
 /// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less at the front, of down-weight and up-weight.
@@ -306,8 +316,8 @@ fn inertia_is_that_of_the_reduced_model() {
     near("at rest", curve.pedal_down_kg[0], reduced, 0.03 * reduced);
     let half = curve.pedal_down_kg[curve.pedal_down_kg.len() / 2];
     near("the shares are the whole", curve.half_way.total_kg(), half, 1e-3 * half);
-    // Key: 3.58e-3 kg m2 at 265 mm.
-    near("the key's share", curve.half_way.key_kg, 3.58e-3 / 0.265_f64.powi(2), 1e-6);
+    let key = grand.bodies[body(&grand, "key")].inertia_kg_m2;
+    near("the key's share", curve.half_way.key_kg, key / 0.265_f64.powi(2), 1e-6);
     assert!(curve.pedal_down_kg.is_sorted_by(|a, b| a > b), "leverage falls through the stroke, and inertia with it");
 }
 

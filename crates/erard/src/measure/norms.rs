@@ -173,15 +173,31 @@ pub const GROUPS: [Group; 6] = [
             ),
             line(
                 "strike_weight_ratio_kinematics",
-                "  R by the geometry, half-way",
+                "  R by the geometry, where weighed",
                 "",
                 2,
                 |s| Some(s.strike_weight_ratio_kinematics),
                 between(5.0, 6.06, STANWOOD),
             ),
             line(
+                "strike_weight_ratio_weights_half_way",
+                "half-way: R by the loop's forces",
+                "",
+                2,
+                |s| s.strike_weight_ratio_weights_half_way,
+                None,
+            ),
+            line(
+                "strike_weight_ratio_kinematics_half_way",
+                "  R by the geometry",
+                "",
+                2,
+                |s| Some(s.strike_weight_ratio_kinematics_half_way),
+                None,
+            ),
+            line(
                 "strike_weight_ratio_kinematics_at_rest",
-                "  at rest",
+                "  R by the geometry at rest",
                 "",
                 2,
                 |s| Some(s.strike_weight_ratio_kinematics_at_rest),
@@ -189,7 +205,7 @@ pub const GROUPS: [Group; 6] = [
             ),
             line(
                 "strike_weight_ratio_kinematics_at_let_off",
-                "  where let-off begins",
+                "  and where let-off begins",
                 "",
                 2,
                 |s| Some(s.strike_weight_ratio_kinematics_at_let_off),
@@ -299,7 +315,12 @@ impl Line {
     pub fn is_out(&self, sheet: &Sheet) -> bool {
         let Some(norm) = self.norm else { return false };
         match (self.value)(sheet) {
-            Some(value) => norm.low.is_some_and(|low| value < low) || norm.high.is_some_and(|high| value > high),
+            Some(value) => {
+                // As it is read: digits that no technician sees raise no flag.
+                let scale = 10_f64.powi(self.decimals as i32);
+                let read = (value * scale).round() / scale;
+                norm.low.is_some_and(|low| read < low) || norm.high.is_some_and(|high| read > high)
+            }
             None => true,
         }
     }

@@ -54,11 +54,16 @@ pub struct Sheet {
     pub key_ratio: f64,
     /// R by the equation of balance.
     pub strike_weight_ratio_weights: Option<f64>,
-    /// R by the geometry, half-way to where let-off begins.
+    /// The same from the slow loop's two forces half-way, where friction takes as much from one as it adds to the other: the law
+    /// at one place.
+    pub strike_weight_ratio_weights_half_way: Option<f64>,
+    /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
-    /// The same at rest and where let-off begins.
+    /// The ratio at rest,
     pub strike_weight_ratio_kinematics_at_rest: f64,
-    /// See there.
+    /// half-way to where let-off begins,
+    pub strike_weight_ratio_kinematics_half_way: f64,
+    /// and there.
     pub strike_weight_ratio_kinematics_at_let_off: f64,
     /// Key travel to its bottom, mm.
     pub dip_mm: Option<f64>,
@@ -241,7 +246,6 @@ impl From<&Timing> for TimingRow {
 struct Results {
     touch: Option<KeyWeights>,
     damped: Option<KeyWeights>,
-    scale: Option<(PartWeights, StrikeRatio)>,
     inertia: Option<InertiaCurve>,
     full: Option<Option<Repetition>>,
     half: Option<Option<Repetition>>,
@@ -283,23 +287,31 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
         job(&mut r.half, |going| repetition(instrument, 0.5 * dip, going)),
         job(&mut r.timing, |going| timing(instrument, going)),
         job(&mut r.inertia, |going| inertia(instrument, way.end_m, going)),
-        job(&mut r.scale, |_| on_the_scale(instrument, &parts, way.end_m)),
     ];
     if parts.damper.is_some() {
         jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, way.end_m, going)));
         jobs.push(job(&mut r.hysteresis_damped, |going| slow_loop(instrument, deep, going)));
     }
     do_all(jobs, &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
-    r.sheet(instrument, way, &distances).ok_or(MeasureError::Lost)
+    let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
+    let scale = on_the_scale(instrument, &parts, way.end_m, decided_m)?;
+    r.sheet(instrument, way, &distances, scale).ok_or(MeasureError::Lost)
 }
 
 impl Results {
     /// The sheet; `None` if a job left nothing behind.
-    fn sheet(self, instrument: &Instrument, way: FreeWay, distances: &Distances) -> Option<Sheet> {
-        let (touch, (parts, ratio), curve) = (self.touch?, self.scale?, self.inertia?);
+    fn sheet(
+        self,
+        instrument: &Instrument,
+        way: FreeWay,
+        distances: &Distances,
+        (parts, ratio): (PartWeights, StrikeRatio),
+    ) -> Option<Sheet> {
+        let (touch, curve) = (self.touch?, self.inertia?);
         let (full, half, soft, hysteresis) = (self.full?, self.half?, self.softest?, self.hysteresis?);
         let tried = TouchNumbers::from(touch.by_weights);
         let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
+        let half_way_balance = touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2);
         let mut sheet = Sheet {
             instrument: instrument.name.clone(),
             down_weight_g: tried.down_weight_g,
@@ -313,7 +325,9 @@ impl Results {
             whippen_weight_g: parts.whippen_weight_g,
             key_ratio: parts.key_ratio,
             strike_weight_ratio_weights: tried.balance_weight_g.and_then(|bw| parts.strike_weight_ratio(bw)),
-            strike_weight_ratio_kinematics: ratio.half_way,
+            strike_weight_ratio_weights_half_way: half_way_balance.and_then(|bw| parts.strike_weight_ratio(bw)),
+            strike_weight_ratio_kinematics: ratio.where_weighed,
+            strike_weight_ratio_kinematics_half_way: ratio.half_way,
             strike_weight_ratio_kinematics_at_rest: ratio.at_rest,
             strike_weight_ratio_kinematics_at_let_off: ratio.at_let_off,
             dip_mm: mm(distances.dip_m),

@@ -8,16 +8,17 @@ use crate::instrument::Instrument;
 use crate::simulation::{Drive, Setup, simulate};
 
 /// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not damp;
-/// over six seconds what is left of it is a few hundredths of a newton.
-const WAY_S: f64 = 6.0;
+/// over eight seconds what is left of it is a few hundredths of a newton.
+const WAY_S: f64 = 8.0;
 /// Rest at the turning point, s.
 const TURN_S: f64 = 0.3;
 /// Step, s: the felts' own swings are slower than this by a factor of ten.
 const STEP_S: f64 = 100e-6;
-/// Every so many steps are kept: 3000 rows a way, three micrometres of the key apart.
+/// Every so many steps are kept: 4000 rows a way, two and a half micrometres of the key apart.
 const RECORD_EVERY: u64 = 20;
-/// Forces are means over this half-width of key travel, m: what is left of the hammer's swing goes out of them.
-const HALF_WINDOW_M: f64 = 0.15e-3;
+/// Forces are means over this half-width of key travel, m: the hammer's swing goes out of them, and a peak, whose slopes are some
+/// grams per millimetre, is flattened by less than a tenth of a gram.
+const HALF_WINDOW_M: f64 = 0.05e-3;
 
 /// A slow way down and up again.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,9 +110,9 @@ impl SlowWay {
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// Key travel and mean force on a grid from `from_m` to `to_m`, every twentieth of a millimetre.
+    /// Key travel and mean force on a grid from `from_m` to `to_m`, every fiftieth of a millimetre.
     pub fn smoothed(&self, from_m: f64, to_m: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
-        const EVERY_M: f64 = 5e-5;
+        const EVERY_M: f64 = 2e-5;
         let points = ((to_m - from_m) / EVERY_M).floor().max(0.0) as usize;
         (0..=points).map(move |i| from_m + i as f64 * EVERY_M).filter_map(|key| Some((key, self.force(key)?)))
     }

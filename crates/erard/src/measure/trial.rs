@@ -12,35 +12,39 @@ use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, mechanism};
 use crate::simulation::SimulationError;
 
-/// Step, s.
-const STEP_S: f64 = 200e-6;
-/// A key that has not arrived after this time does not sink or rise, s: a twentieth of a gram too much takes half of it.
-const PATIENCE_S: f64 = 6.0;
+/// Step, s: the key creeps, and a step half as long moves no weight by more than 0.03 g.
+const STEP_S: f64 = 400e-6;
+/// A key that has not arrived after this time does not sink or rise, s: caught all the way, a dip takes half of it.
+const PATIENCE_S: f64 = 40.0;
 /// A key that has stood still for so long will not start again, s.
 const STUCK_S: f64 = 0.1;
 /// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the energy to carry
-/// a twentieth of a gram too little over two millimetres.
-const CAUGHT_M_S: f64 = 0.003;
+/// a tenth of a gram too little over a sixth of a millimetre.
+const CAUGHT_M_S: f64 = 0.001;
 /// A key that has arrived is caught there, too, and must go on by itself by so much, m.
 const FURTHER_M: f64 = 2e-5;
 /// The finger takes so long to bring the key to where it is let go, s.
 const APPROACH_S: f64 = 0.4;
 /// Search stops when heavy enough and too light are this close, N: a fiftieth of a gram.
 const CLOSE_N: f64 = 2e-4;
+/// A guess is first looked for within this, N: a gram and a half.
+const NEAR_N: f64 = 0.015;
 /// The smallest and the largest force that are tried, N: no action asks for 300 g, and one that must be pulled up with more
 /// than 100 g does not move.
 const TRIED_N: [f64; 2] = [-1.0, 3.0];
 
-/// The smallest force that makes the resting key sink to `to_m`, N; `None` when none that is tried does.
+/// The smallest force that makes the resting key sink to `to_m`, N; `None` when none that is tried does. `guess_n` is where to begin
+/// to search.
 ///
 /// # Errors
 /// See [`MeasureError`].
 pub(super) fn smallest_that_sinks(
     instrument: &Instrument,
     to_m: f64,
+    guess_n: Option<f64>,
     going: Interrupt<'_>,
 ) -> Result<Option<f64>, MeasureError> {
-    boundary(&mut |force| moves(instrument, force, 0.0, to_m, going))
+    boundary(guess_n, &mut |force| moves(instrument, force, 0.0, to_m, going))
 }
 
 /// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried does.
@@ -51,17 +55,25 @@ pub(super) fn largest_that_is_lifted(
     instrument: &Instrument,
     from_m: f64,
     to_m: f64,
+    guess_n: Option<f64>,
     going: Interrupt<'_>,
 ) -> Result<Option<f64>, MeasureError> {
     // Searched on the same axis: the smallest force that is no longer lifted.
-    boundary(&mut |force| Ok(!moves(instrument, force, from_m, to_m, going)?))
+    boundary(guess_n, &mut |force| Ok(!moves(instrument, force, from_m, to_m, going)?))
 }
 
-/// Where an answer changes from no to yes as the force grows.
-fn boundary(holds: &mut dyn FnMut(f64) -> Result<bool, MeasureError>) -> Result<Option<f64>, MeasureError> {
+/// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the answers around
+/// it are not no and yes, the whole range is searched.
+fn boundary(
+    guess_n: Option<f64>,
+    holds: &mut dyn FnMut(f64) -> Result<bool, MeasureError>,
+) -> Result<Option<f64>, MeasureError> {
     let [mut low, mut high] = TRIED_N;
-    if holds(low)? || !holds(high)? {
-        return Ok(None);
+    let near = guess_n.map(|guess| [guess - NEAR_N, guess + NEAR_N]);
+    match near {
+        Some(near) if !holds(near[0])? && holds(near[1])? => [low, high] = near,
+        _ if holds(low)? || !holds(high)? => return Ok(None),
+        _ => {}
     }
     while high - low > CLOSE_N {
         let middle = 0.5 * (low + high);

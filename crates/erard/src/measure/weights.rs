@@ -16,7 +16,6 @@ use super::trial::{largest_that_is_lifted, smallest_that_sinks};
 use super::{Interrupt, MeasureError};
 use crate::instrument::{Body, Instrument, Vec2};
 use crate::kinematics::{DeriveError, derive};
-use linkage::three_lever::{DiscLevers, LeverTrain, StrokePose};
 
 /// A key this near to its rest has come up, m: the cloths that it rests on push from there.
 pub const HOME_M: f64 = 0.5e-3;
@@ -59,8 +58,19 @@ pub struct KeyWeights {
     pub by_weights: Touch,
     /// From the slow loop.
     pub by_loop: Touch,
+    /// Key travel at which the loop's way down is hardest, and its way up weakest, m: the places that decide D and U.
+    pub decided_m: [f64; 2],
     /// The slow loop between rest and just before let-off.
     pub slow: SlowLoop,
+}
+
+impl KeyWeights {
+    /// Mean of the slow loop's forces down and up at one place, g.
+    #[must_use]
+    pub fn balance_weight_at(&self, key_m: f64, gravity_m_s2: f64) -> Option<f64> {
+        let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
+        Some(force / gravity_m_s2 * G_PER_KG)
+    }
 }
 
 /// The parts on the scale, and the ratios.
@@ -76,9 +86,12 @@ pub struct PartWeights {
     pub key_ratio: f64,
 }
 
-/// R by the geometry: at rest, half-way to where let-off begins, and there.
+/// R by the geometry. It falls on the way, and the balance weight is the mean of a weight that is decided near rest and one that is
+/// decided near let-off: where it was weighed, R is the mean of the ratios at these two places.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrikeRatio {
+    /// Mean of the ratios where down-weight and up-weight are decided.
+    pub where_weighed: f64,
     /// At rest.
     pub at_rest: f64,
     /// Half-way.
@@ -132,7 +145,7 @@ pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, M
         None => None,
     };
     let pedal_down = on_the_key(&lifted, free_way.end_m, going)?;
-    let (parts, strike_ratio) = on_the_scale(instrument, &parts, free_way.end_m)?;
+    let (parts, strike_ratio) = on_the_scale(instrument, &parts, free_way.end_m, pedal_down.decided_m)?;
     Ok(Weights { free_way, pedal_down, dampers_down, parts, strike_ratio })
 }
 
@@ -183,22 +196,23 @@ pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> 
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
     // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
     let slow = slow_loop(instrument, way_m, going)?;
-    let extreme = |forces: &mut dyn Iterator<Item = (f64, f64)>, better: fn(f64, f64) -> f64| {
-        forces.map(|(_, force)| force).reduce(better)
-    };
+    let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
+    let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
     let by_loop = Touch {
-        down_weight_g: grams(extreme(&mut slow.down.smoothed(0.0, turn_m), f64::max)),
-        up_weight_g: grams(extreme(&mut slow.up.smoothed(HOME_M, turn_m), f64::min)),
+        down_weight_g: grams(hardest.map(|(_, force)| force)),
+        up_weight_g: grams(weakest.map(|(_, force)| force)),
     };
+    let decided_m = [hardest.map_or(0.0, |(key, _)| key), weakest.map_or(turn_m, |(key, _)| key)];
+    let [down_n, up_n] = [hardest, weakest].map(|place| place.map(|(_, force)| force));
     let by_weights = Touch {
-        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, going)?),
-        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, going)?),
+        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, going)?),
+        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, going)?),
     };
-    Ok(KeyWeights { by_weights, by_loop, slow })
+    Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
 
-/// Weighs the parts as they come off the action, from masses, centres of mass and where they touch at rest; and the strike-weight
-/// ratio by the geometry.
+/// Weighs the parts as they come off the action, from masses, centres of mass and where they touch at rest; and finds the
+/// strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight were decided.
 ///
 /// # Errors
 /// When no three levers are found in it.
@@ -206,6 +220,7 @@ pub fn on_the_scale(
     instrument: &Instrument,
     parts: &Parts,
     way_m: f64,
+    decided_m: [f64; 2],
 ) -> Result<(PartWeights, StrikeRatio), MeasureError> {
     let levers = derive(instrument)?.levers;
     let train = levers.assemble().map_err(DeriveError::from)?;
@@ -238,13 +253,16 @@ pub fn on_the_scale(
         whippen_weight_g: G_PER_KG * whippen_moment / (capstan[0] - levers.whippen_pivot[0]),
         key_ratio: capstan[0] / key_front_m,
     };
-    Ok((weights, by_geometry(&levers, &train, way_m)?))
-}
-
-fn by_geometry(levers: &DiscLevers, train: &LeverTrain, way_m: f64) -> Result<StrikeRatio, MeasureError> {
-    let ratio = |pose: &StrokePose| pose.hammer_ratio * levers.head[0] / levers.key_front;
-    match &train.stroke(0.0, way_m, 2).poses[..] {
-        [rest, half, end] => Ok(StrikeRatio { at_rest: ratio(rest), half_way: ratio(half), at_let_off: ratio(end) }),
+    // A mass at the strike weight's place: at the hammer's arm with the shank level.
+    let ratio = |key_m: f64| match &train.stroke(key_m, key_m, 0).poses[..] {
+        [pose] => Ok(pose.hammer_ratio * levers.head[0] / levers.key_front),
         _ => Err(MeasureError::NotAnAction("its levers do not reach as far as let-off".into())),
-    }
+    };
+    let ratios = StrikeRatio {
+        where_weighed: 0.5 * (ratio(decided_m[0])? + ratio(decided_m[1])?),
+        at_rest: ratio(0.0)?,
+        half_way: ratio(0.5 * way_m)?,
+        at_let_off: ratio(way_m)?,
+    };
+    Ok((weights, ratios))
 }
