@@ -22,15 +22,18 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             "sweeps a step",
         ],
     );
-    let (mut worst, mut late) = (0.0_f64, 0);
+    let settings = Settings::new(50e-6);
+    let (mut worst, mut late, mut steps) = (0.0_f64, [0; 2], 0);
     for (i, play) in plays.iter().enumerate() {
         tell(progress, i as f64 / plays.len() as f64)?;
-        let go = |solver| play.run(instrument, Settings { solver, ..Settings::new(50e-6) }, 1.0, u64::MAX);
+        let go = |solver| play.run(instrument, Settings { solver, ..settings }, 1.0, u64::MAX);
         let (a, b) = (go(Solver::ActiveSet)?, go(Solver::ProjectedGaussSeidel)?);
         let speeds = [&a, &b].map(|run| run.events.hammer_speed_m_s.unwrap_or(f64::NAN));
         let apart = (speeds[0] / speeds[1] - 1.0).abs();
         worst = if apart.is_nan() { f64::NAN } else { worst.max(apart) };
-        late += a.work.unconverged_steps + b.work.unconverged_steps;
+        late[0] += a.work.unconverged_steps;
+        late[1] += b.work.unconverged_steps;
+        steps += a.work.steps;
         let per_step = |run: &crate::run::Run| run.work.solver_iterations as f64 / run.work.steps as f64;
         table.row([
             play.label(),
@@ -47,12 +50,20 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
              The default guesses which laws stick and corrects the guess, and is exact."
                 .into(),
         ],
-        claims: vec![Claim::new(
-            "[T12], [T13]",
-            "the papers' solver and ours give the same motion",
-            format!("hammer speeds apart by at most {worst:.1e}; {late} unconverged steps in all"),
-            worst < 1e-6 && late == 0,
-        )],
+        claims: vec![
+            Claim::new(
+                "[T12], [T13]",
+                "the papers' solver and ours give the same motion, and ours leaves no step unconverged",
+                format!("hammer speeds apart by at most {worst:.1e}; ours leaves {} of {steps} steps unconverged", late[0]),
+                worst < 1e-6 && late[0] == 0,
+            ),
+            Claim::new(
+                "this program",
+                format!("the papers' solver too meets {:e} in every step within {} sweeps", settings.solver_tolerance, settings.solver_limit),
+                format!("in all but {} of {steps} steps", late[1]),
+                late[1] == 0,
+            ),
+        ],
         tables: vec![table],
         ..Section::default()
     })
