@@ -222,12 +222,25 @@ impl<T: Real, const B: usize> Contact<T, B> {
         }
     }
 
-    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
-    /// turned clockwise by a quarter turn.
+    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
+    /// the normal turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row(&mut self, zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>, row: &mut [T; B]) {
+    pub(crate) fn slip_row(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        pose: &Pose<T, B>,
+        lanes: T::Mask,
+        row: &mut [T; B],
+    ) {
         self.place(zone, pose);
+        let before = *row;
         pose.turning_row(path, self.point, [-self.normal[1], self.normal[0]], row);
+        if !lanes.all() {
+            for (k, _) in path.joints() {
+                row[k] = T::select(lanes, row[k], before[k]);
+            }
+        }
     }
 }
 

@@ -40,5 +40,5 @@ pub use pose::Pose;
 pub use real::{Mask, Real, Scalar};
 pub use settings::{FrictionLaw, Settings};
 pub use state::{Input, Scratch, State};
-pub use step::{Outcome, StepReport, step};
+pub use step::{LanesReport, Outcome, StepReport, step, step_lanes};
 pub use vector::Vector;
