@@ -14,9 +14,11 @@
 // Kernels index several arrays by one body number; iterators over one of them hide that.
 #![allow(clippy::needless_range_loop)]
 
+mod batch;
 mod contact;
 mod forces;
 mod joints;
+mod lanes;
 mod laws;
 mod ledger;
 mod linear;
@@ -33,6 +35,7 @@ mod vector;
 mod zones;
 
 pub use contact::Contact;
+pub use lanes::{LaneMask, Lanes};
 pub use ledger::{Energies, Ledger};
 pub use model::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Spring, Zone};
 pub use osnsp::Solver;
