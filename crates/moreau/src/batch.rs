@@ -73,9 +73,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             };
         }
         if let Some(site) = &first.site {
-            let numbers = |f: fn(&Site<T::Lane>) -> T::Lane| {
-                join(|lane| models[lane].site.as_ref().map_or(f(site), f))
-            };
+            let numbers = |f: fn(&Site<T::Lane>) -> T::Lane| join(|lane| models[lane].site.as_ref().map_or(f(site), f));
             joined.site = Some(Site {
                 body: site.body,
                 point: [numbers(|s| s.point[0]), numbers(|s| s.point[1])],
@@ -114,9 +112,7 @@ where
         Curve::Segment { from, direction, length, rounding } => {
             [from[0], from[1], direction[0], direction[1], length, rounding]
         }
-        Curve::Disc { center, radius } => {
-            [center[0], center[1], radius, T::Lane::ZERO, T::Lane::ZERO, T::Lane::ZERO]
-        }
+        Curve::Disc { center, radius } => [center[0], center[1], radius, T::Lane::ZERO, T::Lane::ZERO, T::Lane::ZERO],
     };
     let [a, b, c, d, e, f]: [T; 6] = join_all(numbers);
     let curve = match first.curve {
@@ -186,9 +182,8 @@ impl<T: Real> Input<T> {
         };
         match inputs.first()? {
             Input::Free => inputs.iter().all(|i| matches!(i, Input::Free)).then_some(Input::Free),
-            Input::Force(_) => {
-                pair(|i| if let Input::Force(f) = i { Some([*f, T::Lane::ZERO]) } else { None }).map(|[f, _]| Input::Force(f))
-            }
+            Input::Force(_) => pair(|i| if let Input::Force(f) = i { Some([*f, T::Lane::ZERO]) } else { None })
+                .map(|[f, _]| Input::Force(f)),
             Input::Motion { .. } => pair(|i| match i {
                 Input::Motion { position, velocity } => Some([*position, *velocity]),
                 _ => None,

@@ -185,6 +185,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
+    #[inline(always)]
     pub(crate) fn remainder(
         &self,
         zone: &Zone<T>,
@@ -399,6 +400,7 @@ pub(crate) fn felt_energy<T: Real>(felt: &Felt<T>, gap: T) -> T {
 }
 
 /// Compression of a zone at a pose (negative apart), without forces.
+#[inline(always)]
 pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>) -> T {
     let (distance, _) = distance_to_curve(zone, pose, pose.point(zone.disc_body, zone.center));
     zone.radius - distance

@@ -85,6 +85,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             law.bound = mu * h * contact.force - gradient * path.product(&contact.row, w);
             path.spread(&contact.row, gradient, &mut law.slope);
             law.rigid = false;
+            guess.open[n] = pressed.not();
             impulses.sliding[n] = h * warm;
             guess.sliding[n] = side[z];
             let fresh = warm.abs().le(T::ZERO).and(side[z].abs().le(T::ZERO));
@@ -101,6 +102,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
                 law.slope = law.slope.map(only);
                 law.bound = only(law.bound);
                 impulses.sliding[n] = only(impulses.sliding[n]);
+                guess.sliding[n] = only(guess.sliding[n]);
             }
             n += 1;
         }
@@ -115,6 +117,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
         law.rigid = true;
         impulses.sliding[n] = h * *rigid_force;
         guess.sliding[n] = T::ZERO;
+        guess.open[n] = T::Mask::splat(false);
         system.count = n + 1;
     }
 }

@@ -141,11 +141,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
 
 /// The velocities if they go on changing as they did: the first iterate. What sticks is expected to stick.
 #[inline(always)]
-fn extrapolate<T: Real, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    w0: &[T; B],
-    trend: &[T; B],
-) -> [T; B] {
+fn extrapolate<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, w0: &[T; B], trend: &[T; B]) -> [T; B] {
     let mut w = *w0;
     let trend = relative(model, trend);
     for i in 0..B {

@@ -90,7 +90,7 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
     holds
 }
 
-#[inline(never)]
+#[inline(always)]
 fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,

@@ -25,7 +25,7 @@ pub struct Guess<T: Real, const B: usize, const N: usize> {
     /// Sliding laws.
     pub sliding: [T; N],
     /// Sliding laws whose bound falls to zero within the step, because the felt is left: p = 0, whatever the velocity.
-    open: [T::Mask; N],
+    pub(crate) open: [T::Mask; N],
 }
 
 /// The sliding laws' own system, once the pivots are guessed: workspace.
@@ -98,9 +98,6 @@ pub fn solve<T: Real, const B: usize, const N: usize>(
     limit: u32,
     w: &mut [T; B],
 ) -> (T::Mask, u32) {
-    for k in 0..system.count {
-        guess.open[k] = T::Mask::splat(false);
-    }
     let mut changed = T::Mask::splat(true);
     for iterations in 1..=GUESSES + SINGLE_GUESSES {
         changed = try_guess(system, guess, impulses, condensed, tolerance, iterations > GUESSES, w);
