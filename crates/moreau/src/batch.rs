@@ -173,10 +173,13 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     }
 }
 
+/// The numbers of an input of one kind.
+type Numbers<T> = fn(&Input<T>) -> Option<[T; 2]>;
+
 impl<T: Real> Input<T> {
     /// One input per lane; `None` where they are not of one kind.
     pub fn of_lanes(inputs: &[Input<T::Lane>]) -> Option<Self> {
-        let pair = |f: fn(&Input<T::Lane>) -> Option<[T::Lane; 2]>| {
+        let pair = |f: Numbers<T::Lane>| {
             let all = inputs.len() == T::LANES && inputs.iter().all(|i| f(i).is_some());
             all.then(|| join_all::<T, 2>(|lane| f(&inputs[lane]).unwrap_or([T::Lane::ZERO; 2])))
         };
