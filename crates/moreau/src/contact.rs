@@ -185,6 +185,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
+    #[inline(always)]
     pub(crate) fn remainder(
         &self,
         zone: &Zone<T>,
@@ -222,12 +223,25 @@ impl<T: Real, const B: usize> Contact<T, B> {
         }
     }
 
-    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point; t is the normal
-    /// turned clockwise by a quarter turn.
+    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
+    /// the normal turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row(&mut self, zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>, row: &mut [T; B]) {
+    pub(crate) fn slip_row(
+        &mut self,
+        zone: &Zone<T>,
+        path: &Path<T, B>,
+        pose: &Pose<T, B>,
+        lanes: T::Mask,
+        row: &mut [T; B],
+    ) {
         self.place(zone, pose);
+        let before = *row;
         pose.turning_row(path, self.point, [-self.normal[1], self.normal[0]], row);
+        if !lanes.all() {
+            for (k, _) in path.joints() {
+                row[k] = T::select(lanes, row[k], before[k]);
+            }
+        }
     }
 }
 
@@ -386,6 +400,7 @@ pub(crate) fn felt_energy<T: Real>(felt: &Felt<T>, gap: T) -> T {
 }
 
 /// Compression of a zone at a pose (negative apart), without forces.
+#[inline(always)]
 pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>) -> T {
     let (distance, _) = distance_to_curve(zone, pose, pose.point(zone.disc_body, zone.center));
     zone.radius - distance

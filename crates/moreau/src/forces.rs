@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::pose::Pose;
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
-use crate::{Real, Scalar};
+use crate::{Mask, Real};
 
 /// The couplings of M(q_*), M w0 in relative velocities, and the driven point's row, at the predicted pose.
 ///
@@ -106,7 +106,7 @@ fn add_coupling<T: Real, const B: usize, const Z: usize>(
 /// and cost convergence speed, not accuracy.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     input: &Input<T>,
@@ -144,7 +144,7 @@ pub(crate) fn linearise<T: Scalar, const B: usize, const Z: usize, const N: usiz
 /// Adds dry friction regularised by tanh(u / width), and leaves its forces with the warm start.
 #[cold]
 #[inline(never)]
-pub(crate) fn regularised_friction<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn regularised_friction<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
@@ -163,7 +163,7 @@ pub(crate) fn regularised_friction<T: Scalar, const B: usize, const Z: usize, co
     }
     for &z in near {
         let contact = &scratch.contacts[z];
-        if let (true, Some(mu)) = (scratch.active[z], model.zones[z].friction) {
+        if let (true, Some(mu)) = (scratch.active[z].any(), model.zones[z].friction) {
             let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
             let t = (path.product(row, &scratch.joint_velocity) / sliding_width).tanh();
             let limit = mu * contact.force;
@@ -202,7 +202,7 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
 
 /// The driver's force at the site and its tangent: given, or from its spring and damper, which only push.
 #[inline(always)]
-fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+fn drive<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     input: &Input<T>,
     h_theta: T,
@@ -221,7 +221,9 @@ fn drive<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
             scratch.drive_pull = force;
             scratch.drive_tangent = h_theta * (site.damping + h_theta * site.stiffness);
-            (force > T::ZERO).then_some((force, scratch.drive_tangent))
+            let pushes = T::ZERO.lt(force);
+            let only = |x: T| T::select(pushes, x, T::ZERO);
+            pushes.any().then_some((only(force), only(scratch.drive_tangent)))
         }
     }
 }

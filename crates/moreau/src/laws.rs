@@ -1,9 +1,9 @@
 //! The set-valued part of a step: which laws are in force, and what became of them.
 
 use crate::model::Model;
-use crate::settings::{FrictionLaw, Settings};
+use crate::settings::Settings;
 use crate::state::{Input, Scratch, State};
-use crate::{Mask, Scalar};
+use crate::{Mask, Real};
 
 /// What a sliding law of the one-step problem stands for.
 #[derive(Debug, Clone, Copy)]
@@ -17,7 +17,7 @@ pub(crate) enum Law {
 /// Before a step's first iteration: forces and sides of the laws as the last step left them. A pivot that turned goes on being
 /// opposed, unless the predicted velocity `w` turns around: then it is expected to stick, as does one that stuck.
 #[inline(always)]
-pub(crate) fn begin<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     state: &State<T, B, Z>,
@@ -31,7 +31,7 @@ pub(crate) fn begin<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     for &z in &model.sliding_zones[..model.sliding_count] {
         scratch.tangential[z] = state.tangential[z];
         scratch.side[z] = state.side[z];
-        scratch.has_slip_row[z] = false;
+        scratch.has_slip_row[z] = T::Mask::splat(false);
     }
     for i in 0..B {
         // Without dry friction a pivot never sticks: its bound is zero, and so is its impulse.
@@ -44,7 +44,7 @@ pub(crate) fn begin<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 
 /// Completes the linearised step with the laws in force and a warm start.
 #[inline(always)]
-pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
@@ -55,7 +55,7 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
     let h = settings.step;
     let Scratch { system, impulses, guess, laws, contacts, active, slip_row, site_row, .. } = scratch;
     let Scratch { pivot_friction, tangential, side, rigid_force, .. } = scratch;
-    if settings.friction != FrictionLaw::SetValued {
+    if settings.friction.is_regularised() {
         system.pivot_bound = [T::ZERO; B];
         impulses.pivot = [T::ZERO; B];
         guess.pivot = [T::ONE; B];
@@ -71,7 +71,8 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
             let warm = tangential[z];
             tangential[z] = T::ZERO;
             let Some(mu) = model.zones[z].friction else { continue };
-            if !active[z] || contact.force <= T::ZERO || n >= N {
+            let pressed = active[z].and(T::ZERO.lt(contact.force));
+            if !pressed.any() || n >= N {
                 side[z] = T::ZERO;
                 continue;
             }
@@ -84,12 +85,24 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
             law.bound = mu * h * contact.force - gradient * path.product(&contact.row, w);
             path.spread(&contact.row, gradient, &mut law.slope);
             law.rigid = false;
+            guess.open[n] = pressed.not();
             impulses.sliding[n] = h * warm;
             guess.sliding[n] = side[z];
-            if warm == T::ZERO && side[z] == T::ZERO {
+            let fresh = warm.abs().le(T::ZERO).and(side[z].abs().le(T::ZERO));
+            if fresh.any() {
                 // Touched for the first time: it slides as it arrives.
                 let u = path.product(&slip_row[z], w0);
-                guess.sliding[n] = if T::ZERO < u { -T::ONE } else { T::ONE };
+                let arrival = T::select(T::ZERO.lt(u), -T::ONE, T::ONE);
+                guess.sliding[n] = T::select(fresh, arrival, side[z]);
+            }
+            if !pressed.all() {
+                // In lanes that do not press there is no law: a bound of zero that no velocity changes.
+                let only = |x: T| T::select(pressed, x, T::ZERO);
+                law.row = law.row.map(only);
+                law.slope = law.slope.map(only);
+                law.bound = only(law.bound);
+                impulses.sliding[n] = only(impulses.sliding[n]);
+                guess.sliding[n] = only(guess.sliding[n]);
             }
             n += 1;
         }
@@ -104,18 +117,19 @@ pub(crate) fn one_step_problem<T: Scalar, const B: usize, const Z: usize, const 
         law.rigid = true;
         impulses.sliding[n] = h * *rigid_force;
         guess.sliding[n] = T::ZERO;
+        guess.open[n] = T::Mask::splat(false);
         system.count = n + 1;
     }
 }
 
 /// Stores the laws' forces p/h and sides: the next warm start, and what the run reports.
 #[inline(always)]
-pub(crate) fn keep_forces<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let inverse_h = T::ONE / settings.step;
-    if settings.friction == FrictionLaw::SetValued {
+    if !settings.friction.is_regularised() {
         for i in 0..B {
             scratch.pivot_friction[i] = scratch.impulses.pivot[i] * inverse_h;
         }
@@ -135,17 +149,21 @@ pub(crate) fn keep_forces<T: Scalar, const B: usize, const Z: usize, const N: us
     }
 }
 
-/// What the step's end keeps of the laws.
+/// What a step that ends keeps of the laws, in the lanes in which it ends.
 #[inline(always)]
-pub(crate) fn end<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
+    lanes: T::Mask,
     state: &mut State<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
 ) {
-    state.pivot_friction = scratch.pivot_friction;
-    state.rigid_force = scratch.rigid_force;
+    let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
+    for i in 0..B {
+        keep(&mut state.pivot_friction[i], scratch.pivot_friction[i]);
+    }
+    keep(&mut state.rigid_force, scratch.rigid_force);
     for &z in &model.sliding_zones[..model.sliding_count] {
-        state.tangential[z] = scratch.tangential[z];
-        state.side[z] = scratch.side[z];
+        keep(&mut state.tangential[z], scratch.tangential[z]);
+        keep(&mut state.side[z], scratch.side[z]);
     }
 }

@@ -14,9 +14,11 @@
 // Kernels index several arrays by one body number; iterators over one of them hide that.
 #![allow(clippy::needless_range_loop)]
 
+mod batch;
 mod contact;
 mod forces;
 mod joints;
+mod lanes;
 mod laws;
 mod ledger;
 mod linear;
@@ -34,6 +36,7 @@ mod vector;
 mod zones;
 
 pub use contact::Contact;
+pub use lanes::{LaneMask, Lanes};
 pub use ledger::{Energies, Ledger};
 pub use model::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Spring, Zone};
 pub use osnsp::Solver;
@@ -41,5 +44,5 @@ pub use pose::Pose;
 pub use real::{Mask, Real, Scalar};
 pub use settings::{FrictionLaw, Settings};
 pub use state::{Input, Scratch, State};
-pub use step::{Outcome, StepReport, step};
+pub use step::{LanesReport, Outcome, StepReport, step, step_lanes};
 pub use vector::Vector;

@@ -159,8 +159,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) hinged: [usize; B],
     pub(crate) hinged_count: usize,
     /// The bodies that others are hinged on, ascending.
-    parents: [Parent<T, B>; B],
-    parent_count: usize,
+    pub(crate) parents: [Parent<T, B>; B],
+    pub(crate) parent_count: usize,
     /// Whether a body is hinged on one that is hinged itself.
     pub(crate) deep: bool,
     /// The parent of a hinged body, and any body instead of the ground.

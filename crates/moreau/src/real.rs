@@ -21,6 +21,8 @@ pub trait Mask: Copy + Debug {
     fn not(self) -> Self;
     /// The same in every lane.
     fn splat(value: bool) -> Self;
+    /// One lane's truth value.
+    fn lane(self, lane: usize) -> bool;
 }
 
 impl Mask for bool {
@@ -48,6 +50,10 @@ impl Mask for bool {
     fn splat(value: bool) -> Self {
         value
     }
+    #[inline(always)]
+    fn lane(self, _: usize) -> bool {
+        self
+    }
 }
 
 /// A real number, or several of them in lanes.
@@ -64,6 +70,10 @@ pub trait Real:
 {
     /// The type of a comparison.
     type Mask: Mask;
+    /// The type of one lane.
+    type Lane: Scalar;
+    /// Number of lanes.
+    const LANES: usize;
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -72,6 +82,10 @@ pub trait Real:
     const EPSILON: Self;
     /// Nearest representable number (in every lane).
     fn from_f64(x: f64) -> Self;
+    /// One lane's number.
+    fn lane(self, lane: usize) -> Self::Lane;
+    /// The same with another number in one lane.
+    fn with_lane(self, lane: usize, x: Self::Lane) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Absolute value.
@@ -97,7 +111,7 @@ pub trait Real:
 }
 
 /// A [`Real`] with one lane.
-pub trait Scalar: Real<Mask = bool> + PartialOrd {
+pub trait Scalar: Real<Mask = bool, Lane = Self> + PartialOrd {
     /// Widening or rounding conversion.
     fn to_f64(self) -> f64;
 }
@@ -156,12 +170,22 @@ macro_rules! real_for {
     ($t:ident, $sqrt:path, $pow:path, $tanh:path, $sincos:path) => {
         impl Real for $t {
             type Mask = bool;
+            type Lane = $t;
+            const LANES: usize = 1;
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $t::EPSILON;
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 x as $t
+            }
+            #[inline(always)]
+            fn lane(self, _: usize) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn with_lane(self, _: usize, x: Self) -> Self {
+                x
             }
             #[inline(always)]
             fn sqrt(self) -> Self {

@@ -16,6 +16,13 @@ pub enum FrictionLaw<T> {
     },
 }
 
+impl<T> FrictionLaw<T> {
+    /// Whether it is the law for comparison.
+    pub(crate) fn is_regularised(&self) -> bool {
+        matches!(self, FrictionLaw::Regularised { .. })
+    }
+}
+
 /// How a step is to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {

@@ -95,7 +95,7 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// Slip velocity of each zone with friction at t0 + h, m/s, and at t0.
     pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
-    pub(crate) has_slip_row: [bool; Z],
+    pub(crate) has_slip_row: [T::Mask; Z],
     /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
     pub(crate) coupling: [T; B],
     pub(crate) deep_coupling: [[T; B]; B],
@@ -133,7 +133,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             drive_tangent: z,
             slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
-            has_slip_row: [false; Z],
+            has_slip_row: [T::Mask::splat(false); Z],
             coupling: [z; B],
             deep_coupling: [[z; B]; B],
             site_row: [z; B],

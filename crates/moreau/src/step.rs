@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
 use crate::zones::{add_zones, linear_enough};
-use crate::{Real, Scalar};
+use crate::{Mask, Real, Scalar};
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,14 +46,48 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     state: &mut State<T, B, Z>,
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> StepReport {
+    let ended = step_lanes(model, settings, input, state, scratch);
+    let outcome = match (ended.finite, ended.converged) {
+        (false, _) => Outcome::NonFinite,
+        (true, true) => Outcome::Converged,
+        (true, false) => Outcome::IterationLimit,
+    };
+    StepReport { outcome, newton: ended.newton, solver: ended.solver }
+}
+
+/// How a step ended in every lane.
+#[derive(Debug, Clone, Copy)]
+pub struct LanesReport<M> {
+    /// Where [`Outcome::Converged`].
+    pub converged: M,
+    /// Where not [`Outcome::NonFinite`].
+    pub finite: M,
+    /// Newton iterations, until the last lane was done.
+    pub newton: u32,
+    /// Sweeps or active sets likewise.
+    pub solver: u32,
+}
+
+/// [`step()`] for several mechanisms at once, one in each lane: the same kernel, and the same numbers in every lane as if it were alone,
+/// to rounding. The mechanisms must share their topology (what is hinged on what, which curves and exponents), not their numbers.
+#[inline(always)]
+pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    input: &Input<T>,
+    state: &mut State<T, B, Z>,
+    scratch: &mut Scratch<T, B, Z, N>,
+) -> LanesReport<T::Mask> {
     let (h, theta) = (settings.step, settings.theta);
     let timing = Timing::new(h, theta);
     let (q0, w0) = (state.angle, relative(model, &state.velocity));
     // The remainder knows the felts' curvature, not a regularised friction law's, whose stiffness also makes trends alternate.
-    let smooth = settings.friction == FrictionLaw::SetValued;
+    let smooth = !settings.friction.is_regularised();
     let mut w = if smooth { extrapolate(model, &w0, &state.trend) } else { w0 };
-    let mut report = StepReport { outcome: Outcome::IterationLimit, newton: 0, solver: 0 };
+    let no = T::Mask::splat(false);
+    let mut report = LanesReport { converged: no, finite: T::Mask::splat(true), newton: 0, solver: 0 };
     begin(model, settings, state, &w0, &w, scratch);
+    let mut done = no;
 
     for iteration in 0..settings.newton_limit {
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
@@ -71,42 +105,43 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         }
         one_step_problem(model, settings, input, &w0, &w, scratch);
         let mut next = [T::ZERO; B];
-        let solved = settings.solver.solve(settings, scratch, &mut next);
+        let (solved, sets) = settings.solver.solve(settings, scratch, &mut next);
         keep_forces(settings, scratch);
         report.newton = iteration + 1;
-        report.solver += solved.iterations;
+        report.solver += sets;
 
         let (change, small, finite) = correction(&w, &next, settings.tolerance);
-        if !finite {
-            report.outcome = Outcome::NonFinite;
+        report.finite = report.finite.and(finite.or(done));
+        if !report.finite.any() {
             return report;
         }
         scratch.change = change;
-        let settled = linear_enough(model, settings, &timing, near, &change, &next, scratch) || small;
-        if settled && solved.converged {
-            w = next;
-            report.outcome = Outcome::Converged;
-            break;
+        let linear = linear_enough(model, settings, &timing, near, &change, &next, scratch);
+        let settled = linear.or(small).and(solved).and(finite).and(done.not());
+        report.converged = report.converged.or(settled);
+        if settled.any() && !settled.or(done).all() {
+            // These lanes are done, and keep their forces while others go on.
+            end(model, settled, state, scratch);
         }
         let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
+        let stopped = done.or(finite.not());
         for i in 0..B {
-            w[i] += share * change[i];
+            w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * change[i]));
         }
+        if settled.or(stopped).all() {
+            break;
+        }
+        done = done.or(settled).or(finite.not());
     }
 
-    if !finish(model, input, &w0, &w, h, theta, state, scratch) {
-        report.outcome = Outcome::NonFinite;
-    }
+    end(model, done.not().and(report.finite), state, scratch);
+    report.finite = finish(model, input, &w0, &w, h, theta, report.finite, state, scratch);
     report
 }
 
 /// The velocities if they go on changing as they did: the first iterate. What sticks is expected to stick.
 #[inline(always)]
-fn extrapolate<T: Scalar, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    w0: &[T; B],
-    trend: &[T; B],
-) -> [T; B] {
+fn extrapolate<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, w0: &[T; B], trend: &[T; B]) -> [T; B] {
     let mut w = *w0;
     let trend = relative(model, trend);
     for i in 0..B {
@@ -139,30 +174,32 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
 
 /// The change of the joints' velocities, whether all are small against the tolerance, and whether all are finite.
 #[inline(always)]
-fn correction<T: Scalar, const B: usize>(w: &[T; B], next: &[T; B], tolerance: T) -> ([T; B], bool, bool) {
-    let (mut change, mut small, mut sum) = (*next, true, T::ZERO);
+fn correction<T: Real, const B: usize>(w: &[T; B], next: &[T; B], tolerance: T) -> ([T; B], T::Mask, T::Mask) {
+    let (mut change, mut small, mut sum) = (*next, T::Mask::splat(true), T::ZERO);
     for i in 0..B {
         change[i] -= w[i];
-        small &= change[i].abs() <= tolerance * (T::ONE + next[i].abs());
+        small = small.and(change[i].abs().le(tolerance * (T::ONE + next[i].abs())));
         // Zero times what is not finite is not a number.
         sum += T::ZERO * next[i];
     }
-    (change, small, sum == T::ZERO)
+    (change, small, sum.finite())
 }
 
-/// q1 = q0 + h ((1 - theta) v0 + theta v1); leaves the slips and the drive's speed to be read. False if not finite.
+/// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes; leaves the slips and the drive's speed to be read. Returns the lanes whose
+/// angles are finite.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn finish<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+fn finish<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     input: &Input<T>,
     w0: &[T; B],
     w: &[T; B],
     h: T,
     theta: T,
+    lanes: T::Mask,
     state: &mut State<T, B, Z>,
     scratch: &mut Scratch<T, B, Z, N>,
-) -> bool {
+) -> T::Mask {
     let q0 = state.angle;
     theta_point(model, &q0, w0, w, h, theta, scratch);
     let (mut q, mut sum) = (q0, T::ZERO);
@@ -170,24 +207,22 @@ fn finish<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         q[i] += h * scratch.velocity[i];
         sum += T::ZERO * q[i];
     }
-    if sum != T::ZERO {
-        return false;
-    }
-    state.angle = q;
+    let lanes = lanes.and(sum.finite());
     let v = absolute(model, w);
+    let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
-        state.trend[i] = v[i] - state.velocity[i];
+        keep(&mut state.angle[i], q[i]);
+        keep(&mut state.trend[i], v[i] - state.velocity[i]);
+        keep(&mut state.velocity[i], v[i]);
     }
-    state.velocity = v;
-    end(model, state, scratch);
     let driven = !matches!(input, Input::Free);
     scratch.drive_velocity =
         if driven { model.site_path.product(&scratch.site_row, &scratch.joint_velocity) } else { T::ZERO };
     for &z in &model.sliding_zones[..model.sliding_count] {
-        if scratch.has_slip_row[z] {
+        if scratch.has_slip_row[z].any() {
             let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
             scratch.slip[z] = [path.product(row, w0), path.product(row, w)];
         }
     }
-    true
+    lanes
 }

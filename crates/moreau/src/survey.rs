@@ -70,7 +70,7 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         }
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn take(
         &mut self,
         model: &Model<T, B, Z>,

@@ -2,14 +2,14 @@
 
 use crate::contact::{Ease, Timing};
 use crate::model::Model;
-use crate::settings::{FrictionLaw, Settings};
+use crate::settings::Settings;
 use crate::state::Scratch;
-use crate::{Mask, Scalar};
+use crate::{Mask, Real};
 
 /// Geometry and felt of the zones near contact during the step, and their part of A w1 = b; slip rows once, where a zone with
 /// friction first touches.
 #[inline(always)]
-pub(crate) fn add_zones<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn add_zones<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
@@ -32,9 +32,10 @@ pub(crate) fn add_zones<T: Scalar, const B: usize, const Z: usize, const N: usiz
         if touched.any() {
             let p = -(timing.step * contact.force);
             path.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, p, w);
-            if zone.friction.is_some() && !has_slip_row[z] {
-                contact.slip_row(zone, path, pose, &mut slip_row[z]);
-                has_slip_row[z] = true;
+            let fresh = touched.and(has_slip_row[z].not());
+            if zone.friction.is_some() && fresh.any() {
+                contact.slip_row(zone, path, pose, fresh, &mut slip_row[z]);
+                has_slip_row[z] = has_slip_row[z].or(touched);
             }
         }
     }
@@ -46,7 +47,7 @@ pub(crate) fn add_zones<T: Scalar, const B: usize, const Z: usize, const N: usiz
 ///
 /// A bound that is the same for all joints settles most steps; the others are looked at zone by zone.
 #[inline(always)]
-pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     timing: &Timing<T>,
@@ -54,16 +55,17 @@ pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: 
     change: &[T; B],
     next: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
-) -> bool {
+) -> T::Mask {
     let h = timing.step;
     // The regularised law bends too sharply for an estimate.
-    let mut holds = settings.friction == FrictionLaw::SetValued;
-    if T::ZERO < scratch.drive_tangent {
-        let before = T::ZERO < scratch.drive_pull;
+    let mut holds = T::Mask::splat(!settings.friction.is_regularised());
+    if T::ZERO.lt(scratch.drive_tangent).any() {
+        let pushed = T::ZERO.lt(scratch.drive_pull);
         scratch.drive_pull -= scratch.drive_tangent * model.site_path.product(&scratch.site_row, change) / h;
         scratch.drive_force = scratch.drive_pull.max(T::ZERO);
         // The finger may have come or gone.
-        holds &= before == (T::ZERO < scratch.drive_pull);
+        let pushes = T::ZERO.lt(scratch.drive_pull);
+        holds = holds.and(pushed.and(pushes).or(pushed.or(pushes).not()));
     }
     let (mut impulse, mut allowed, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
     for i in 0..B {
@@ -77,18 +79,19 @@ pub(crate) fn linear_enough<T: Scalar, const B: usize, const Z: usize, const N: 
     let x = timing.theta * largest;
     let ease = &scratch.ease;
     let bound = h * ease.square * x * x;
-    let mut surely = (x * ease.linear < ease.slack) & (x * ease.reach < ease.clear);
+    let mut surely = (x * ease.linear).lt(ease.slack).and((x * ease.reach).lt(ease.clear));
     for i in 0..B {
-        surely &= impulse[i] + bound <= allowed[i];
+        surely = surely.and((impulse[i] + bound).le(allowed[i]));
     }
-    if !surely && holds {
-        holds = zone_by_zone(model, timing, near, change, scratch, impulse, &allowed);
+    if !surely.or(holds.not()).all() {
+        let closer = zone_by_zone(model, timing, near, change, scratch, impulse, &allowed);
+        holds = holds.and(surely.or(closer));
     }
     holds
 }
 
-#[inline(never)]
-fn zone_by_zone<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+#[inline(always)]
+fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
@@ -96,7 +99,7 @@ fn zone_by_zone<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     scratch: &Scratch<T, B, Z, N>,
     mut impulse: [T; B],
     allowed: &[T; B],
-) -> bool {
+) -> T::Mask {
     for &z in near {
         let (zone, path, contact) = (&model.zones[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
@@ -106,9 +109,9 @@ fn zone_by_zone<T: Scalar, const B: usize, const Z: usize, const N: usize>(
             }
         }
     }
-    let mut holds = true;
+    let mut holds = T::Mask::splat(true);
     for i in 0..B {
-        holds &= impulse[i] <= allowed[i];
+        holds = holds.and(impulse[i].le(allowed[i]));
     }
     holds
 }

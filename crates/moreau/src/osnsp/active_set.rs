@@ -8,9 +8,9 @@
 
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
-use super::{Impulses, SolveReport, System};
+use super::{Impulses, System};
 use crate::linear::{back_substitute, factor, product, solve as solve_factored, symmetric_product};
-use crate::{Real, Scalar};
+use crate::{Mask, Real, Scalar};
 
 /// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
 const GUESSES: u32 = 8;
@@ -19,13 +19,13 @@ const SINGLE_GUESSES: u32 = 24;
 
 /// Where every law stands: 0 sticks, +1 and -1 slide with p = +bound and -bound.
 #[derive(Debug, Clone)]
-pub struct Guess<T, const B: usize, const N: usize> {
+pub struct Guess<T: Real, const B: usize, const N: usize> {
     /// Pivots; those without dry friction never stick.
     pub pivot: [T; B],
     /// Sliding laws.
     pub sliding: [T; N],
     /// Sliding laws whose bound falls to zero within the step, because the felt is left: p = 0, whatever the velocity.
-    open: [bool; N],
+    pub(crate) open: [T::Mask; N],
 }
 
 /// The sliding laws' own system, once the pivots are guessed: workspace.
@@ -38,7 +38,24 @@ pub struct Condensed<T, const B: usize, const N: usize> {
 
 impl<T: Real, const B: usize, const N: usize> Guess<T, B, N> {
     pub(crate) fn new() -> Self {
-        Guess { pivot: [T::ZERO; B], sliding: [T::ZERO; N], open: [false; N] }
+        Guess { pivot: [T::ZERO; B], sliding: [T::ZERO; N], open: [T::Mask::splat(false); N] }
+    }
+
+    pub(super) fn lane(&self, lane: usize) -> Guess<T::Lane, B, N> {
+        Guess {
+            pivot: self.pivot.map(|x| x.lane(lane)),
+            sliding: self.sliding.map(|x| x.lane(lane)),
+            open: self.open.map(|x| x.lane(lane)),
+        }
+    }
+
+    pub(super) fn set_lane(&mut self, lane: usize, one: &Guess<T::Lane, B, N>) {
+        for i in 0..B {
+            self.pivot[i] = self.pivot[i].with_lane(lane, one.pivot[i]);
+        }
+        for k in 0..N {
+            self.sliding[k] = self.sliding[k].with_lane(lane, one.sliding[k]);
+        }
     }
 }
 
@@ -59,10 +76,20 @@ impl<T: Scalar, const B: usize, const N: usize> Guess<T, B, N> {
     }
 }
 
-/// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback. `w`: the relative
-/// velocities.
 #[inline(always)]
-pub fn solve<T: Scalar, const B: usize, const N: usize>(
+fn not_zero<T: Real>(x: T) -> T::Mask {
+    T::ZERO.lt(x.abs())
+}
+
+#[inline(always)]
+fn sign<T: Real>(x: T) -> T {
+    T::select(T::ZERO.lt(x), T::ONE, -T::ONE)
+}
+
+/// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback. `w`: the relative
+/// velocities. Says which lanes converged, after how many guesses.
+#[inline(always)]
+pub fn solve<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     guess: &mut Guess<T, B, N>,
@@ -70,40 +97,56 @@ pub fn solve<T: Scalar, const B: usize, const N: usize>(
     tolerance: T,
     limit: u32,
     w: &mut [T; B],
-) -> SolveReport {
-    for k in 0..system.count {
-        guess.open[k] = false;
-    }
+) -> (T::Mask, u32) {
+    let mut changed = T::Mask::splat(true);
     for iterations in 1..=GUESSES + SINGLE_GUESSES {
-        if !try_guess(system, guess, impulses, condensed, tolerance, iterations > GUESSES, w) {
-            return SolveReport { converged: true, iterations };
+        changed = try_guess(system, guess, impulses, condensed, tolerance, iterations > GUESSES, w);
+        if !changed.any() {
+            return (T::Mask::splat(true), iterations);
         }
     }
-    let (velocities, report) = fall_back(system, impulses, guess, tolerance, limit);
-    *w = velocities;
-    report
+    fall_back(system, impulses, guess, tolerance.lane(0), limit, w, changed)
 }
 
 #[cold]
 #[inline(never)]
-fn fall_back<T: Scalar, const B: usize, const N: usize>(
+fn fall_back<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     guess: &mut Guess<T, B, N>,
-    tolerance: T,
+    tolerance: T::Lane,
     limit: u32,
-) -> ([T; B], SolveReport) {
-    let mut dense = Dense::new(system, impulses);
-    let mut report = solve_dense(&dense.problem, &mut dense.impulse, tolerance, limit);
-    report.iterations += GUESSES + SINGLE_GUESSES;
-    let w = dense.finish(impulses);
-    guess.read(system, impulses);
-    (w, report)
+    w: &mut [T; B],
+    lanes: T::Mask,
+) -> (T::Mask, u32) {
+    let (mut failed, mut most) = (T::ZERO, 0);
+    for lane in 0..T::LANES {
+        if !lanes.lane(lane) {
+            continue;
+        }
+        let system = system.lane(lane);
+        let (mut own, mut sides) = (impulses.lane(lane), guess.lane(lane));
+        let mut dense = Dense::new(&system, &own);
+        let report = solve_dense(&dense.problem, &mut dense.impulse, tolerance, limit);
+        let velocities = dense.finish(&mut own);
+        sides.read(&system, &own);
+        impulses.set_lane(lane, &own);
+        guess.set_lane(lane, &sides);
+        for i in 0..B {
+            w[i] = w[i].with_lane(lane, velocities[i]);
+        }
+        if !report.converged {
+            failed = failed.with_lane(lane, T::Lane::ONE);
+        }
+        most = most.max(report.iterations);
+    }
+    (failed.le(T::ZERO), GUESSES + SINGLE_GUESSES + most)
 }
 
-/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it; `single`: in one place only.
+/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it; `single`: in one place only. Says in
+/// which lanes it did.
 #[inline(always)]
-fn try_guess<T: Scalar, const B: usize, const N: usize>(
+fn try_guess<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
@@ -111,11 +154,11 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
     tolerance: T,
     single: bool,
     w: &mut [T; B],
-) -> bool {
+) -> T::Mask {
     let (mut free, mut m) = ([0; B], 0);
     for i in 0..B {
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
-        if guess.pivot[i] != T::ZERO {
+        if not_zero(guess.pivot[i]).any() {
             free[m] = i;
             m += 1;
         }
@@ -131,35 +174,36 @@ fn try_guess<T: Scalar, const B: usize, const N: usize>(
         6 => reduced::<T, B, N, 6>(system, guess, impulses, condensed, &free, 6, w, tolerance, single),
         _ => reduced::<T, B, N, B>(system, guess, impulses, condensed, &free, m, w, tolerance, single),
     };
+    let may_change = |changed: T::Mask| if single { changed.not() } else { T::Mask::splat(true) };
     for i in 0..B {
-        if guess.pivot[i] == T::ZERO {
+        let slides = not_zero(guess.pivot[i]);
+        if !slides.all() {
             let mut p = symmetric_product(&system.a, i, w) - system.b[i];
             for law in 0..system.count {
                 p -= system.sliding[law].row[i] * impulses.sliding[law];
             }
-            impulses.pivot[i] = p;
+            impulses.pivot[i] = T::select(slides, impulses.pivot[i], p);
             // Rounding in the bound must not turn a pivot that holds at its limit back and forth.
             let bound = system.pivot_bound[i] * (T::ONE + T::from_f64(8.0) * T::EPSILON);
-            if bound < p.abs() && !(single && changed) {
-                guess.pivot[i] = if T::ZERO < p { T::ONE } else { -T::ONE };
-                changed = true;
-            }
-        } else if tolerance < guess.pivot[i] * w[i] && T::ZERO < system.pivot_bound[i] {
-            if single && changed {
-                continue;
-            }
-            guess.pivot[i] = T::ZERO;
-            changed = true;
+            let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change(changed));
+            guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
+            changed = changed.or(exceeded);
+        }
+        if slides.any() {
+            let turned = slides.and(tolerance.lt(guess.pivot[i] * w[i])).and(T::ZERO.lt(system.pivot_bound[i]));
+            let turned = turned.and(may_change(changed));
+            guess.pivot[i] = T::select(turned, T::ZERO, guess.pivot[i]);
+            changed = changed.or(turned);
         }
     }
     changed
 }
 
 /// The first `m` (at most M) joints of `free` move, the others stick: their velocities and the sliding laws' impulses. Corrects the
-/// guesses of the sliding laws.
-#[inline(never)]
+/// guesses of the sliding laws, and says in which lanes.
+#[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
+fn reduced<T: Real, const B: usize, const N: usize, const M: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
@@ -169,15 +213,26 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
     w: &mut [T; B],
     tolerance: T,
     single: bool,
-) -> bool {
+) -> T::Mask {
     let mut factors = [[T::ZERO; M]; M];
     let mut v = [T::ZERO; M];
+    // Where a joint sticks in some lanes only: 1 where it moves.
+    let mut moves = [T::ONE; M];
     for r in 0..M {
         if r < m {
             let i = free[r];
             v[r] = system.b[i] + impulses.pivot[i];
             for c in 0..=r {
                 factors[r][c] = system.a[i][free[c]];
+            }
+            if T::LANES > 1 {
+                let slides = not_zero(guess.pivot[i]);
+                moves[r] = T::select(slides, T::ONE, T::ZERO);
+                v[r] = v[r] * moves[r];
+                for c in 0..r {
+                    factors[r][c] = factors[r][c] * (moves[r] * moves[c]);
+                }
+                factors[r][r] = T::select(slides, factors[r][r], T::ONE);
             }
         } else {
             factors[r][r] = T::ONE;
@@ -187,10 +242,13 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
         let mut reduced = [T::ZERO; M];
         for r in 0..m.min(M) {
             reduced[r] = row[free[r]];
+            if T::LANES > 1 {
+                reduced[r] = reduced[r] * moves[r];
+            }
         }
         reduced
     };
-    let mut changed = false;
+    let mut changed = T::Mask::splat(false);
     if system.count == 1 && !system.sliding[0].rigid {
         // The usual case of several laws, spelt out.
         let law = &system.sliding[0];
@@ -199,24 +257,29 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
         let inverse_d = factor(&mut factors, [&mut v, &mut column]);
         back_substitute(&factors, &inverse_d, &mut v);
         back_substitute(&factors, &inverse_d, &mut column);
-        let side = guess.sliding[0];
-        let (mut p, mut dependent) = (T::ZERO, false);
-        if guess.open[0] {
-        } else if side == T::ZERO {
+        let (side, open) = (guess.sliding[0], guess.open[0]);
+        let slides = not_zero(side);
+        let (mut numerator, mut denominator) = (T::ZERO, T::ONE);
+        let mut dependent = T::Mask::splat(false);
+        if !slides.all() {
             let pivot = product(&row, &column);
-            dependent = is_dependent(pivot, scale_of(system, &law.row));
-            p = if dependent { impulses.sliding[0] } else { (law.target - product(&row, &v)) / pivot };
-        } else {
-            p = side * (law.bound + product(&slope, &v)) / (T::ONE - side * product(&slope, &column));
+            dependent = slides.not().and(is_dependent(pivot, scale_of(system, &law.row)));
+            let sticking = dependent.or(slides).not();
+            numerator = T::select(sticking, law.target - product(&row, &v), impulses.sliding[0]);
+            denominator = T::select(sticking, pivot, T::ONE);
         }
+        if slides.any() {
+            let sliding = side * (law.bound + product(&slope, &v));
+            numerator = T::select(slides, sliding, numerator);
+            denominator = T::select(slides, T::ONE - side * product(&slope, &column), denominator);
+        }
+        let p = T::select(open, T::ZERO, numerator / denominator);
         for r in 0..M {
             v[r] += column[r] * p;
         }
         impulses.sliding[0] = p;
         let (u, bound) = (product(&row, &v) - law.target, law.bound + product(&slope, &v));
-        let (side, open) = corrected(side, guess.open[0], p, u, bound, dependent, tolerance);
-        changed = side != guess.sliding[0] || open != guess.open[0];
-        (guess.sliding[0], guess.open[0]) = (side, open);
+        changed = correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true));
     } else {
         let inverse_d = factor(&mut factors, [&mut v]);
         back_substitute(&factors, &inverse_d, &mut v);
@@ -234,7 +297,7 @@ fn reduced<T: Scalar, const B: usize, const N: usize, const M: usize>(
 /// Sliding laws, condensed: adds their share to the velocities `v`, and corrects their guesses.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn slide<T: Scalar, const B: usize, const N: usize, const M: usize>(
+fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
@@ -245,7 +308,7 @@ fn slide<T: Scalar, const B: usize, const N: usize, const M: usize>(
     v: &mut [T; M],
     tolerance: T,
     single: bool,
-) -> bool {
+) -> T::Mask {
     let n = system.count.min(N);
     let Condensed { columns, matrix } = condensed;
     let (mut rhs, mut p, mut diagonal) = ([T::ZERO; N], [T::ZERO; N], [T::ONE; N]);
@@ -261,28 +324,27 @@ fn slide<T: Scalar, const B: usize, const N: usize, const M: usize>(
         sum
     };
     for k in 0..n {
-        let law = &system.sliding[k];
-        let s = guess.sliding[k];
-        if guess.open[k] {
-            matrix[k] = [T::ZERO; N];
-            matrix[k][k] = T::ONE;
-        } else if s == T::ZERO {
+        let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
+        let (slides, sticks) = (closed.and(not_zero(side)), closed.and(not_zero(side).not()));
+        matrix[k] = [T::ZERO; N];
+        matrix[k][k] = T::select(sticks, T::ZERO, T::ONE);
+        if sticks.any() {
             // Sticking: row . (w + sum columns p) = target.
             let row = gather(&law.row);
-            rhs[k] = law.target - product(&row, v);
+            rhs[k] = T::select(sticks, law.target - product(&row, v), T::ZERO);
             for j in 0..n {
-                matrix[k][j] = along(&row, &columns[j]);
+                matrix[k][j] += T::select(sticks, along(&row, &columns[j]), T::ZERO);
             }
-            p[k] = impulses.sliding[k];
-            diagonal[k] = scale_of(system, &law.row);
-        } else {
+            p[k] = T::select(sticks, impulses.sliding[k], T::ZERO);
+            diagonal[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
+        }
+        if slides.any() {
             // Sliding: p = s (bound + slope . (w + sum columns p)).
             let slope = gather(&law.slope);
-            rhs[k] = s * (law.bound + product(&slope, v));
+            rhs[k] = T::select(slides, side * (law.bound + product(&slope, v)), rhs[k]);
             for j in 0..n {
-                matrix[k][j] = -s * along(&slope, &columns[j]);
+                matrix[k][j] -= T::select(slides, side * along(&slope, &columns[j]), T::ZERO);
             }
-            matrix[k][k] += T::ONE;
         }
     }
     let dependent = eliminate(matrix, &mut rhs, &mut p, &diagonal, n);
@@ -291,32 +353,33 @@ fn slide<T: Scalar, const B: usize, const N: usize, const M: usize>(
             v[r] += columns[k][r] * p[k];
         }
     }
-    let mut changed = false;
+    let mut changed = T::Mask::splat(false);
     for k in 0..n {
         let law = &system.sliding[k];
         let u = product(&gather(&law.row), v) - law.target;
         impulses.sliding[k] = p[k];
+        let allowed = if single { changed.not() } else { T::Mask::splat(true) };
         if law.rigid {
-            if dependent[k] && tolerance < u.abs() && !(single && changed) {
-                give_way(system, guess, k, u);
-                changed = true;
+            let refused = dependent[k].and(tolerance.lt(u.abs())).and(allowed);
+            if refused.any() {
+                for lane in (0..T::LANES).filter(|&l| refused.lane(l)) {
+                    let mut own = guess.lane(lane);
+                    give_way(&system.lane(lane), &mut own, k, u.lane(lane));
+                    guess.set_lane(lane, &own);
+                }
+                changed = changed.or(refused);
             }
             continue;
         }
         let bound = law.bound + product(&gather(&law.slope), v);
-        let (side, open) = corrected(guess.sliding[k], guess.open[k], p[k], u, bound, dependent[k], tolerance);
-        if (side != guess.sliding[k] || open != guess.open[k]) && !(single && changed) {
-            (guess.sliding[k], guess.open[k]) = (side, open);
-            changed = true;
-        }
+        changed = changed.or(correct(guess, k, p[k], u, bound, dependent[k], tolerance, allowed));
     }
     changed
 }
 
-/// What a row would see if nothing stuck: the scale that tells a law that is held already from a free one. An upper bound of it
-/// is enough, within the orders of magnitude between the two.
+/// What a row would see if nothing stuck: the scale that tells a law that is held already from a free one.
 #[inline(always)]
-fn scale_of<T: Scalar, const B: usize, const N: usize>(system: &System<T, B, N>, row: &[T; B]) -> T {
+fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, row: &[T; B]) -> T {
     let mut scale = T::ZERO;
     for i in 0..B {
         scale += row[i] * row[i] / system.a[i][i];
@@ -324,28 +387,33 @@ fn scale_of<T: Scalar, const B: usize, const N: usize>(system: &System<T, B, N>,
     scale
 }
 
-/// Where a sliding contact stands after a guess gave it impulse p, velocity u and bound; the same again if that agrees.
+/// Corrects where a sliding contact stands, where a guess that gave it impulse p, velocity u and bound is refuted and may be changed;
+/// says in which lanes.
 #[inline(always)]
-fn corrected<T: Scalar>(side: T, open: bool, p: T, u: T, bound: T, dependent: bool, tolerance: T) -> (T, bool) {
-    let against = if T::ZERO < u { -T::ONE } else { T::ONE };
-    if open {
-        // Pressed after all: it slides against its velocity.
-        return if T::ZERO < bound { (against, false) } else { (T::ZERO, true) };
-    }
-    if bound <= T::ZERO {
-        return (T::ZERO, true);
-    }
-    if side == T::ZERO {
-        if bound * (T::ONE + T::from_f64(8.0) * T::EPSILON) < p.abs() {
-            return (if T::ZERO < p { T::ONE } else { -T::ONE }, false);
-        }
-        if dependent && tolerance < u.abs() {
-            return (against, false);
-        }
-    } else if tolerance < side * u {
-        return (T::ZERO, false);
-    }
-    (side, false)
+#[allow(clippy::too_many_arguments)]
+fn correct<T: Real, const B: usize, const N: usize>(
+    guess: &mut Guess<T, B, N>,
+    k: usize,
+    p: T,
+    u: T,
+    bound: T,
+    dependent: T::Mask,
+    tolerance: T,
+    allowed: T::Mask,
+) -> T::Mask {
+    let (side, open) = (guess.sliding[k], guess.open[k]);
+    let slides = not_zero(side);
+    let pressed = T::ZERO.lt(bound);
+    // Sticking beyond its bound, or held by nothing after all: it slides against its velocity.
+    let exceeded = (bound * (T::ONE + T::from_f64(8.0) * T::EPSILON)).lt(p.abs());
+    let loose = dependent.and(tolerance.lt(u.abs())).or(open);
+    let if_sticking = T::select(exceeded, sign(p), T::select(loose, -sign(u), T::ZERO));
+    let if_sliding = T::select(tolerance.lt(side * u), T::ZERO, side);
+    let next = T::select(pressed, T::select(slides, if_sliding, if_sticking), T::ZERO);
+    let moved = not_zero(next - side).or(pressed.and(open)).or(pressed.or(open).not()).and(allowed);
+    guess.sliding[k] = T::select(moved, next, side);
+    guess.open[k] = open.and(moved.not()).or(pressed.not().and(moved));
+    moved
 }
 
 /// An imposed velocity that the sticking laws do not admit: the one that stands most in its way slides, against the motion.

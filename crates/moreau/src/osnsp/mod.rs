@@ -12,7 +12,7 @@ pub mod projected_gauss_seidel;
 pub mod relay;
 
 use crate::state::Scratch;
-use crate::{Real, Scalar, Settings};
+use crate::{Real, Settings};
 
 /// One linearised step, in relative velocities.
 #[derive(Debug, Clone)]
@@ -67,6 +67,42 @@ impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
     }
 }
 
+impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
+    /// One lane's system.
+    pub(crate) fn lane(&self, lane: usize) -> System<T::Lane, B, N> {
+        System {
+            a: self.a.map(|row| row.map(|x| x.lane(lane))),
+            b: self.b.map(|x| x.lane(lane)),
+            pivot_bound: self.pivot_bound.map(|x| x.lane(lane)),
+            sliding: self.sliding.map(|law| SlidingLaw {
+                row: law.row.map(|x| x.lane(lane)),
+                target: law.target.lane(lane),
+                bound: law.bound.lane(lane),
+                slope: law.slope.map(|x| x.lane(lane)),
+                rigid: law.rigid,
+            }),
+            count: self.count,
+        }
+    }
+}
+
+impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
+    /// One lane's impulses.
+    pub(crate) fn lane(&self, lane: usize) -> Impulses<T::Lane, B, N> {
+        Impulses { pivot: self.pivot.map(|x| x.lane(lane)), sliding: self.sliding.map(|x| x.lane(lane)) }
+    }
+
+    /// Sets one lane's impulses.
+    pub(crate) fn set_lane(&mut self, lane: usize, one: &Impulses<T::Lane, B, N>) {
+        for i in 0..B {
+            self.pivot[i] = self.pivot[i].with_lane(lane, one.pivot[i]);
+        }
+        for k in 0..N {
+            self.sliding[k] = self.sliding[k].with_lane(lane, one.sliding[k]);
+        }
+    }
+}
+
 /// Which solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
@@ -87,24 +123,49 @@ pub struct SolveReport {
 }
 
 impl Solver {
-    /// Solves the scratch's system from its warm start, which is overwritten; `w`: the relative velocities.
+    /// Solves the scratch's system from its warm start, which is overwritten; `w`: the relative velocities. Says which lanes converged,
+    /// and after how many sweeps or active sets.
     #[inline(always)]
-    pub(crate) fn solve<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    pub(crate) fn solve<T: Real, const B: usize, const Z: usize, const N: usize>(
         self,
         settings: &Settings<T>,
         scratch: &mut Scratch<T, B, Z, N>,
         w: &mut [T; B],
-    ) -> SolveReport {
+    ) -> (T::Mask, u32) {
         let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
         let Scratch { system, impulses, guess, condensed, .. } = scratch;
         match self {
             Solver::ActiveSet => active_set::solve(system, impulses, guess, condensed, tolerance, limit, w),
-            Solver::ProjectedGaussSeidel => {
-                let (velocities, report) = projected_gauss_seidel::solve(system, impulses, tolerance, limit);
-                *w = velocities;
-                guess.read(system, impulses);
-                report
-            }
+            Solver::ProjectedGaussSeidel => sweep(system, impulses, guess, tolerance.lane(0), limit, w),
         }
     }
+}
+
+/// The reference solver, lane after lane.
+#[inline(never)]
+fn sweep<T: Real, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
+    guess: &mut active_set::Guess<T, B, N>,
+    tolerance: T::Lane,
+    limit: u32,
+    w: &mut [T; B],
+) -> (T::Mask, u32) {
+    let (mut failed, mut most) = (T::ZERO, 0);
+    for lane in 0..T::LANES {
+        let system = system.lane(lane);
+        let (mut own, mut sides) = (impulses.lane(lane), guess.lane(lane));
+        let (velocities, report) = projected_gauss_seidel::solve(&system, &mut own, tolerance, limit);
+        sides.read(&system, &own);
+        impulses.set_lane(lane, &own);
+        guess.set_lane(lane, &sides);
+        for i in 0..B {
+            w[i] = w[i].with_lane(lane, velocities[i]);
+        }
+        if !report.converged {
+            failed = failed.with_lane(lane, T::Lane::ONE);
+        }
+        most = most.max(report.iterations);
+    }
+    (failed.le(T::ZERO), most)
 }

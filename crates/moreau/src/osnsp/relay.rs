@@ -7,7 +7,7 @@
 
 use super::SolveReport;
 use super::delassus::OneStepProblem;
-use crate::Scalar;
+use crate::{Mask, Real, Scalar};
 
 /// Guesses before the fallback; usual problems need one or two, and what cycles does so from the start.
 const GUESSES: u32 = 12;
@@ -128,28 +128,28 @@ fn impulses_of_guess<T: Scalar, const N: usize>(
 
 /// Whether a pivot has vanished against its scale.
 #[inline(always)]
-pub(super) fn is_dependent<T: Scalar>(pivot: T, scale: T) -> bool {
-    pivot.abs() <= scale * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON)
+pub(super) fn is_dependent<T: Real>(pivot: T, scale: T) -> T::Mask {
+    pivot.abs().le(scale * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON))
 }
 
 /// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not determined,
 /// and keeps the value that `x` came with. Returns which rows those are. `diagonal` is what pivots are compared with.
 #[inline(always)]
-pub(super) fn eliminate<T: Scalar, const N: usize>(
+pub(super) fn eliminate<T: Real, const N: usize>(
     a: &mut [[T; N]; N],
     rhs: &mut [T; N],
     x: &mut [T; N],
     diagonal: &[T; N],
     m: usize,
-) -> [bool; N] {
-    let mut dependent = [false; N];
+) -> [T::Mask; N] {
+    let mut dependent = [T::Mask::splat(false); N];
     let mut inverse = [T::ZERO; N];
     for k in 0..m {
-        if is_dependent(a[k][k], diagonal[k]) {
-            dependent[k] = true;
+        dependent[k] = is_dependent(a[k][k], diagonal[k]);
+        if dependent[k].all() {
             continue;
         }
-        inverse[k] = T::ONE / a[k][k];
+        inverse[k] = T::select(dependent[k], T::ZERO, T::ONE / a[k][k]);
         for i in k + 1..m {
             let factor = a[i][k] * inverse[k];
             for j in k + 1..m {
@@ -161,12 +161,12 @@ pub(super) fn eliminate<T: Scalar, const N: usize>(
         }
     }
     for k in (0..m).rev() {
-        if !dependent[k] {
+        if !dependent[k].all() {
             let mut s = rhs[k];
             for j in k + 1..m {
                 s -= a[k][j] * x[j];
             }
-            x[k] = s * inverse[k];
+            x[k] = T::select(dependent[k], x[k], s * inverse[k]);
         }
     }
     dependent
