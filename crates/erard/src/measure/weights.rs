@@ -2,7 +2,7 @@
 //!
 //! Down-weight D is the smallest weight on the key front that makes the resting key sink to where let-off begins, up-weight U the
 //! largest that the key, let go just before, lifts again; balance weight is their mean and friction weight half their
-//! difference. They are found twice: by trial with weights ([`super::trial`]), and as the largest force of the way down and the
+//! difference. They are found twice: by trial with weights (`trial.rs`), and as the largest force of the way down and the
 //! smallest of the way up of a slow loop between the same places. With the weights of the parts, weighed as a technician does,
 //!
 //! BW + FW = KR WW + R SW        (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
