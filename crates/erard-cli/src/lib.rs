@@ -3,6 +3,8 @@
 //! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
 //! write them down.
 
+#![deny(clippy::print_stdout, reason = "`say!` does not panic when the reader has gone away")]
+
 pub mod cli_reference;
 pub mod command;
 pub mod drawing;

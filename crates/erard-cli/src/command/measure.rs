@@ -16,6 +16,7 @@ use crate::measure::figures::{Drawn, figures};
 use crate::measure::{Measured, page, table};
 use crate::output::Output;
 use crate::progress::Progress;
+use crate::say;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -79,15 +80,15 @@ impl Measure {
         let written = output.commit()?;
 
         match &measured[..] {
-            [one] => println!("{} - protocol sheet", one.label),
-            _ => println!("Protocol sheets side by side"),
+            [one] => say!("{} - protocol sheet", one.label),
+            _ => say!("Protocol sheets side by side"),
         }
-        println!();
-        print!("{}", table::text(&measured));
-        println!();
+        say!();
+        say!("{}", table::text(&measured).trim_end_matches('\n'));
+        say!();
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        println!("Written to {}: {}", self.out.display(), names.join(", "));
+        say!("Written to {}: {}", self.out.display(), names.join(", "));
         Ok(())
     }
 

@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::report::{Reproduced, page};
+use crate::say;
 
 /// Computes the papers' figures and claims anew, and writes one page that shows which hold.
 #[derive(Debug, Args)]
@@ -33,7 +34,7 @@ impl Reproduce {
     pub fn run(&self) -> Result<(), Failure> {
         if self.list {
             for subject in subjects() {
-                println!("{:<20} {}", subject.name, subject.title);
+                say!("{:<20} {}", subject.name, subject.title);
             }
             return Ok(());
         }
@@ -51,8 +52,8 @@ impl Reproduce {
             done += subject.weight;
             for claim in &section.claims {
                 let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
-                println!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
-                println!("{:<18} {:<13} {}", "", "", claim.measured);
+                say!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
+                say!("{:<18} {:<13} {}", "", "", claim.measured);
             }
             reproduced.push(Reproduced { subject, section });
         }
@@ -60,9 +61,9 @@ impl Reproduce {
         output.stage("report.html", |w| w.write_all(html.as_bytes()))?;
         output.commit()?;
         let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
-        println!();
-        println!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
-        println!("Written to {}: report.html", self.out.display());
+        say!();
+        say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
+        say!("Written to {}: report.html", self.out.display());
         Ok(())
     }
 

@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, png_from_svg};
 use crate::output::Output;
 use crate::progress::Progress;
+use crate::say;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -54,18 +55,18 @@ impl Validate {
         output.stage("order-of-events.png", |w| w.write_all(&png))?;
         output.commit()?;
 
-        println!("{} beside measured pianos", validation.instrument);
-        println!();
+        say!("{} beside measured pianos", validation.instrument);
+        say!();
         print_table(&report.rows);
-        println!(
+        say!(
             "{} of {} rows met, {} missed, {} that the model cannot speak to",
             report.met,
             report.rows.len(),
             report.missed,
             report.silent
         );
-        println!();
-        println!(
+        say!();
+        say!(
             "Written to {}: validate.json, validate.csv, order-of-events.svg, order-of-events.png",
             self.out.display()
         );
@@ -192,14 +193,14 @@ fn three(x: f64) -> String {
 }
 
 fn print_table(rows: &[RowReport]) {
-    println!("  {:<46} {:>17} {:>19} {:>10}  verdict", "", "published", "counts as met", "simulated");
+    say!("  {:<46} {:>17} {:>19} {:>10}  verdict", "", "published", "counts as met", "simulated");
     for row in rows {
         let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
         let by = row.missed_by.map_or_else(String::new, |by| {
             format!(" by {} {}", three(by.abs()), row.unit).trim_end().to_owned()
                 + if by < 0.0 { " (too low)" } else { " (too high)" }
         });
-        println!(
+        say!(
             "  {:<46} {:>17} {:>19} {:>10}  {}{by}",
             row.quantity,
             row.published,
@@ -208,11 +209,11 @@ fn print_table(rows: &[RowReport]) {
             row.verdict
         );
     }
-    println!();
+    say!();
     for row in rows.iter().filter(|row| row.verdict != MET) {
-        println!("  {}: {}", row.quantity, row.likely_reason.unwrap_or("no reason is known"));
+        say!("  {}: {}", row.quantity, row.likely_reason.unwrap_or("no reason is known"));
     }
-    println!();
+    say!();
 }
 
 fn write_csv(rows: &[RowReport], writer: &mut dyn Write) -> std::io::Result<()> {
