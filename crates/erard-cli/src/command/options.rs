@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use erard::instrument::Instrument;
 use erard::one_dof;
 use erard::simulation::{Setup, SimulationError};
-use erard::stroke::{Cursor, Series, Touch};
+use erard::stroke::{ForceSeries, PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings, Solver};
 
 use crate::failure::Failure;
@@ -211,17 +211,16 @@ impl StrokeOptions {
 }
 
 impl Stroke {
-    /// Force at an instant, N.
-    pub fn force(&self, t: f64, cursor: &mut Cursor) -> f64 {
-        self.series.as_ref().and_then(|s| s.force.as_ref()).map_or(self.force_n, |f| f.at(t, cursor))
+    /// Force over time, s to N: the series', or the constant one.
+    pub fn force(&self) -> impl Fn(f64) -> f64 {
+        let series = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
+        move |t| series.as_ref().map_or(self.force_n, |force| force(t))
     }
 
-    /// Position and velocity at an instant, m and m/s.
-    pub fn position(&self, t: f64, cursor: &mut Cursor) -> [f64; 2] {
-        self.series.as_ref().and_then(|s| s.position.as_ref()).map_or([0.0; 2], |p| {
-            let (y, velocity, _) = p.at(t, cursor);
-            [y, velocity]
-        })
+    /// Position and velocity over time, s to m and m/s; zero where there is none.
+    pub fn position(&self) -> impl Fn(f64) -> [f64; 2] {
+        let series = self.series.as_ref().and_then(|s| s.position.as_ref()).map(PositionSeries::drive);
+        move |t| series.as_ref().map_or([0.0; 2], |position| position(t))
     }
 }
 

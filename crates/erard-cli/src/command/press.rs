@@ -1,13 +1,11 @@
 //! `erard press`.
 
-use std::cell::Cell;
 use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::simulation::{Drive, Setup, simulate};
-use erard::stroke::Cursor;
 
 use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use crate::failure::Failure;
@@ -80,20 +78,7 @@ impl Press {
 
 /// Simulates a stroke on an instrument, with progress on stderr.
 pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
-    // The drive is asked at instants that move on; cells remember where it was last.
-    let (force_at, position_at) = (Cell::new(Cursor::default()), Cell::new(Cursor::default()));
-    let force = |t: f64| {
-        let mut cursor = force_at.get();
-        let f = stroke.force(t, &mut cursor);
-        force_at.set(cursor);
-        f
-    };
-    let position = |t: f64| {
-        let mut cursor = position_at.get();
-        let y = stroke.position(t, &mut cursor);
-        position_at.set(cursor);
-        y
-    };
+    let (force, position) = (stroke.force(), stroke.position());
     let drive = match stroke.drive {
         DriveName::Force => Drive::Force(&force),
         DriveName::Motion => Drive::Motion(&position),

@@ -9,14 +9,12 @@ mod errors;
 
 pub use errors::{BANDS_HZ, Band, Errors};
 
-use std::cell::Cell;
-
 use thiserror::Error;
 
 use crate::instrument::Instrument;
 use crate::one_dof::{OneDofError, reduce};
 use crate::simulation::{Drive, Setup, SimulationError, simulate};
-use crate::stroke::{Cursor, Series};
+use crate::stroke::{ForceSeries, PositionSeries, Series};
 
 /// Rate of the common time axis, Hz: twice what the highest band needs.
 pub const RATE_HZ: f64 = 4000.0;
@@ -141,30 +139,15 @@ pub fn compare(
     let reduced = reduce(instrument)?.instrument;
     let time_s: Vec<f64> =
         (0..=(duration_s * RATE_HZ).floor() as usize).map(|n| start_s + n as f64 / RATE_HZ).collect();
-    let (force_at, position_at) = (Cell::new(Cursor::default()), Cell::new(Cursor::default()));
-    let force = |t: f64| {
-        series.force.as_ref().map_or(0.0, |s| {
-            let mut cursor = force_at.get();
-            let f = s.at(t, &mut cursor);
-            force_at.set(cursor);
-            f
-        })
-    };
-    let position = |t: f64| {
-        series.position.as_ref().map_or([0.0; 2], |s| {
-            let mut cursor = position_at.get();
-            let (y, velocity, _) = s.at(t, &mut cursor);
-            position_at.set(cursor);
-            [y, velocity]
-        })
-    };
-    let measured_force_n: Option<Vec<f64>> = series.force.as_ref().map(|_| time_s.iter().map(|&t| force(t)).collect());
-    let measured_position_m: Option<Vec<f64>> =
-        series.position.as_ref().map(|_| time_s.iter().map(|&t| position(t)[0]).collect());
-    let measured_hammer_m: Option<Vec<f64>> = series.hammer_head.as_ref().map(|s| {
-        let mut cursor = Cursor::default();
-        time_s.iter().map(|&t| s.at(t, &mut cursor).0).collect()
-    });
+    let (own_force, own_position) =
+        (series.force.as_ref().map(ForceSeries::drive), series.position.as_ref().map(PositionSeries::drive));
+    let force = |t: f64| own_force.as_ref().map_or(0.0, |own| own(t));
+    let position = |t: f64| own_position.as_ref().map_or([0.0; 2], |own| own(t));
+    let path = |s: &PositionSeries| time_s.iter().copied().map(s.drive()).map(|[y, _]| y).collect::<Vec<f64>>();
+    let measured_force_n: Option<Vec<f64>> =
+        series.force.as_ref().map(|s| time_s.iter().copied().map(s.drive()).collect());
+    let measured_position_m = series.position.as_ref().map(path);
+    let measured_hammer_m = series.hammer_head.as_ref().map(path);
 
     let setup = Setup { start_s, duration_s: duration_s + 2.0 * setup.settings.step, record_every: Some(1), ..*setup };
     let mut plan = Vec::new();

@@ -1,14 +1,12 @@
 //! The timing sheet: what happens when, from pianissimo to fortissimo, pressed and struck.
 
-use std::cell::Cell;
-
 use moreau::Settings;
 
 use super::{Interrupt, MeasureError};
 use crate::instrument::Instrument;
 use crate::run::Events;
 use crate::simulation::{Drive, Setup, simulate};
-use crate::stroke::{Cursor, NUANCES, Series, Touch};
+use crate::stroke::{NUANCES, Series, Touch};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -51,20 +49,13 @@ pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timin
             // Every one of them is there: a test reads them all.
             let Some(series) = Series::builtin(nuance, touch) else { continue };
             let Some(force) = &series.force else { continue };
-            let at = Cell::new(Cursor::default());
-            let drive = |t: f64| {
-                let mut cursor = at.get();
-                let newtons = force.at(t, &mut cursor);
-                at.set(cursor);
-                newtons
-            };
             let setup = Setup {
                 settings: Settings::new(STEP_S),
                 start_s: series.start_s(),
                 duration_s: series.end_s() - series.start_s(),
                 record_every: Some(100),
             };
-            let run = simulate(instrument, &Drive::Force(&drive), &setup, &mut |_| going())?;
+            let run = simulate(instrument, &Drive::Force(&force.drive()), &setup, &mut |_| going())?;
             sheet.push(Timing { nuance, touch, peak_force_n: run.peak_force_n, events: run.events });
         }
     }

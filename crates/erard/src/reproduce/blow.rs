@@ -3,15 +3,13 @@
 //! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that phase. The
 //! root mean square over steps that are nearly the same, with phases that are not, is what follows a law.
 
-use std::cell::Cell;
-
 use moreau::{FrictionLaw, Settings};
 
 use super::{Progress, ReproduceError};
 use crate::instrument::Instrument;
 use crate::run::Run;
 use crate::simulation::{Drive, Setup, simulate};
-use crate::stroke::{Cursor, Series, Touch};
+use crate::stroke::{Series, Touch};
 
 /// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
 pub const NEIGHBOURS: u32 = 8;
@@ -58,23 +56,11 @@ impl Play {
             Play::Force(force) => go(&Drive::Force(&|_| force)),
             Play::Stroke(name, touch) => {
                 let series = Series::builtin(name, touch).and_then(|s| s.force).ok_or_else(|| missing(name))?;
-                let at = Cell::new(Cursor::default());
-                go(&Drive::Force(&|t| {
-                    let mut cursor = at.get();
-                    let force = series.at(t, &mut cursor);
-                    at.set(cursor);
-                    force
-                }))
+                go(&Drive::Force(&series.drive()))
             }
             Play::Motion(name, touch) => {
                 let series = Series::builtin(name, touch).and_then(|s| s.position).ok_or_else(|| missing(name))?;
-                let at = Cell::new(Cursor::default());
-                go(&Drive::Motion(&|t| {
-                    let mut cursor = at.get();
-                    let (y, velocity, _) = series.at(t, &mut cursor);
-                    at.set(cursor);
-                    [y, velocity]
-                }))
+                go(&Drive::Motion(&series.drive()))
             }
         }
     }

@@ -1,7 +1,5 @@
 //! [T12] figure 3: p and f, force-driven and motion-driven, six bodies beside one degree of freedom.
 
-use std::cell::Cell;
-
 use moreau::Settings;
 
 use super::blow::{Play, tell};
@@ -77,19 +75,7 @@ impl Reference {
     fn outcome(&self, model: &Instrument, by_force: bool) -> Result<Vec<f64>, ReproduceError> {
         let duration_s = (self.time_s.len() - 1) as f64 / RATE_HZ;
         let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s, record_every: Some(ROW_STEPS) };
-        let at = Cell::new(Cursor::default());
-        let force = |t: f64| {
-            let mut cursor = at.get();
-            let force = self.force.at(t, &mut cursor);
-            at.set(cursor);
-            force
-        };
-        let position = |t: f64| {
-            let mut cursor = at.get();
-            let (y, velocity, _) = self.position.at(t, &mut cursor);
-            at.set(cursor);
-            [y, velocity]
-        };
+        let (force, position) = (self.force.drive(), self.position.drive());
         let drive = if by_force { Drive::Force(&force) } else { Drive::Rigid(&position) };
         let run = simulate(model, &drive, &setup, &mut |_| true)?;
         Ok(if by_force { run.key_m } else { run.force_n })

@@ -1,5 +1,7 @@
 //! Force between samples: a piecewise cubic without overshoot.
 
+use std::cell::Cell;
+
 use super::{Cursor, SampleError, check_samples};
 
 /// Force over time, interpolated by monotone piecewise cubics (Fritsch and Carlson): continuous, with a continuous slope,
@@ -24,6 +26,17 @@ impl ForceSeries {
         check_samples(&times_s, &forces_n)?;
         let slopes = monotone_slopes(&times_s, &forces_n);
         Ok(Self { times_s, forces_n, slopes })
+    }
+
+    /// The force as a run asks for it, at instants that move on: time in s to force in N.
+    pub fn drive(&self) -> impl Fn(f64) -> f64 {
+        let last = Cell::new(Cursor::default());
+        move |t_s| {
+            let mut cursor = last.get();
+            let force = self.at(t_s, &mut cursor);
+            last.set(cursor);
+            force
+        }
     }
 
     /// Force at `t_s`, N, pushing positive.

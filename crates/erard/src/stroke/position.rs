@@ -1,5 +1,7 @@
 //! Position between samples: a cubic spline that starts and ends at rest.
 
+use std::cell::Cell;
+
 use super::{Cursor, SampleError, check_samples};
 
 /// Position over time, interpolated by the clamped cubic spline: twice continuously differentiable, with zero velocity at
@@ -22,6 +24,17 @@ impl PositionSeries {
         check_samples(&times_s, &positions_m)?;
         let curvatures = clamped_curvatures(&times_s, &positions_m);
         Ok(Self { times_s, positions_m, curvatures })
+    }
+
+    /// The motion as a run asks for it, at instants that move on: time in s to position in m and velocity in m/s.
+    pub fn drive(&self) -> impl Fn(f64) -> [f64; 2] {
+        let last = Cell::new(Cursor::default());
+        move |t_s| {
+            let mut cursor = last.get();
+            let (position, velocity, _) = self.at(t_s, &mut cursor);
+            last.set(cursor);
+            [position, velocity]
+        }
     }
 
     /// Position (m), velocity (m/s) and acceleration (m/s2) at `t_s`, all positive downward.

@@ -1,7 +1,5 @@
 //! Pressed against struck at equal loudness: the built-in mf strokes, the struck one scaled until its hammer is as fast.
 
-use std::cell::Cell;
-
 use moreau::Settings;
 
 use super::blows::Blow;
@@ -9,7 +7,7 @@ use crate::instrument::Instrument;
 use crate::measure::MeasureError;
 use crate::run::Run;
 use crate::simulation::{Drive, Setup, SimulationError, simulate};
-use crate::stroke::{Cursor, Series, Touch};
+use crate::stroke::{ForceSeries, Series, Touch};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -61,13 +59,8 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> 
 
 fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, SimulationError> {
     let series = Series::builtin("mf", touch).and_then(|series| series.force);
-    let cursor = Cell::new(Cursor::default());
-    let force = |t: f64| {
-        let mut at = cursor.get();
-        let force = series.as_ref().map_or(0.0, |series| series.at(t, &mut at));
-        cursor.set(at);
-        scale * force
-    };
+    let own = series.as_ref().map(ForceSeries::drive);
+    let force = |t: f64| scale * own.as_ref().map_or(0.0, |own| own(t));
     let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s: DURATION_S, record_every: None };
     simulate(instrument, &Drive::Force(&force), &setup, &mut |_| true)
 }

@@ -4,13 +4,12 @@
 pub mod ladder;
 pub mod perturb;
 
-use std::cell::Cell;
 use std::f64::consts::PI;
 
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::simulation::{Drive, Setup, simulate};
-use erard::stroke::{Cursor, Series, Touch};
+use erard::stroke::{PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings};
 
 /// The usual step, s.
@@ -90,17 +89,10 @@ impl Play {
             Play::ForceStep(force, until) => go(&Drive::Force(&|t| if t < until { force } else { 0.0 })),
             Play::Stroke(nuance, touch) => {
                 let series = Series::builtin(nuance, touch).and_then(|s| s.force).expect("built in");
-                let cursor = Cell::new(Cursor::default());
-                go(&Drive::Force(&|t| with(&cursor, |c| series.at(t, c))))
+                go(&Drive::Force(&series.drive()))
             }
-            Play::Motion(nuance, touch) => {
-                let position = motion(nuance, touch);
-                go(&Drive::Motion(&position))
-            }
-            Play::Rigid(nuance, touch) => {
-                let position = motion(nuance, touch);
-                go(&Drive::Rigid(&position))
-            }
+            Play::Motion(nuance, touch) => go(&Drive::Motion(&motion(nuance, touch).drive())),
+            Play::Rigid(nuance, touch) => go(&Drive::Rigid(&motion(nuance, touch).drive())),
             Play::Tremolo { top, bottom, frequency } => go(&Drive::Motion(&|t| tremolo(top, bottom, frequency, t))),
         }
     }
@@ -112,21 +104,9 @@ pub fn tremolo(top: f64, bottom: f64, frequency: f64, t: f64) -> [f64; 2] {
     [top + half * (1.0 - (w * t).cos()), half * w * (w * t).sin()]
 }
 
-/// Position and velocity of a built-in stroke.
-fn motion(nuance: &str, touch: Touch) -> impl Fn(f64) -> [f64; 2] {
-    let series = Series::builtin(nuance, touch).and_then(|s| s.position).expect("built in");
-    let cursor = Cell::new(Cursor::default());
-    move |t| {
-        let (y, v, _) = with(&cursor, |c| series.at(t, c));
-        [y, v]
-    }
-}
-
-fn with<R>(cell: &Cell<Cursor>, f: impl FnOnce(&mut Cursor) -> R) -> R {
-    let mut cursor = cell.get();
-    let result = f(&mut cursor);
-    cell.set(cursor);
-    result
+/// The motion of a built-in stroke.
+fn motion(nuance: &str, touch: Touch) -> PositionSeries {
+    Series::builtin(nuance, touch).and_then(|s| s.position).expect("built in")
 }
 
 /// Largest absolute value.
