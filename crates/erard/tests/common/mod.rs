@@ -62,7 +62,7 @@ impl Play {
             .flat_map(|nuance| [Touch::Pressed, Touch::Struck].map(|touch| Play::Stroke(nuance, touch)))
     }
 
-    /// The force steps of the first issue, held for 0.5 s.
+    /// Constant forces from pianissimo to more than fortissimo, held for 0.5 s.
     pub fn force_steps() -> impl Iterator<Item = Play> {
         [0.8, 2.0, 5.0, 8.0, 20.0, 35.0].into_iter().map(|n| Play::ForceStep(n, 0.5))
     }
