@@ -18,7 +18,6 @@ mod batch;
 mod contact;
 mod forces;
 mod joints;
-mod lanes;
 mod laws;
 mod ledger;
 mod linear;
@@ -36,7 +35,6 @@ mod vector;
 mod zones;
 
 pub use contact::Contact;
-pub use lanes::{LaneMask, Lanes};
 pub use ledger::{Energies, Ledger};
 pub use model::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Spring, Zone};
 pub use osnsp::Solver;

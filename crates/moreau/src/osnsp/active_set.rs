@@ -8,7 +8,7 @@
 
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
-use super::{Impulses, System};
+use super::{Impulses, System, lane_by_lane};
 use crate::linear::{back_substitute, factor, product, solve as solve_factored, symmetric_product};
 use crate::{Mask, Real, Scalar};
 
@@ -119,28 +119,12 @@ fn fall_back<T: Real, const B: usize, const N: usize>(
     w: &mut [T; B],
     lanes: T::Mask,
 ) -> (T::Mask, u32) {
-    let (mut failed, mut most) = (T::ZERO, 0);
-    for lane in 0..T::LANES {
-        if !lanes.lane(lane) {
-            continue;
-        }
-        let system = system.lane(lane);
-        let (mut own, mut sides) = (impulses.lane(lane), guess.lane(lane));
-        let mut dense = Dense::new(&system, &own);
+    let (solved, most) = lane_by_lane(system, impulses, guess, w, lanes, |system, own| {
+        let mut dense = Dense::new(system, own);
         let report = solve_dense(&dense.problem, &mut dense.impulse, tolerance, limit);
-        let velocities = dense.finish(&mut own);
-        sides.read(&system, &own);
-        impulses.set_lane(lane, &own);
-        guess.set_lane(lane, &sides);
-        for i in 0..B {
-            w[i] = w[i].with_lane(lane, velocities[i]);
-        }
-        if !report.converged {
-            failed = failed.with_lane(lane, T::Lane::ONE);
-        }
-        most = most.max(report.iterations);
-    }
-    (failed.le(T::ZERO), GUESSES + SINGLE_GUESSES + most)
+        (dense.finish(own), report)
+    });
+    (solved, GUESSES + SINGLE_GUESSES + most)
 }
 
 /// Solves the system that a guess leaves, and corrects the guess where the solution refutes it; `single`: in one place only. Says in

@@ -12,7 +12,7 @@ pub mod projected_gauss_seidel;
 pub mod relay;
 
 use crate::state::Scratch;
-use crate::{Real, Settings};
+use crate::{Mask, Real, Settings};
 
 /// One linearised step, in relative velocities.
 #[derive(Debug, Clone)]
@@ -141,7 +141,7 @@ impl Solver {
     }
 }
 
-/// The reference solver, lane after lane.
+/// The reference solver.
 #[inline(never)]
 fn sweep<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -151,11 +151,29 @@ fn sweep<T: Real, const B: usize, const N: usize>(
     limit: u32,
     w: &mut [T; B],
 ) -> (T::Mask, u32) {
+    let one = |system: &_, own: &mut _| projected_gauss_seidel::solve(system, own, tolerance, limit);
+    lane_by_lane(system, impulses, guess, w, T::Mask::splat(true), one)
+}
+
+/// Lane after lane, in those that are asked for, by a solver that knows one: its velocities, its impulses, and the guess that follows
+/// from them. Says which lanes did not fail, and the most sweeps or active sets.
+#[inline(always)]
+fn lane_by_lane<T: Real, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
+    guess: &mut active_set::Guess<T, B, N>,
+    w: &mut [T; B],
+    lanes: T::Mask,
+    one: impl Fn(&System<T::Lane, B, N>, &mut Impulses<T::Lane, B, N>) -> ([T::Lane; B], SolveReport),
+) -> (T::Mask, u32) {
     let (mut failed, mut most) = (T::ZERO, 0);
     for lane in 0..T::LANES {
+        if !lanes.lane(lane) {
+            continue;
+        }
         let system = system.lane(lane);
         let (mut own, mut sides) = (impulses.lane(lane), guess.lane(lane));
-        let (velocities, report) = projected_gauss_seidel::solve(&system, &mut own, tolerance, limit);
+        let (velocities, report) = one(&system, &mut own);
         sides.read(&system, &own);
         impulses.set_lane(lane, &own);
         guess.set_lane(lane, &sides);
