@@ -180,6 +180,12 @@ fn the_parts_weigh_what_they_are() {
     near("key ratio", parts.key_ratio, 142.23 / 265.0, 2e-3);
 }
 
+/// Prints leverage and down-weight before and after a move.
+fn show_change(before: &Weights, after: &Weights) {
+    let ratios = [before, after].map(|w| w.strike_ratio.half_way);
+    println!("R {} -> {}, D {} -> {}", ratios[0], ratios[1], down(before), down(after));
+}
+
 /// Toward the player the capstan's arm on the key shrinks and the heel's on the whippen grows: less leverage, so that everything
 /// behind it weighs less at the key, still and in motion. The blow is kept by the capstan's height.
 #[test]
@@ -190,13 +196,7 @@ fn capstan_toward_the_player_is_lighter() {
     moved.zones[capstan].disc_center_m[0] -= 0.010;
     keep_the_blow(&mut moved, &grand);
     let (before, after) = (grand_weighed(), weighed(&moved));
-    println!(
-        "R {} -> {}, D {} -> {}",
-        before.strike_ratio.half_way,
-        after.strike_ratio.half_way,
-        down(before),
-        down(&after)
-    );
+    show_change(before, &after);
     // The two arms, 142.23 and 63 mm, as drawn.
     let expected = (132.23 / 73.0) / (142.23 / 63.0);
     near("leverage", after.strike_ratio.at_rest / before.strike_ratio.at_rest, expected, 0.02);
@@ -215,13 +215,7 @@ fn knuckle_in_is_heavier() {
     }
     keep_the_blow(&mut moved, &grand);
     let (before, after) = (grand_weighed(), weighed(&moved));
-    println!(
-        "R {} -> {}, D {} -> {}",
-        before.strike_ratio.half_way,
-        after.strike_ratio.half_way,
-        down(before),
-        down(&after)
-    );
+    show_change(before, &after);
     assert!(after.strike_ratio.half_way > 1.03 * before.strike_ratio.half_way);
     assert!(down(&after) > down(before) + 1.0);
     assert!(effective_kg(&moved, &after) > 1.05 * effective_kg(&grand, before));
