@@ -4,6 +4,7 @@
 
 pub mod assembly;
 pub mod compare;
+pub mod cores;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;
@@ -16,6 +17,7 @@ pub mod regulate;
 pub mod regulation;
 pub mod reproduce;
 pub mod run;
+pub mod sight;
 pub mod simulation;
 pub mod stroke;
 pub mod validate;

@@ -9,9 +9,10 @@ use moreau::{
 
 use crate::assembly;
 use crate::instrument::Instrument;
+use crate::sight::{Sight, Visible};
 
 /// What can be asked of an assembled mechanism. Indices follow the instrument's bodies and zones.
-pub trait Mechanism: Send {
+pub trait Mechanism: Visible + Send {
     /// Advances by one step of the current settings.
     fn step(&mut self, input: &Input<f64>) -> StepReport;
     /// The settings in force.
@@ -34,14 +35,6 @@ pub trait Mechanism: Send {
     fn contact(&self, zone: usize) -> [f32; 4];
     /// Force of the drive during the last step, N.
     fn drive_force(&self) -> f64;
-    /// World coordinate of the driven point along the drive's direction (down), m.
-    fn site_position(&self) -> f64;
-    /// Compression of a zone now, m.
-    fn gap(&self, zone: usize) -> f64;
-    /// Speed of a point of a body now, m/s.
-    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64;
-    /// A point of a body in the world now, m.
-    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
     /// dg/dt per unit angular velocity of every body, m.
     fn gap_row(&self, zone: usize) -> Vec<f64>;
     /// Velocity of a point along `n` per unit angular velocity of every body, m.
@@ -73,6 +66,30 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         let pose = Pose::of(&model, &state.angle);
         let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
         Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, pose, ledger, bodies }))
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
+    fn sight(&self) -> Sight<'_, B, Z> {
+        Sight { model: &self.model, pose: &self.pose, velocity: &self.state.velocity }
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Visible for Engine<B, Z, N> {
+    fn site_position(&self) -> f64 {
+        self.sight().site_position()
+    }
+
+    fn gap(&self, zone: usize) -> f64 {
+        self.sight().gap(zone)
+    }
+
+    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64 {
+        self.sight().point_speed(body, point)
+    }
+
+    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
+        self.sight().point(body, point)
     }
 }
 
@@ -128,29 +145,6 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.scratch.drive_force
     }
 
-    fn site_position(&self) -> f64 {
-        self.model.site().map_or(0.0, |s| {
-            let x = self.pose.point(s.body, s.point);
-            s.direction[0] * x[0] + s.direction[1] * x[1]
-        })
-    }
-
-    fn gap(&self, zone: usize) -> f64 {
-        self.pose.gap(&self.model, zone)
-    }
-
-    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64 {
-        let along = |n| {
-            let row = self.pose.velocity_row(&self.model, body, point, n);
-            row.iter().zip(&self.state.velocity).map(|(r, v)| r * v).sum::<f64>()
-        };
-        along([1.0, 0.0]).hypot(along([0.0, 1.0]))
-    }
-
-    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
-        body.map_or(point, |b| self.pose.point(b, point))
-    }
-
     fn gap_row(&self, zone: usize) -> Vec<f64> {
         self.pose.gap_row(&self.model, zone)[..self.bodies].to_vec()
     }
@@ -175,19 +169,41 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 }
 
+/// The sizes that the engine is compiled for: bodies, zones, laws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Size {
+    /// 1, 4, 6: the one-degree-of-freedom model.
+    One,
+    /// 6, 14, 10: a grand action.
+    Grand,
+    /// 12, 32, 45: all that a file may hold.
+    Largest,
+}
+
+impl Size {
+    /// The smallest that holds an instrument.
+    pub(crate) fn of(instrument: &Instrument, friction: FrictionLaw<f64>) -> Self {
+        let (bodies, zones) = (instrument.bodies.len(), instrument.zones.len());
+        let pivots = instrument.bodies.iter().filter(|b| b.friction_torque_n_m > 0.0).count();
+        let sliding = instrument.zones.iter().filter(|z| z.friction_coefficient > 0.0).count();
+        // One law more for a rigid drive.
+        let laws = if friction == FrictionLaw::SetValued { pivots + sliding + 1 } else { 1 };
+        match (bodies, zones, laws) {
+            (..=1, ..=4, ..=6) => Size::One,
+            (..=6, ..=14, ..=10) => Size::Grand,
+            _ => Size::Largest,
+        }
+    }
+}
+
 /// Assembles an instrument into the smallest engine size that holds it, at the angles as drawn.
 ///
 /// # Errors
 /// [`ModelError`] if no size holds it.
 pub fn mechanism(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
-    let (bodies, zones) = (instrument.bodies.len(), instrument.zones.len());
-    let pivots = instrument.bodies.iter().filter(|b| b.friction_torque_n_m > 0.0).count();
-    let sliding = instrument.zones.iter().filter(|z| z.friction_coefficient > 0.0).count();
-    // One law more for a rigid drive.
-    let laws = if settings.friction == FrictionLaw::SetValued { pivots + sliding + 1 } else { 1 };
-    match (bodies, zones, laws) {
-        (..=1, ..=4, ..=6) => Engine::<1, 4, 6>::boxed(instrument, settings),
-        (..=6, ..=14, ..=10) => Engine::<6, 14, 10>::boxed(instrument, settings),
-        _ => Engine::<12, 32, 45>::boxed(instrument, settings),
+    match Size::of(instrument, settings.friction) {
+        Size::One => Engine::<1, 4, 6>::boxed(instrument, settings),
+        Size::Grand => Engine::<6, 14, 10>::boxed(instrument, settings),
+        Size::Largest => Engine::<12, 32, 45>::boxed(instrument, settings),
     }
 }

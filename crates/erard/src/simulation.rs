@@ -11,6 +11,7 @@ use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, mechanism};
 use crate::recorder::Recorder;
 use crate::run::{Run, Work};
+use crate::sight::{Visible, head_height};
 
 /// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
 pub const SMALLEST_STEP_S: f64 = 1e-8;
@@ -209,20 +210,15 @@ pub fn simulate(
     })
 }
 
-/// Height of the strike point, m; zero where there is no hammer.
-fn head_height(instrument: &Instrument, m: &dyn Mechanism) -> f64 {
-    instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1])
-}
-
 /// What travels are measured from.
-struct Rest {
-    site_m: f64,
-    head_m: f64,
+pub(crate) struct Rest {
+    pub site_m: f64,
+    pub head_m: f64,
 }
 
 impl Rest {
     /// The engine's input for the step from t0, each number at the instant that the engine expects.
-    fn input(&self, drive: &Drive, t0: f64, h: f64, theta: f64, m: &dyn Mechanism) -> Input<f64> {
+    pub fn input(&self, drive: &Drive, t0: f64, h: f64, theta: f64, m: &dyn Visible) -> Input<f64> {
         let t_theta = t0 + theta * h;
         match drive {
             Drive::Free => Input::Free,
