@@ -65,6 +65,16 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
+    /// One mechanism's absolute angles, rad, and angular velocities, rad/s: what is looked at after every step.
+    #[inline(always)]
+    pub fn motion(&self, index: usize) -> ([f64; B], [f64; B]) {
+        match &self.kind {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(lanes) => lanes.motion(index),
+            Kind::OneByOne(one) => (one.states[index].angle, one.states[index].velocity),
+        }
+    }
+
     /// One mechanism's state.
     pub fn state(&self, index: usize) -> State<f64, B, Z> {
         match &self.kind {
@@ -133,6 +143,11 @@ mod avx2_group {
             });
             self.state = State::of_lanes(&states.each_ref());
             outcomes
+        }
+
+        #[inline(always)]
+        pub fn motion(&self, index: usize) -> ([f64; B], [f64; B]) {
+            (self.state.angle.map(|x| x.lane(index)), self.state.velocity.map(|x| x.lane(index)))
         }
 
         pub fn state(&self, index: usize) -> State<f64, B, Z> {

@@ -20,4 +20,5 @@ pub mod run;
 pub mod sight;
 pub mod simulation;
 pub mod stroke;
+pub mod study;
 pub mod validate;

@@ -1,0 +1,188 @@
+//! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on all its cores.
+//!
+//! What is alike in topology goes side by side, four to a group; what comes out is the same as from [`simulate`](crate::simulation::simulate),
+//! to rounding, and the same bits however many threads there are. Nothing is recorded but the instants of each stroke.
+
+mod lanes;
+mod topology;
+
+use batch::WIDTH;
+
+use crate::cores::{do_all, job};
+use crate::instrument::Instrument;
+use crate::mechanism::Size;
+use crate::run::Events;
+use crate::simulation::{Drive, Setup, SimulationError};
+use lanes::{Player, Rested, play, settle};
+use topology::{Topology, fours};
+
+/// What drives the key in a job: as [`Drive`], but owned, so that another thread can take it.
+pub enum Stroke<'a> {
+    /// Nothing.
+    Free,
+    /// A force on the key front, s to N.
+    Force(Box<dyn Fn(f64) -> f64 + Send + 'a>),
+    /// Position and velocity of the finger, s to m and m/s.
+    Motion(Box<dyn Fn(f64) -> [f64; 2] + Send + 'a>),
+    /// Position and velocity of the key front itself, s to m and m/s.
+    Rigid(Box<dyn Fn(f64) -> [f64; 2] + Send + 'a>),
+}
+
+impl Stroke<'_> {
+    fn drive(&self) -> Drive<'_> {
+        match self {
+            Stroke::Free => Drive::Free,
+            Stroke::Force(force) => Drive::Force(force.as_ref()),
+            Stroke::Motion(position) => Drive::Motion(position.as_ref()),
+            Stroke::Rigid(position) => Drive::Rigid(position.as_ref()),
+        }
+    }
+
+    /// The kind of its input: lanes share one.
+    fn kind(&self) -> u8 {
+        match self {
+            Stroke::Free => 0,
+            Stroke::Force(_) => 1,
+            Stroke::Motion(_) => 2,
+            Stroke::Rigid(_) => 3,
+        }
+    }
+
+    /// How far down a motion begins, m; 0 for what begins at rest.
+    fn begins_at_m(&self, start_s: f64) -> f64 {
+        match self {
+            Stroke::Free | Stroke::Force(_) => 0.0,
+            Stroke::Motion(position) | Stroke::Rigid(position) => position(start_s)[0].max(0.0),
+        }
+    }
+}
+
+/// One stroke on one instrument.
+pub struct Job<'a> {
+    /// Index of the instrument.
+    pub instrument: usize,
+    /// The stroke.
+    pub stroke: Stroke<'a>,
+}
+
+/// What came of a job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Played {
+    /// Instants and speeds.
+    pub events: Events,
+    /// Greatest rise of the hammer's strike point from rest, m; 0 where there is no hammer.
+    pub highest_m: f64,
+    /// Steps that reached an iteration limit.
+    pub unconverged_steps: u64,
+}
+
+/// How a job ended: a job that fails fails alone.
+pub type JobResult = Result<Played, SimulationError>;
+
+/// Plays all jobs on so many threads; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).
+/// `progress` is told the share done and ends the work by returning false.
+///
+/// # Errors
+/// A setup out of range, or [`SimulationError::Interrupted`]; what goes wrong in one job is that job's result.
+///
+/// # Panics
+/// If a job names an instrument that is not there.
+pub fn play_all(
+    instruments: &[Instrument],
+    jobs: Vec<Job<'_>>,
+    setup: &Setup,
+    threads: usize,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<JobResult>, SimulationError> {
+    setup.check()?;
+    let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, setup.settings.friction)).collect();
+    let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
+    let count = jobs.len();
+    let mut done = 0;
+    let mut of_size: [Vec<(usize, Job)>; 3] = Default::default();
+    for (index, job) in jobs.into_iter().enumerate() {
+        of_size[sizes[job.instrument] as usize].push((index, job));
+    }
+    for (size, jobs) in [Size::One, Size::Grand, Size::Largest].into_iter().zip(of_size) {
+        let here = jobs.len();
+        let mut tell = |share: f64| progress((done as f64 + share * here as f64) / count as f64);
+        match size {
+            Size::One => play_size::<1, 4, 6>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
+            Size::Grand => play_size::<6, 14, 10>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
+            Size::Largest => play_size::<12, 32, 45>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
+        }
+        done += here;
+    }
+    Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
+}
+
+/// Share of a study's time that finding the rests is taken to last, of as many rests as strokes, per second of stroke.
+const REST_S: f64 = 0.3;
+
+/// Plays the jobs of one engine size: first every instrument used comes to rest, then all strokes.
+fn play_size<const B: usize, const Z: usize, const N: usize>(
+    instruments: &[Instrument],
+    jobs: Vec<(usize, Job<'_>)>,
+    setup: &Setup,
+    threads: usize,
+    results: &mut [Option<JobResult>],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), SimulationError> {
+    let mut used: Vec<usize> = jobs.iter().map(|(_, job)| job.instrument).collect();
+    used.sort_unstable();
+    used.dedup();
+    let rests = used.len() as f64 * REST_S;
+    let settling = rests / (rests + jobs.len() as f64 * setup.duration_s);
+
+    let topologies: Vec<Topology> = used.iter().map(|&i| Topology::of(&instruments[i])).collect();
+    let groups = fours(topologies.iter().enumerate().map(|(place, topology)| (topology, place)));
+    let mut outcomes: Vec<_> = groups.iter().map(|_| None).collect();
+    let work = groups.iter().zip(&mut outcomes).map(|(group, outcome)| {
+        let four = group.map(|place| &instruments[used[place]]);
+        job(outcome, move |going| settle::<B, Z, N>(four, setup.settings, going))
+    });
+    do_all(work.collect(), threads, &mut |share| progress(settling * share))?;
+    let mut rested: Vec<Option<Rested<B, Z>>> = used.iter().map(|_| None).collect();
+    for (group, outcome) in groups.iter().zip(outcomes) {
+        for (place, one) in group.iter().zip(outcome.into_iter().flatten()) {
+            rested[*place] = Some(one);
+        }
+    }
+
+    let place_of = |instrument: usize| used.binary_search(&instrument).unwrap_or(0);
+    let kinds: Vec<_> = jobs
+        .iter()
+        .map(|(_, job)| {
+            let topology = &topologies[place_of(job.instrument)];
+            (topology, job.stroke.kind(), job.stroke.begins_at_m(setup.start_s) > 0.0)
+        })
+        .collect();
+    let groups = fours(kinds.into_iter().enumerate().map(|(place, kind)| (kind, place)));
+    let mut indices = Vec::new();
+    let mut waiting: Vec<Option<Job>> = Vec::new();
+    for (index, job) in jobs {
+        indices.push(index);
+        waiting.push(Some(job));
+    }
+    let mut outcomes: Vec<_> = groups.iter().map(|_| None).collect();
+    let mut work = Vec::new();
+    let rested = &rested;
+    for (group, outcome) in groups.iter().zip(&mut outcomes) {
+        // What fills up the last group is the last job again: it is played once, and its lane repeats it.
+        let mut players: Vec<Player<B, Z>> = Vec::with_capacity(WIDTH);
+        for place in group {
+            if let Some(Job { instrument, stroke }) = waiting[*place].take() {
+                let rested = rested[place_of(instrument)].as_ref();
+                players.extend(rested.map(|rest| Player { instrument: &instruments[instrument], stroke, rest }));
+            }
+        }
+        work.push(job(outcome, move |going| play::<B, Z, N>(&players, setup, going)));
+    }
+    do_all(work, threads, &mut |share| progress(settling + (1.0 - settling) * share))?;
+    for (group, outcome) in groups.iter().zip(outcomes) {
+        for (place, played) in group.iter().zip(outcome.into_iter().flatten()) {
+            results[indices[*place]] = Some(played);
+        }
+    }
+    Ok(())
+}
