@@ -3,6 +3,7 @@
 //! Data flows one way: instrument file and stroke -> assembled mechanism -> steps -> run (series and events) -> measures.
 
 pub mod assembly;
+pub mod bench;
 pub mod compare;
 pub mod cores;
 pub mod equilibrium;

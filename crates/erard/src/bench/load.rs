@@ -1,0 +1,130 @@
+//! What the batch is timed with: many grands at once.
+
+use std::f64::consts::TAU;
+
+use batch::WIDTH;
+use moreau::{Input, Outcome, Settings, step};
+
+use super::grand::{GrandGroup, GrandModel, GrandScratch, GrandState, MF_N, STEP_S, STEPS, at_rest, instrument};
+use crate::cores::{do_all, job};
+use crate::simulation::SimulationError;
+
+/// Grands that are played one after the other, or four by four in lanes.
+pub struct Load {
+    grands: Vec<(GrandModel, GrandState)>,
+    settings: Settings<f64>,
+    /// The input of a grand at a step.
+    input: fn(usize, u64) -> Input<f64>,
+    steps: u64,
+}
+
+/// Strokes a second of the tremolo.
+const TREMOLO_HZ: f64 = 8.0;
+/// Its strongest force, N: fortissimo.
+const TREMOLO_N: f64 = 20.0;
+
+impl Load {
+    /// A parameter study: the same second of a note on `groups` times four grands whose hammers are of different weight, by up to 20 %
+    /// either way, and whose knuckles are of different stiffness. The lanes of a group do nearly the same at the same time.
+    pub fn parameter_study(groups: usize, steps: u64) -> Self {
+        // Settling takes its time: on many cores the same sixteen come again.
+        let count = (groups * WIDTH).min(16);
+        let varied = |i: usize| {
+            let mut varied = instrument();
+            let x = i as f64 / (count - 1) as f64 - 0.5;
+            if let Some(hammer) = varied.roles.hammer {
+                varied.bodies[hammer].mass_kg *= 1.0 + 0.4 * x;
+                varied.bodies[hammer].inertia_kg_m2 *= 1.0 + 0.4 * x;
+            }
+            for knuckle in varied.roles.knuckle.clone() {
+                varied.zones[knuckle].felt.stiffness *= 1.0 - x;
+            }
+            at_rest(&varied).expect("a varied grand comes to rest")
+        };
+        let varied: Vec<_> = (0..count).map(varied).collect();
+        let grands = varied.iter().cycle().take(groups * WIDTH).cloned().collect();
+        Load::new(grands, |_, n| Input::Force(if n % STEPS < STEPS / 2 { MF_N } else { 0.0 }), steps)
+    }
+
+    /// A fortissimo tremolo: grands that are alike, each in another phase of its strokes, so that the lanes of a group are never in
+    /// contact with the same felts.
+    pub fn tremolo(groups: usize, steps: u64) -> Self {
+        let one = super::grand();
+        Load::new(
+            vec![one; groups * WIDTH],
+            |i, n| {
+                // The golden section spreads the phases, also those of neighbours.
+                let phase = TREMOLO_HZ * STEP_S * n as f64 + 0.618_033_988_749_895 * i as f64;
+                Input::Force(0.5 * TREMOLO_N * (1.0 - (TAU * phase).cos()))
+            },
+            steps,
+        )
+    }
+
+    fn new(grands: Vec<(GrandModel, GrandState)>, input: fn(usize, u64) -> Input<f64>, steps: u64) -> Self {
+        Load { grands, settings: Settings::new(STEP_S), input, steps }
+    }
+
+    /// Number of its groups of four.
+    pub fn groups(&self) -> usize {
+        self.grands.len() / WIDTH
+    }
+
+    /// Steps that playing so many of its groups takes, of all four grands.
+    pub fn count(&self, groups: usize) -> f64 {
+        (groups * WIDTH) as f64 * self.steps as f64
+    }
+
+    /// Whether its groups are stepped in lanes here.
+    pub fn in_lanes(&self) -> bool {
+        self.group(0).in_lanes()
+    }
+
+    /// Plays the grands of so many groups one after the other; returns the sum of the last angles, so that nothing can be left out.
+    ///
+    /// # Panics
+    /// If a number becomes infinite; so do the others.
+    pub fn one_by_one(&self, groups: usize) -> f64 {
+        let mut sum = 0.0;
+        for (i, (model, state)) in self.grands.iter().take(groups * WIDTH).enumerate() {
+            let (mut state, mut scratch) = (state.clone(), GrandScratch::new());
+            for n in 0..self.steps {
+                let report = step(model, &self.settings, &(self.input)(i, n), &mut state, &mut scratch);
+                assert_ne!(report.outcome, Outcome::NonFinite);
+            }
+            sum += state.angle.iter().sum::<f64>();
+        }
+        sum
+    }
+
+    /// Plays so many groups one after the other, each in lanes; as [`Load::one_by_one`].
+    pub fn in_groups(&self, groups: usize) -> f64 {
+        (0..groups).map(|g| self.play_group(g)).sum()
+    }
+
+    /// Plays all groups, each in lanes, on so many threads.
+    ///
+    /// # Panics
+    /// If a thread dies.
+    pub fn on_cores(&self, threads: usize) -> f64 {
+        let mut sums = vec![None; self.groups()];
+        let jobs = sums.iter_mut().enumerate().map(|(g, sum)| job(sum, move |_| Ok(self.play_group(g))));
+        do_all::<SimulationError>(jobs.collect(), threads, &mut |_| true).expect("nobody interrupts");
+        sums.into_iter().flatten().sum()
+    }
+
+    fn group(&self, g: usize) -> GrandGroup {
+        let model = |i: usize| self.grands[g * WIDTH + i].0.clone();
+        let state = |i: usize| self.grands[g * WIDTH + i].1.clone();
+        GrandGroup::new(core::array::from_fn(model), core::array::from_fn(state), self.settings, true)
+    }
+
+    fn play_group(&self, g: usize) -> f64 {
+        let mut group = self.group(g);
+        for n in 0..self.steps {
+            let inputs = core::array::from_fn(|i| (self.input)(g * WIDTH + i, n));
+            assert!(!group.step(&inputs).contains(&Outcome::NonFinite));
+        }
+        (0..WIDTH).flat_map(|i| group.motion(i).0).sum()
+    }
+}

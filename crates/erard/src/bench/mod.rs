@@ -1,0 +1,91 @@
+//! How fast this machine is at it: a step, a press, many at once, the worst step, the kinematics.
+//!
+//! What the benchmarks in `benches/` and the command `erard bench` time is here, so that both time the same. Times are medians over
+//! rounds in which everything that is compared has its turn, and come with their quartiles; ratios are ratios of medians of one run.
+
+mod grand;
+pub mod latency;
+mod load;
+mod many;
+mod sampling;
+mod single;
+
+pub use grand::{
+    GrandGroup, GrandModel, GrandScratch, GrandState, STEP_S, STEPS, at_rest, grand, instrument, note, press,
+};
+pub use load::Load;
+pub use many::{LoadTimes, Many, load_times};
+pub use sampling::{Timed, Times, in_turn};
+pub use single::Single;
+
+use batch::WIDTH;
+use serde::Serialize;
+
+use latency::{Latencies, of_group_steps, of_steps};
+
+/// How long to measure.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// Rounds of everything that is timed in turn.
+    pub rounds: usize,
+    /// Steps of a note in one round.
+    pub steps: u64,
+    /// Groups of four grands for every core.
+    pub groups_per_core: usize,
+    /// Steps timed one by one; a quarter as many group steps.
+    pub single_steps: u64,
+}
+
+impl Effort {
+    /// Half a minute or so.
+    pub const USUAL: Effort = Effort { rounds: 21, steps: STEPS, groups_per_core: 2, single_steps: 10_000_000 };
+    /// A second or so: it shows that everything works; its times are worth little.
+    pub const QUICK: Effort = Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000 };
+}
+
+/// What was measured: wall-clock times of this machine while it did whatever else it was doing. Serialised it is flat: the parts'
+/// names side by side.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// What of the processor's vector instructions was found; the batch uses `avx2`.
+    pub instruction_sets: Vec<&'static str>,
+    /// One action.
+    #[serde(flatten)]
+    pub single: Single,
+    /// Many at once.
+    #[serde(flatten)]
+    pub many: Many,
+    /// The worst steps.
+    #[serde(flatten)]
+    pub latencies: Latencies,
+}
+
+/// Told what is going on and the share of all work done; ends the work by returning false.
+pub type Progress<'a> = dyn FnMut(&str, f64) -> bool + 'a;
+
+/// Measures everything; `None` where `progress` ended the work.
+pub fn measure(effort: &Effort, progress: &mut Progress) -> Option<Report> {
+    // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
+    let single = Single::measure(effort, &mut |share| progress("step, press and pose", 0.2 * share))?;
+    let many = Many::measure(effort, &mut |share| progress("many at once", 0.2 + 0.5 * share))?;
+    let of_one = of_steps(effort.single_steps, &mut |share| progress("single steps", 0.7 + 0.18 * share))?;
+    let group_steps = effort.single_steps / WIDTH as u64;
+    let of_four = of_group_steps(group_steps, &mut |share| progress("group steps", 0.88 + 0.12 * share))?;
+    Some(Report { instruction_sets: instruction_sets(), single, many, latencies: Latencies::new(&of_one, &of_four) })
+}
+
+/// What of the processor's vector instructions there is.
+pub fn instruction_sets() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    let all = [
+        ("sse2", true),
+        ("avx2", std::arch::is_x86_feature_detected!("avx2")),
+        ("fma", std::arch::is_x86_feature_detected!("fma")),
+        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
+    ];
+    #[cfg(target_arch = "aarch64")]
+    let all = [("neon", std::arch::is_aarch64_feature_detected!("neon"))];
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let all: [(&str, bool); 0] = [];
+    all.into_iter().filter(|(_, found)| *found).map(|(name, _)| name).collect()
+}
