@@ -66,6 +66,12 @@ pub(crate) fn shortest(x: f64, text: &mut String) {
     let _ = if x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) { write!(text, "{x:e}") } else { write!(text, "{x}") };
 }
 
+/// Three digits that count.
+pub(crate) fn three(x: f64) -> String {
+    let decimals = (2 - x.abs().max(1e-9).log10().floor() as i32).clamp(0, 3);
+    format!("{x:.*}", decimals as usize)
+}
+
 /// Writes the run as Parquet, one row group, doubles; columns without values are all null.
 ///
 /// # Errors

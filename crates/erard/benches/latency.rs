@@ -7,7 +7,7 @@
 
 use batch::WIDTH;
 use erard::bench::Effort;
-use erard::bench::latency::{Latencies, of_group_steps, of_steps};
+use erard::bench::latency::{Latency, clock_ns, of_group_steps, of_steps};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -18,8 +18,23 @@ fn main() {
     let goes_on = "nobody interrupts";
     let one = of_steps(steps, &mut |_| true).expect(goes_on);
     let four = of_group_steps(steps / WIDTH as u64, &mut |_| true).expect(goes_on);
-    let latencies = serde_json::to_value(Latencies::new(&one, &four)).expect("plain numbers");
-    for (name, value) in latencies.as_object().into_iter().flatten() {
-        println!("{name} {value}");
+    println!("{:<26} {:>12} {:>12}", "", "one grand", "four at once");
+    println!("{:<26} {:>12} {:>12}", "steps_timed", one.steps, four.steps);
+    for (name, time) in TIMES {
+        println!("{name:<26} {:>12} {:>12}", time(&one), time(&four));
     }
+    println!("{:<26} {:>12} {:>12}", "steps_not_converged", one.unconverged_steps, four.unconverged_steps);
+    println!("{:<26} {:>12}", "newton_iterations_max", one.newton_iterations_max);
+    println!("{:<26} {:>12}", "active_sets_max", one.active_sets_max);
+    println!("{:<26} {:>12}", "clock_ns", clock_ns());
 }
+
+/// A time of a latency, ns.
+type Time = fn(&Latency) -> u64;
+
+const TIMES: [(&str, Time); 4] = [
+    ("step_ns_p50", |l| l.p50_ns),
+    ("step_ns_p99", |l| l.p99_ns),
+    ("step_ns_p9999", |l| l.p9999_ns),
+    ("step_ns_max", |l| l.max_ns),
+];

@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod bench;
 mod check;
 mod compare;
 mod draw;
@@ -45,6 +46,8 @@ enum Sub {
     Compare(compare::Compare),
     /// Computes the papers' figures and claims anew and shows which hold.
     Reproduce(reproduce::Reproduce),
+    /// Measures how fast this machine simulates.
+    Bench(bench::Bench),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
@@ -62,6 +65,7 @@ pub fn run() -> ExitCode {
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
+        Sub::Bench(bench) => bench.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
