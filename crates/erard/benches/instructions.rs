@@ -7,8 +7,9 @@
 //! `--if-available` it says that it counts nothing, and succeeds.
 
 use std::hint::black_box;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::ExitCode;
 
+use erard::bench::callgrind::{CountError, instructions, is_available};
 use erard::bench::{Load, STEP_S, STEPS, grand, press};
 use moreau::Settings;
 
@@ -35,19 +36,23 @@ fn main() -> ExitCode {
         go(steps);
         return ExitCode::SUCCESS;
     }
-    if let Err(error) = Command::new("valgrind").arg("--version").stdout(Stdio::null()).status() {
+    if let Err(error) = is_available() {
         if arguments.iter().any(|a| a == "--if-available") {
-            println!("skipped: no instructions counted, because valgrind cannot be started ({error})");
+            println!("skipped, nothing is counted: {error}");
             return ExitCode::SUCCESS;
         }
-        eprintln!(
-            "error: valgrind cannot be started ({error}); install it, or say --if-available to go on without the count"
-        );
+        eprintln!("error: {error}; install it, or say --if-available to go on without the count");
         return ExitCode::FAILURE;
     }
     let mut passed = true;
     for (name, option, _) in SUBJECTS {
-        let per_step = (count(name, STEPS) - count(name, 0)) / STEPS;
+        let per_step = match per_step(name) {
+            Ok(per_step) => per_step,
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::FAILURE;
+            }
+        };
         println!("instructions_per_{name} {per_step}");
         if let Some(most) = number(option).filter(|most| per_step > *most) {
             eprintln!("error: {per_step} instructions per {name}, at most {most} allowed");
@@ -57,17 +62,8 @@ fn main() -> ExitCode {
     if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Instructions of this program when it does so many steps of a subject.
-fn count(subject: &str, steps: u64) -> u64 {
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg(std::env::current_exe().expect("this program has a path"))
-        .args(["--count", subject, "--steps", &steps.to_string()])
-        .stdin(Stdio::null())
-        .output()
-        .unwrap_or_else(|e| panic!("valgrind cannot be started: {e}"));
-    let text = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "valgrind failed:\n{text}");
-    let collected = text.lines().find_map(|line| line.split_once("Collected : ")).map(|(_, n)| n.trim().parse());
-    collected.and_then(Result::ok).unwrap_or_else(|| panic!("valgrind reported no count:\n{text}"))
+/// Instructions of one step of a subject.
+fn per_step(subject: &str) -> Result<u64, CountError> {
+    let count = |steps: u64| instructions(&["--count", subject, "--steps", &steps.to_string()]);
+    Ok((count(STEPS)? - count(0)?) / STEPS)
 }

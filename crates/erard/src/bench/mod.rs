@@ -3,6 +3,7 @@
 //! What the benchmarks in `benches/` and the command `erard bench` time is here, so that both time the same. Times are medians over
 //! rounds in which everything that is compared has its turn, and come with their quartiles; ratios are ratios of medians of one run.
 
+pub mod callgrind;
 mod grand;
 pub mod latency;
 mod load;
