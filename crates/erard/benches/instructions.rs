@@ -14,7 +14,9 @@ use erard::bench::{Load, STEP_S, STEPS, grand, press};
 use moreau::Settings;
 
 /// What is counted: its name on the command line, the option that bounds it, and what it does for so many steps.
-const SUBJECTS: [(&str, &str, fn(u64)); 2] = [
+type Subject = (&'static str, &'static str, fn(u64));
+
+const SUBJECTS: [Subject; 2] = [
     ("step", "--at-most", |steps| {
         black_box(press(&grand(), &Settings::new(STEP_S), steps));
     }),

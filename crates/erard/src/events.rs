@@ -118,6 +118,17 @@ impl Watch {
         }
     }
 
+    /// Whether all that happens once has happened, so that nothing is left to be seen but further blows.
+    pub fn sees_blows_only(&self) -> bool {
+        let (roles, events) = (&self.roles, &self.events);
+        let over = |event: Option<f64>, zone: Option<usize>| event.is_some() || zone.is_none();
+        events.key_start_s.is_some()
+            && events.hammer_contact_s.is_some()
+            && over(events.toe_contact_s, roles.let_off)
+            && over(events.key_bottom_s, roles.key_bottom)
+            && over(events.check_s, roles.check)
+    }
+
     /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
     pub fn finish(mut self) -> Events {
         if self.events.hammer_contact_s.is_none() && self.events.key_start_s.is_some() {

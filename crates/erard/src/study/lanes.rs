@@ -3,6 +3,7 @@
 use batch::{Group, WIDTH};
 use moreau::{Input, Model, ModelError, Outcome, Pose, Settings, State};
 
+use super::reach::{Reach, lever};
 use super::{JobResult, Played, Stroke};
 use crate::assembly::{assemble, drawn_angles};
 use crate::cores::Interrupt;
@@ -123,6 +124,19 @@ struct Lane<'a, const B: usize, const Z: usize> {
     highest_m: f64,
     unconverged_steps: u64,
     failed: Option<SimulationError>,
+    /// The hammer's lever, where a step may go unseen.
+    lever: Option<(usize, f64)>,
+    /// Set while nothing can happen; what there was to see last, then.
+    idle: Option<Reach>,
+    before: Moment<B>,
+}
+
+/// Where a mechanism is at an instant.
+#[derive(Clone, Copy)]
+struct Moment<const B: usize> {
+    time_s: f64,
+    angle: [f64; B],
+    velocity: [f64; B],
 }
 
 impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
@@ -141,6 +155,10 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
             highest_m: 0.0,
             unconverged_steps: 0,
             failed: None,
+            // An imposed motion asks for the pose in every step.
+            lever: lever(player.instrument).filter(|_| !matches!(player.stroke, Stroke::Rigid(_))),
+            idle: None,
+            before: Moment { time_s: 0.0, angle: state.angle, velocity: state.velocity },
         };
         let sight = lane.sight();
         lane.rest = Rest { site_m: sight.site_position(), head_m: head_height(player.instrument, &sight) };
@@ -151,8 +169,28 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
         Sight { model: self.model, pose: &self.pose, velocity: &self.velocity }
     }
 
-    /// Looks at the mechanism where it is now.
+    /// Looks at the mechanism where it is now. While nothing can happen it looks away, and when something can again, it first sees
+    /// what was just before: what is seen to happen is the same as if it had never looked away.
     fn look(&mut self, time_s: f64, (angle, velocity): ([f64; B], [f64; B])) {
+        let now = Moment { time_s, angle, velocity };
+        if let Some(reach) = self.idle {
+            if reach.is_out(&angle) {
+                self.before = now;
+                return;
+            }
+            self.see(self.before);
+        }
+        self.see(now);
+        self.before = now;
+        self.idle = match (self.lever, self.player.instrument.roles.string) {
+            (Some(lever), Some(string)) if self.watch.sees_blows_only() => {
+                Reach::of(lever, &angle, self.sight().gap(string))
+            }
+            _ => None,
+        };
+    }
+
+    fn see(&mut self, Moment { time_s, angle, velocity }: Moment<B>) {
         self.pose = Pose::of(self.model, &angle);
         self.velocity = velocity;
         let sight = Sight { model: self.model, pose: &self.pose, velocity: &self.velocity };

@@ -4,6 +4,7 @@
 //! to rounding, and the same bits however many threads there are. Nothing is recorded but the instants of each stroke.
 
 mod lanes;
+mod reach;
 mod topology;
 
 use batch::WIDTH;
