@@ -1,7 +1,8 @@
 //! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on all its cores.
 //!
 //! What is alike in topology goes side by side, four to a group; what comes out is the same as from [`simulate`](crate::simulation::simulate),
-//! to rounding, and the same bits however many threads there are. Nothing is recorded but the instants of each stroke.
+//! to rounding, and the same bits however many threads there are. Nothing is recorded but the instants of each stroke. Instruments of
+//! more than six bodies or fourteen zones go on all cores, but not in lanes.
 
 mod lanes;
 mod reach;
@@ -13,7 +14,7 @@ use crate::cores::{do_all, job};
 use crate::instrument::Instrument;
 use crate::mechanism::Size;
 use crate::run::Events;
-use crate::simulation::{Drive, Setup, SimulationError};
+use crate::simulation::{Drive, Setup, SimulationError, simulate};
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, fours};
 
@@ -110,11 +111,42 @@ pub fn play_all(
         match size {
             Size::One => play_size::<1, 4, 6>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
             Size::Grand => play_size::<6, 14, 10>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
-            Size::Largest => play_size::<12, 32, 45>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
+            Size::Largest => play_alone(instruments, jobs, setup, threads, &mut results, &mut tell)?,
         }
         done += here;
     }
     Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
+}
+
+/// Plays jobs one by one, on several threads: lanes of the largest size would take longer to compile than anybody who has such an
+/// instrument will wait for its strokes.
+fn play_alone(
+    instruments: &[Instrument],
+    jobs: Vec<(usize, Job<'_>)>,
+    setup: &Setup,
+    threads: usize,
+    results: &mut [Option<JobResult>],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), SimulationError> {
+    let setup = Setup { record_every: Some(1), ..*setup };
+    let indices: Vec<usize> = jobs.iter().map(|(index, _)| *index).collect();
+    let mut outcomes: Vec<_> = jobs.iter().map(|_| None).collect();
+    let work = jobs.into_iter().zip(&mut outcomes).map(|((_, Job { instrument, stroke }), outcome)| {
+        let instrument = &instruments[instrument];
+        job(outcome, move |going| match simulate(instrument, &stroke.drive(), &setup, &mut |_| going()) {
+            Err(SimulationError::Interrupted) => Err(SimulationError::Interrupted),
+            played => Ok(played.map(|run| Played {
+                highest_m: run.hammer_head_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
+                events: run.events,
+                unconverged_steps: run.work.unconverged_steps,
+            })),
+        })
+    });
+    do_all(work.collect(), threads, progress)?;
+    for (index, outcome) in indices.into_iter().zip(outcomes) {
+        results[index] = outcome;
+    }
+    Ok(())
 }
 
 /// Share of a study's time that finding the rests is taken to last, of as many rests as strokes, per second of stroke.
