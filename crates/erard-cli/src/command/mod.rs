@@ -10,6 +10,7 @@ mod options;
 mod press;
 mod regulate;
 mod reproduce;
+mod study;
 mod validate;
 
 use std::process::ExitCode;
@@ -34,6 +35,8 @@ enum Sub {
     Draw(Box<draw::Draw>),
     /// Shows leverage and sliding over the key's travel, from the geometry alone.
     Kinematics(Box<kinematics::Kinematics>),
+    /// Plays a stroke on many variants of an instrument: a parameter study.
+    Study(Box<study::Study>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
@@ -59,6 +62,7 @@ pub fn run() -> ExitCode {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
+        Sub::Study(study) => study.run(),
         Sub::Measure(measure) => measure.run(),
         Sub::Regulate(regulate) => regulate.run(),
         Sub::Validate(validate) => validate.run(),

@@ -211,6 +211,11 @@ impl StrokeOptions {
 }
 
 impl Stroke {
+    /// Whether it is a constant force.
+    pub fn is_constant(&self) -> bool {
+        self.series.is_none()
+    }
+
     /// Force over time, s to N: the series', or the constant one.
     pub fn force(&self) -> impl Fn(f64) -> f64 {
         let series = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);

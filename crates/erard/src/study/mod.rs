@@ -5,8 +5,11 @@
 //! more than six bodies or fourteen zones go on all cores, but not in lanes.
 
 mod lanes;
+mod parameter;
 mod reach;
 mod topology;
+
+pub use parameter::Parameter;
 
 use batch::WIDTH;
 
