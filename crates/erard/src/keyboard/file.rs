@@ -130,11 +130,7 @@ fn added_mass(
     }
     let at_mm = reader.pair(&file.at_mm, LENGTH_MM)?;
     let curve = curve(&file.mass_g, reader, base_key, 0.0, Between::Linear)?;
-    Ok(Grading {
-        name: name(&file.name)?,
-        graded: Graded::AddedMass { body: file.body.to_string(), at_mm },
-        curve,
-    })
+    Ok(Grading { name: name(&file.name)?, graded: Graded::AddedMass { body: file.body.to_string(), at_mm }, curve })
 }
 
 fn factor(file: &FactorToml, reader: &Reader, base: &mut DocumentMut, base_key: usize) -> Result<Grading, Fault> {
@@ -201,9 +197,7 @@ fn curve<T: Kind>(
             return Err(Fault::at(point.value.span(), "a factor must be greater than 0", T::EXPECTED));
         }
         let citation = match (&point.source, point.certainty) {
-            (Some(source), Some(certainty)) => {
-                Some(reader.citation(source, certainty, None, point.note.as_deref())?)
-            }
+            (Some(source), Some(certainty)) => Some(reader.citation(source, certainty, None, point.note.as_deref())?),
             (Some(source), None) => {
                 return Err(Fault::at(source.span(), "a source without a certainty", "`certainty = ...` beside it"));
             }

@@ -81,7 +81,8 @@ pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
             _ => {}
         }
     }
-    let title = format!("Graded for key {key} from the instrument of key {}, by {}", keyboard.base_key, keyboard.file_name);
+    let title =
+        format!("Graded for key {key} from the instrument of key {}, by {}", keyboard.base_key, keyboard.file_name);
     changed.write(&mut document, key, &title)?;
     Some(document.to_string())
 }
@@ -132,7 +133,8 @@ impl Changed {
         change: impl FnOnce(&[f64]) -> Vec<f64>,
     ) -> Option<()> {
         let before = self.value(document, path)?;
-        let entry = self.0.entry(path.to_owned()).or_insert(Change { old: before.clone(), new: Vec::new(), by: Vec::new() });
+        let entry =
+            self.0.entry(path.to_owned()).or_insert(Change { old: before.clone(), new: Vec::new(), by: Vec::new() });
         entry.new = change(&before);
         entry.by.push(name.to_owned());
         Some(())

@@ -3,7 +3,8 @@
 //! A step is a function of state and input. Where it left a key's state identical to the bit, every further step with the identical
 //! input would do so too: the key sleeps, and is not stepped until its input changes. That is exact, not a threshold, and it happens,
 //! because dry friction as a set-valued law truly sticks: keys at rest, and held notes, come to velocities of exactly zero in
-//! finite time. Under a regularised friction law they do not, and keys never sleep.
+//! finite time. Under a regularised friction law they do not, and keys never sleep. Nor does a key that friction holds exactly at its
+//! limit, where rounding lets it slip and stick in turn (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
 
 use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
 use thiserror::Error;
@@ -90,6 +91,12 @@ impl Keys {
         self.bank.awake()
     }
 
+    /// Whether a key is awake.
+    #[must_use]
+    pub fn is_awake(&self, key: usize) -> bool {
+        self.bank.is_awake(key - 1)
+    }
+
     /// What drives a key from the next step on, until it is driven otherwise. Wakes it if that is anything new.
     ///
     /// # Panics
@@ -133,6 +140,12 @@ impl Keys {
         self.bank.angles(key - 1)
     }
 
+    /// Absolute angular velocities of a key's bodies, rad/s.
+    #[must_use]
+    pub fn velocities(&self, key: usize) -> &[f64] {
+        self.bank.velocities(key - 1)
+    }
+
     /// A key's state as bits, in an order of its own: to see whether two keyboards are in the same state.
     #[must_use]
     pub fn bits(&self, key: usize) -> Vec<u64> {
@@ -144,12 +157,14 @@ impl Keys {
 trait Bank: Send {
     fn settings(&self) -> &Settings<f64>;
     fn awake(&self) -> usize;
+    fn is_awake(&self, key: usize) -> bool;
     fn drive(&mut self, key: usize, input: &Input<f64>);
     fn let_sleep(&mut self, sleep: bool);
     fn step(&mut self, blows: &mut Vec<Blow>) -> Tick;
     fn string_force(&self, key: usize) -> f64;
     fn key_front(&self, key: usize) -> f64;
     fn angles(&self, key: usize) -> &[f64];
+    fn velocities(&self, key: usize) -> &[f64];
     fn bits(&self, key: usize) -> Vec<u64>;
 }
 
@@ -255,6 +270,10 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Actions<B, Z, N> {
         self.awake.len()
     }
 
+    fn is_awake(&self, key: usize) -> bool {
+        self.actions[key].awake
+    }
+
     fn drive(&mut self, key: usize, input: &Input<f64>) {
         let action = &mut self.actions[key];
         if input.identical(&action.input) {
@@ -315,6 +334,11 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Actions<B, Z, N> {
     fn angles(&self, key: usize) -> &[f64] {
         let action = &self.actions[key];
         &action.state.angle[..action.bodies]
+    }
+
+    fn velocities(&self, key: usize) -> &[f64] {
+        let action = &self.actions[key];
+        &action.state.velocity[..action.bodies]
     }
 
     fn bits(&self, key: usize) -> Vec<u64> {

@@ -12,8 +12,8 @@ use super::{Keys, Tick};
 
 /// Fingers of two hands.
 pub const TEN: usize = 10;
-/// Strokes of a finger per second: with two fingers in alternation sixteen notes a second.
-pub const STROKES_PER_S: f64 = 8.0;
+/// Strokes of a finger per second: with two fingers in alternation fourteen notes a second.
+pub const STROKES_PER_S: f64 = 7.0;
 /// Strokes on a key before the finger goes on.
 pub const STROKES: usize = 3;
 /// Force of the finger on a key that is down, N: as in the built-in stroke `ff`.
@@ -21,9 +21,9 @@ pub const FORCE_N: f64 = 20.0;
 /// Time in which the finger's force rises, s: as in that stroke.
 const RISE_S: f64 = 0.014;
 /// When the finger begins to lift, s after the stroke's start: the hammer has been caught.
-const LIFT_S: f64 = 0.050;
+const LIFT_S: f64 = 0.035;
 /// Time in which it lifts, s.
-const LIFTING_S: f64 = 0.015;
+const LIFTING_S: f64 = 0.010;
 
 /// Keys under the fingers of a tremolo.
 pub struct Tremolo {
