@@ -83,6 +83,13 @@ impl Keyboard {
     }
 }
 
+/// Whether the text of a TOML file says that it is a keyboard, of whatever version.
+#[must_use]
+pub fn is_keyboard(text: &str) -> bool {
+    let format = text.parse::<DocumentMut>().ok().and_then(|d| Some(d.get("format")?.as_str()?.to_owned()));
+    format.is_some_and(|format| format.starts_with("erard-keyboard"))
+}
+
 /// The JSON Schema of keyboard files: what `keyboards/keyboard.schema.json` holds.
 #[must_use]
 pub fn json_schema() -> String {

@@ -10,13 +10,15 @@ mod format;
 mod grading;
 mod keys;
 pub mod tremolo;
+mod weighing;
 
 use std::collections::BTreeMap;
 
 pub use curve::{Between, Curve, Point};
-pub use file::json_schema;
+pub use file::{is_keyboard, json_schema};
 pub use grading::{Graded, Grading};
 pub use keys::{Blow, Keys, KeysError, Tick};
+pub use weighing::{WeighedKey, weigh};
 
 use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
 

@@ -60,8 +60,8 @@ impl Tremolo {
             end: stretch(n + 1),
             key: stretch(n),
             strokes: 1,
-            tick: if n % 2 == 0 { 0 } else { ticks / 2 },
-            playing: n % 2 == 0,
+            tick: if n.is_multiple_of(2) { 0 } else { ticks / 2 },
+            playing: n.is_multiple_of(2),
         };
         Tremolo {
             fingers: (0..fingers).map(finger).collect(),
