@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use common::{USUAL_STEP_S, grand};
@@ -9,6 +10,7 @@ use erard::instrument::{Certainty, Instrument};
 use erard::keyboard::tremolo::{STROKES, TEN, Tremolo};
 use erard::keyboard::{KEYS, Keyboard, Keys, note_name};
 use erard::measure::{Parts, pedal_down, weights};
+use erard::regulation::{Protocol, measure};
 use erard::simulation::{Drive, Setup, simulate};
 use erard::stroke::{Series, Touch};
 use moreau::{Input, Settings};
@@ -129,6 +131,29 @@ fn touch_weights_follow_the_norms() {
     let friction: Vec<f64> = measured.iter().map(|m| m.1).collect();
     assert!(friction.windows(2).all(|f| f[0] > f[1]), "falls: {friction:?}");
     assert!((friction[0] - 16.0).abs() < 1.0 && (friction[4] - 10.0).abs() < 1.0, "{friction:?}");
+}
+
+/// Nobody regulates the graded keys one by one, and none of them needs it: all distances stay within the published regulation (blow 44 to
+/// 49 mm, let-off and drop about 1.5 mm, aftertouch about 1 mm, check 12 to 15 mm) and the spring lifts the hammer as briskly as in the
+/// instrument.
+#[test]
+fn every_register_is_in_regulation() {
+    for key in [1, 21, 40, 52, 68, 78, 88] {
+        let instrument = &concert_grand().1[key - 1];
+        let found = measure(instrument, &Protocol::default(), &mut || true).expect("measured");
+        let distance = |what: &str, metres: Option<f64>, least: f64, most: f64| {
+            let mm = 1e3 * metres.expect("happens");
+            println!("key {key}: {what} {mm:.2} mm");
+            assert!((least..=most).contains(&mm), "key {key}: {what} {mm} mm");
+        };
+        distance("blow", found.blow_m, 44.0, 49.0);
+        distance("let-off", found.let_off_m, 1.0, 2.0);
+        distance("drop", found.drop_m, 1.0, 2.0);
+        distance("aftertouch", found.aftertouch_m, 0.5, 1.5);
+        distance("check", found.check_m, 12.0, 15.0);
+        let spring = found.spring_m_s.expect("lifts");
+        assert!((0.25..0.4).contains(&spring), "key {key}: {spring} m/s");
+    }
 }
 
 /// From key 69 up there is no damper: the key passes below it, and its damper never moves; key 68 lifts its own.
@@ -316,4 +341,59 @@ fn all_keys_have_one_topology() {
         (bodies, i.zones.iter().map(zone).collect::<Vec<_>>())
     };
     assert!(instruments.iter().all(|i| shape(i) == shape(&instruments[0])));
+}
+
+/// What is wrong with a keyboard file is told with file, line, key, what was found and what was expected.
+#[test]
+fn wrong_files_are_told() {
+    let text = include_str!("../../../keyboards/concert-grand.toml");
+    let told = |from: &str, to: &str| {
+        assert_eq!(text.matches(from).count(), 1, "{from}");
+        let error = Keyboard::parse(&text.replace(from, to), "my.toml", Path::new("")).expect_err(to).to_string();
+        assert!(error.starts_with("my.toml:") && !error.contains('\n'), "{error}");
+        error
+    };
+    let cases = [
+        ("erard-keyboard/1", "erard-keyboard/9", "`format`: not a format that this version reads"),
+        (
+            "instrument = \"concert-grand\"",
+            "instrument = \"nobody\"",
+            "an instrument file beside this one, or one of concert-grand",
+        ),
+        (
+            "instrument_key = 40",
+            "instrument_key = 89",
+            "`instrument_key`: no key of a piano (found `89`, expected a number from 1 to 88)",
+        ),
+        ("instrument_key = 40", "instrument_key = 41", "the instrument's own key would differ from the instrument"),
+        ("body = \"hammer\"", "body = \"hamer\"", "no such body (found `\"hamer\"`"),
+        ("key = 78, value = -27.7", "key = 60, value = -27.7", "the points stand out of order"),
+        ("key = 1, value = 1.11, source", "key = 1, value = -1.11, source", "factor must be greater than 0"),
+        ("key = 1, value = 1.11, source", "key = 1, value = nan, source", "not a finite number"),
+        ("key = 1, value = 1.11, source = \"renner\"", "key = 1, value = 1.11, source = \"rener\"", "no such source"),
+        ("\"body.key.friction_torque_N_m\"", "\"body.key.friction\"", "the instrument has no number there"),
+        ("\"body.key.friction_torque_N_m\"", "\"body.key.pivot_mm\"", "the instrument has no number there"),
+        ("\"zone.string.line.point_mm\"", "\"zone.string.felt.exponent\"", "the instrument has no point there"),
+        ("[[shift]]\nname = \"no damper\"", "[[shit]]\nname = \"no damper\"", "unknown key"),
+    ];
+    for (from, to, expected) in cases {
+        let error = told(from, to);
+        assert!(error.contains(expected), "{to}: {error}");
+    }
+    // A grading that leads to an impossible instrument is that key's fault.
+    let heavy = text.replace("key = 88, value = -4.05", "key = 88, value = -14.05");
+    let keyboard = Keyboard::parse(&heavy, "my.toml", Path::new("")).expect("well formed");
+    assert!(keyboard.key(40).is_ok());
+    let error = keyboard.key(88).expect_err("a hammer of less than nothing").to_string();
+    assert!(error.starts_with("my.toml, key 88:") && error.contains("body.hammer.mass_g"), "{error}");
+}
+
+/// The schema that lies beside the keyboards is the one that the reader's structs give.
+#[test]
+fn the_schema_is_up_to_date() {
+    let committed = include_str!("../../../keyboards/keyboard.schema.json");
+    assert!(
+        committed == erard::keyboard::json_schema(),
+        "run `cargo run -p erard --example keyboard_schema > keyboards/keyboard.schema.json`"
+    );
 }
