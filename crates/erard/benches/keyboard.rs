@@ -13,6 +13,10 @@ use erard::keyboard::tremolo::{TEN, Tremolo};
 use erard::keyboard::{KEYS, Keyboard, Keys};
 use moreau::Settings;
 
+/// Lanes of a group: stepped together, four neighbours would have to be worth it. Beside the times stands how many of them are awake
+/// where one is: below 4/3 even lanes that are three times as fast gain nothing.
+const FOUR: usize = 4;
+
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let ticks: usize = arguments
@@ -29,7 +33,7 @@ fn main() {
         let keys = Keys::at_rest(&instruments, Settings::new(STEP_S)).expect("every key comes to rest");
         let mut tremolo = Tremolo::new(keys, fingers);
         let mut ns = vec![0u64; ticks];
-        let (mut stepped, mut most, mut bad) = (0u64, 0, 0);
+        let (mut stepped, mut groups, mut most, mut bad) = (0u64, 0u64, 0, 0);
         for time in &mut ns {
             let start = Instant::now();
             let tick = tremolo.tick();
@@ -37,6 +41,8 @@ fn main() {
             stepped += u64::from(tick.stepped);
             most = most.max(tick.stepped);
             bad += tick.unconverged + tick.non_finite;
+            let awake = |key: usize| tremolo.keys().is_awake(key);
+            groups += (1..=KEYS).step_by(FOUR).filter(|&first| (first..first + FOUR).any(awake)).count() as u64;
         }
         let mean = ns.iter().sum::<u64>() as f64 / ticks as f64;
         let late = ns.iter().filter(|&&ns| ns as f64 > STEP_S * 1e9).count();
@@ -44,6 +50,7 @@ fn main() {
         let quantile = |share: f64| ns[((share * ticks as f64) as usize).min(ticks - 1)];
         println!("{name}_awake_mean {:.2}", stepped as f64 / ticks as f64);
         println!("{name}_awake_max {most}");
+        println!("{name}_awake_of_four {:.2}", stepped as f64 / groups.max(1) as f64);
         for (quantity, share) in [("p50", 0.5), ("p99", 0.99), ("p9999", 0.9999), ("max", 1.0)] {
             println!("{name}_tick_ns_{quantity} {}", quantile(share));
         }

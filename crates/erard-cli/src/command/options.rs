@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use erard::instrument::Instrument;
-use erard::keyboard::{KEYS, Keyboard};
+use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::simulation::{Setup, SimulationError};
 use erard::stroke::{ForceSeries, PositionSeries, Series, Touch};
@@ -59,9 +59,18 @@ pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
         return Ok(one.keyboard.key(one.key)?);
     }
     match instrument_path(asked) {
-        Some(path) => Ok(Instrument::load(path)?),
+        Some(path) => Ok(load_file(path)?),
         None => Ok(builtin_instrument(asked)?.0),
     }
+}
+
+fn load_file(path: &Path) -> Result<Instrument, Failure> {
+    // What cannot be read is told by the instrument's reader.
+    if std::fs::read_to_string(path).is_ok_and(|text| is_keyboard(&text)) {
+        let path = path.display();
+        return Err(Failure::Usage(format!("{path}: this is a keyboard; name one of its keys, as in {path}{KEY}40")));
+    }
+    Ok(Instrument::load(path)?)
 }
 
 /// The same, with the text it was read from.
@@ -73,7 +82,7 @@ pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Fai
         let (instrument, text) = builtin_instrument(asked)?;
         return Ok((instrument, text.to_owned()));
     };
-    let instrument = Instrument::load(path)?;
+    let instrument = load_file(path)?;
     // It has just been read as UTF-8.
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", path.display())))?;

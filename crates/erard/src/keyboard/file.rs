@@ -30,7 +30,7 @@ impl Keyboard {
     pub fn parse(text: &str, file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
         check_size(text, file_name, "a keyboard, starting with its `format`")?;
         let file: KeyboardToml =
-            toml::from_str(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
+            toml::from_str(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))?;
         let base = file.instrument.as_str();
         let (base_name, base_text) = match Instrument::builtin_text(base) {
             Some(text) => (base.to_owned(), text.to_owned()),
@@ -86,8 +86,20 @@ impl Keyboard {
 /// Whether the text of a TOML file says that it is a keyboard, of whatever version.
 #[must_use]
 pub fn is_keyboard(text: &str) -> bool {
-    let format = text.parse::<DocumentMut>().ok().and_then(|d| Some(d.get("format")?.as_str()?.to_owned()));
-    format.is_some_and(|format| format.starts_with("erard-keyboard"))
+    format_of(text).is_some_and(|format| format.starts_with("erard-keyboard"))
+}
+
+fn format_of(text: &str) -> Option<String> {
+    text.parse::<DocumentMut>().ok().and_then(|d| Some(d.get("format")?.as_str()?.to_owned()))
+}
+
+/// What serde says, in the words of a keyboard file.
+fn reworded(mut fault: Fault, text: &str) -> Fault {
+    if format_of(text).is_some_and(|format| format.starts_with("erard-instrument")) {
+        fault.message = "this key belongs to an instrument, and a keyboard is expected here".to_owned();
+        fault.expected = format!("`format = \"{FORMAT}\"`, or the file given as an instrument");
+    }
+    fault
 }
 
 /// The JSON Schema of keyboard files: what `keyboards/keyboard.schema.json` holds.
