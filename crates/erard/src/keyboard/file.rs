@@ -39,7 +39,7 @@ impl Keyboard {
                     let fault = Fault::at(file.instrument.span(), error.message.clone(), instruments());
                     dress(file_name, text, fault)
                 })?;
-                let text = utf8(&bytes, &name)?.trim_start_matches('\u{feff}').to_owned();
+                let text = utf8(&bytes, &name)?.to_owned();
                 (name, text)
             }
         };
@@ -65,8 +65,15 @@ impl Keyboard {
     /// As [`Keyboard::parse`], and where the file cannot be read or is not UTF-8.
     pub fn load(path: &Path) -> Result<Self, Box<FileError>> {
         let (name, bytes) = read_bytes(path)?;
-        let text = utf8(&bytes, &name)?.trim_start_matches('\u{feff}');
-        Self::parse(text, &name, path.parent().unwrap_or(Path::new("")))
+        Self::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads the bytes of a keyboard file, which must be UTF-8 (a byte order mark is allowed).
+    ///
+    /// # Errors
+    /// As [`Keyboard::parse`], and where the bytes are not UTF-8.
+    pub fn parse_bytes(bytes: &[u8], file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
+        Self::parse(utf8(bytes, file_name)?, file_name, folder)
     }
 
     /// A built-in keyboard, e.g. `concert-grand`, or `None` when there is none of that name.
