@@ -6,7 +6,7 @@ use common::Folder;
 use serde_json::Value;
 
 /// What a reader of the JSON may rely on.
-const NUMBERS: [&str; 30] = [
+const NUMBERS: [&str; 40] = [
     "step_ns_median",
     "step_ns_spread",
     "real_time_factor",
@@ -37,6 +37,16 @@ const NUMBERS: [&str; 30] = [
     "group_step_ns_p9999",
     "group_step_ns_max",
     "newton_iterations_max",
+    "keyboard_real_time_factor",
+    "keyboard_ticks_timed",
+    "keyboard_tick_ns_p50",
+    "keyboard_tick_ns_p99",
+    "keyboard_tick_ns_p9999",
+    "keyboard_tick_ns_max",
+    "keyboard_awake_mean",
+    "keyboard_awake_max",
+    "keyboard_all_keys_real_time_factor",
+    "keyboard_asleep_tick_ns_p50",
 ];
 
 /// The JSON is alone on standard output, has every key, and every number is finite and positive (a spread may be zero). What
@@ -64,7 +74,18 @@ fn json_has_every_number() {
 fn the_table_names_what_was_timed() {
     let folder = Folder::for_command("bench", "table");
     let table = folder.good(&["--quick"]);
-    for part in ["step", "press", "kinematics", "batch", "tremolo", "study", "single steps", "x real time", "99.99 %"] {
+    for part in [
+        "step",
+        "press",
+        "kinematics",
+        "batch",
+        "tremolo",
+        "study",
+        "keyboard",
+        "single steps",
+        "x real time",
+        "99.99 %",
+    ] {
         assert!(table.contains(part), "{part}: {table}");
     }
 }

@@ -9,6 +9,7 @@ pub mod cores;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;
+pub mod keyboard;
 pub mod kinematics;
 pub mod measure;
 pub mod mechanism;

@@ -13,11 +13,11 @@ use crate::table::three;
 const AFTER: &str = "\
 All on the built-in concert grand with steps of 50 us. `step` is the engine alone over a played note, `press` what `erard press`
 computes, `batch` a parameter study and a tremolo, four grands side by side in the lanes of the processor's vectors and on all
-its cores, `single steps` random playing with every step timed by itself, `kinematics` the geometry alone. Times are wall-clock
+its cores, `keyboard` a fortissimo tremolo over 88 keys on one core, `single steps` random playing with every step timed by itself, `kinematics` the geometry alone. Times are wall-clock
 medians with the distance of the quartiles in percent: on a machine that does other work they are worth less, and the slowest
 single steps are those that the operating system interrupts. Nothing is written.";
 
-/// Measures how fast this machine simulates: a step, a press, many at once, the worst step, the kinematics.
+/// Measures how fast this machine simulates: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub struct Bench {
@@ -51,7 +51,7 @@ impl Bench {
 }
 
 fn print(report: &Report) {
-    let Report { instruction_sets, single, many, latencies } = report;
+    let Report { instruction_sets, single, many, keyboard, latencies } = report;
     let row = |name: &str, value: f64, unit: &str, spread: f64, then: String| {
         say!("  {name:<34}{:>9} {unit:<4}{:>6} %   {then}", three(value), format!("+-{:.0}", 50.0 * spread));
     };
@@ -75,6 +75,16 @@ fn print(report: &Report) {
     say!("  {:<58}{}", format!("tremolo, {lanes}, all cores"), speed(many.batch_tremolo_speedup_all_cores));
     row("study, a stroke on all cores", many.study_stroke_ms_median, "ms", many.study_stroke_ms_spread, String::new());
     say!();
+    say!("  {:<58}{}", "keyboard, ten-finger tremolo", real_time(keyboard.keyboard_real_time_factor));
+    say!("  {:<58}{}", "keyboard, all 88 keys at once", real_time(keyboard.keyboard_all_keys_real_time_factor));
+    say!(
+        "  in the tremolo {:.1} keys are awake on average, {} at most; {} of {} ticks took longer than they simulate",
+        keyboard.keyboard_awake_mean,
+        keyboard.keyboard_awake_max,
+        keyboard.keyboard_ticks_over_budget,
+        keyboard.keyboard_ticks_timed
+    );
+    say!();
     say!("  {:<30}{:>11}{:>10}{:>10}{:>10}{:>11}", "single steps (ns)", "timed", "50 %", "99 %", "99.99 %", "slowest");
     for (name, timed, times) in [
         (
@@ -90,6 +100,16 @@ fn print(report: &Report) {
                 latencies.group_step_ns_p99,
                 latencies.group_step_ns_p9999,
                 latencies.group_step_ns_max,
+            ],
+        ),
+        (
+            "a tick of the tremolo",
+            keyboard.keyboard_ticks_timed,
+            [
+                keyboard.keyboard_tick_ns_p50,
+                keyboard.keyboard_tick_ns_p99,
+                keyboard.keyboard_tick_ns_p9999,
+                keyboard.keyboard_tick_ns_max,
             ],
         ),
     ] {

@@ -125,18 +125,19 @@ const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 /// Nanoseconds below which the histogram is exact; what is slower is kept one by one.
 const BINS: usize = 1 << 16;
 
-struct Histogram {
+/// Times of single things, exact to the nanosecond.
+pub(super) struct Histogram {
     bins: Vec<u64>,
     slow: Vec<u64>,
     count: u64,
 }
 
 impl Histogram {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Histogram { bins: vec![0; BINS], slow: Vec::new(), count: 0 }
     }
 
-    fn add(&mut self, ns: u64) {
+    pub fn add(&mut self, ns: u64) {
         self.count += 1;
         match self.bins.get_mut(ns as usize) {
             Some(bin) => *bin += 1,
@@ -157,7 +158,7 @@ impl Histogram {
         self.slow.get((rank - seen) as usize).or(self.slow.last()).copied().unwrap_or(0)
     }
 
-    fn latency(mut self) -> Latency {
+    pub fn latency(mut self) -> Latency {
         self.slow.sort_unstable();
         let fast = self.bins.iter().rposition(|&n| n > 0).map_or(0, |ns| ns as u64);
         Latency {

@@ -1,10 +1,11 @@
-//! How fast this machine is at it: a step, a press, many at once, the worst step, the kinematics.
+//! How fast this machine is at it: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 //!
 //! What the benchmarks in `benches/` and the command `erard bench` time is here, so that both time the same. Times are medians over
 //! rounds in which everything that is compared has its turn, and come with their quartiles; ratios are ratios of medians of one run.
 
 pub mod callgrind;
 mod grand;
+mod keys;
 pub mod latency;
 mod load;
 mod many;
@@ -14,6 +15,7 @@ mod single;
 pub use grand::{
     GrandGroup, GrandModel, GrandScratch, GrandState, STEP_S, STEPS, at_rest, grand, instrument, note, press,
 };
+pub use keys::{KeyboardTimes, Ticks, keyboard};
 pub use load::Load;
 pub use many::{LoadTimes, Many, load_times};
 pub use sampling::{Timed, Times, in_turn};
@@ -35,13 +37,17 @@ pub struct Effort {
     pub groups_per_core: usize,
     /// Steps timed one by one; a quarter as many group steps.
     pub single_steps: u64,
+    /// Ticks of the keyboard timed one by one.
+    pub ticks: usize,
 }
 
 impl Effort {
     /// Half a minute or so.
-    pub const USUAL: Effort = Effort { rounds: 21, steps: STEPS, groups_per_core: 2, single_steps: 10_000_000 };
+    pub const USUAL: Effort =
+        Effort { rounds: 21, steps: STEPS, groups_per_core: 2, single_steps: 10_000_000, ticks: 200_000 };
     /// A second or so: it shows that everything works; its times are worth little.
-    pub const QUICK: Effort = Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000 };
+    pub const QUICK: Effort =
+        Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000, ticks: 2_000 };
 }
 
 /// What was measured: wall-clock times of this machine while it did whatever else it was doing. Serialised it is flat: the parts'
@@ -56,6 +62,9 @@ pub struct Report {
     /// Many at once.
     #[serde(flatten)]
     pub many: Many,
+    /// A whole keyboard.
+    #[serde(flatten)]
+    pub keyboard: KeyboardTimes,
     /// The worst steps.
     #[serde(flatten)]
     pub latencies: Latencies,
@@ -67,12 +76,15 @@ pub type Progress<'a> = dyn FnMut(&str, f64) -> bool + 'a;
 /// Measures everything; `None` where `progress` ended the work.
 pub fn measure(effort: &Effort, progress: &mut Progress) -> Option<Report> {
     // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
-    let single = Single::measure(effort, &mut |share| progress("step, press and pose", 0.2 * share))?;
-    let many = Many::measure(effort, &mut |share| progress("many at once", 0.2 + 0.5 * share))?;
-    let of_one = of_steps(effort.single_steps, &mut |share| progress("single steps", 0.7 + 0.18 * share))?;
+    let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
+    let single = Single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
+    let many = Many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
+    let keyboard = KeyboardTimes::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.75, share))?;
+    let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
     let group_steps = effort.single_steps / WIDTH as u64;
-    let of_four = of_group_steps(group_steps, &mut |share| progress("group steps", 0.88 + 0.12 * share))?;
-    Some(Report { instruction_sets: instruction_sets(), single, many, latencies: Latencies::new(&of_one, &of_four) })
+    let of_four = of_group_steps(group_steps, &mut |share| part("group steps", 0.9, 1.0, share))?;
+    let latencies = Latencies::new(&of_one, &of_four);
+    Some(Report { instruction_sets: instruction_sets(), single, many, keyboard, latencies })
 }
 
 /// What of the processor's vector instructions there is.

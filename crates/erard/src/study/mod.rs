@@ -100,7 +100,7 @@ pub fn play_all(
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
-    let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, setup.settings.friction)).collect();
+    let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, &setup.settings)).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
     let count = jobs.len();
     let mut done = 0;
@@ -108,13 +108,13 @@ pub fn play_all(
     for (index, job) in jobs.into_iter().enumerate() {
         of_size[sizes[job.instrument] as usize].push((index, job));
     }
-    for (size, jobs) in [Size::One, Size::Grand, Size::Largest].into_iter().zip(of_size) {
+    for (size, jobs) in [Size::One, Size::Grand, Size::Most].into_iter().zip(of_size) {
         let here = jobs.len();
         let mut tell = |share: f64| progress((done as f64 + share * here as f64) / count as f64);
         match size {
             Size::One => play_size::<1, 4, 6>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
             Size::Grand => play_size::<6, 14, 10>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
-            Size::Largest => play_alone(instruments, jobs, setup, threads, &mut results, &mut tell)?,
+            Size::Most => play_alone(instruments, jobs, setup, threads, &mut results, &mut tell)?,
         }
         done += here;
     }
