@@ -23,7 +23,7 @@ use crate::table;
 const AFTER: &str = "\
 Screws are turned from where the file has them (mm, degrees or N mm); `body.hammer.mass`, `body.key.friction`,
 `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and `zone.check.friction` are multiplied by the values;
-`force` is the constant force of --force-step. A name that does not exist is answered with all that do. Of several --vary
+`force` is a constant force from the start on. A name that does not exist is answered with all that do. Of several --vary
 every combination is played, the last one fastest.
 
 Strokes that are alike but for numbers are simulated side by side in the lanes of the processor's vectors, and on all its
@@ -64,12 +64,8 @@ impl Study {
         let settings = self.step.settings()?;
         let instrument = self.instrument.load()?;
         let axes = self.axes(&instrument)?;
-        let stroke = self.stroke.load()?;
-        if axes.iter().any(|axis| axis.target == Target::Force) && !stroke.is_constant() {
-            return Err(Failure::Usage(
-                "--vary force varies a constant force: it needs --force-step, and no other stroke".into(),
-            ));
-        }
+        let forces = axes.iter().any(|axis| axis.target == Target::Force);
+        let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None };
         check(&setup)?;

@@ -89,7 +89,8 @@ impl Axis {
                 let (from, to) = (number(from)?, number(to)?);
                 let at = |i: usize| {
                     let share = i as f64 / (count - 1) as f64;
-                    (1.0 - share) * from + share * to
+                    // As a person would write it: the sum's last digits mean nothing.
+                    (((1.0 - share) * from + share * to) * 1e9).round() / 1e9
                 };
                 (0..count).map(at).collect()
             }
