@@ -2,6 +2,7 @@
 //!
 //! The counting allocator belongs to this test's process only (`allocation-counter`).
 
+use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use moreau::{FrictionLaw, Input, Settings, Solver};
@@ -40,6 +41,28 @@ fn a_step_never_allocates() {
             }
         });
         assert_eq!(steps, 40_000);
+        assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{settings:?}: {counted:?}");
+    }
+}
+
+/// Four grands in the lanes of the batch, each in another part of its playing; inputs of one kind go in lanes, of several kinds one
+/// by one. With the iteration limit reached, too.
+#[test]
+fn a_group_step_never_allocates() {
+    let (model, state) = grand();
+    let usual = Settings::new(50e-6);
+    for settings in [usual, Settings { tolerance: 0.0, newton_limit: 3, ..usual }] {
+        let models = std::array::from_fn(|_| model.clone());
+        let mut group = GrandGroup::new(models, std::array::from_fn(|_| state.clone()), settings, true);
+        let mut steps = 0;
+        let counted = allocation_counter::measure(|| {
+            for n in 0..20_000 {
+                let apart = if n < 10_000 { 0 } else { 700 };
+                group.step(&std::array::from_fn(|i| input(n + apart * i as u64)));
+                steps += 1;
+            }
+        });
+        assert_eq!(steps, 20_000);
         assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{settings:?}: {counted:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
 
+use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use moreau::{Input, Outcome, Settings};
@@ -57,4 +58,36 @@ fn one_sweep_is_no_disaster() {
     println!("{limited} of 20000 steps ran into the bound; energies {energies:?}");
     assert!(limited > 1000 && energies.total().is_finite());
     assert!(m.angles().iter().all(|q| q.abs() < 1.0), "{:?}", m.angles());
+}
+
+/// The same in the lanes of the batch: with no tolerance every moving step runs into its bound; each lane says so for itself, goes on, and
+/// is where it would be alone, its neighbours' work being no concern of it.
+#[test]
+fn lanes_run_into_the_bound_each_for_itself() {
+    let (model, state) = grand();
+    let settings = Settings { tolerance: 0.0, newton_limit: 2, ..Settings::new(50e-6) };
+    let group = |in_lanes| {
+        GrandGroup::new(
+            std::array::from_fn(|_| model.clone()),
+            std::array::from_fn(|_| state.clone()),
+            settings,
+            in_lanes,
+        )
+    };
+    let (mut together, mut alone) = (group(true), group(false));
+    let mut limited = [0_u32; 4];
+    for n in 0..20_000 {
+        // One lane rests, the others are struck at different rates.
+        let inputs = std::array::from_fn(|i| Input::Force(if i > 0 && n / (1000 * i) % 2 == 0 { 40.0 } else { 0.0 }));
+        let outcomes = together.step(&inputs);
+        assert_eq!(outcomes, alone.step(&inputs), "step {n}");
+        for (i, outcome) in outcomes.into_iter().enumerate() {
+            assert_ne!(outcome, Outcome::NonFinite, "step {n}, lane {i}");
+            limited[i] += u32::from(outcome == Outcome::IterationLimit);
+            let ((angle, _), (own, _)) = (together.motion(i), alone.motion(i));
+            assert!(angle.iter().zip(&own).all(|(a, b)| (a - b).abs() < 1e-9), "step {n}, lane {i}");
+        }
+    }
+    println!("{limited:?} of 20000 steps ran into the bound");
+    assert!(limited[1..].iter().all(|&limited| limited > 500) && limited[0] < limited[1], "{limited:?}");
 }
