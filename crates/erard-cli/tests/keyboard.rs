@@ -97,3 +97,21 @@ fn wrong_input_is_told() {
         assert!(said.starts_with("error: ") && said.contains(expected), "{arguments:?}: {said}");
     }
 }
+
+/// Control-C: exit code 130, and nothing is left behind.
+#[cfg(unix)]
+#[test]
+fn interrupted_it_leaves_nothing() {
+    let folder = with_mine("interrupted");
+    let before = folder.names();
+    let mut child = folder.command(&["keyboard", "mine.toml", "--every", "1", "--out", "keys"]).spawn().unwrap();
+    // The folder is made when the work begins.
+    while !folder.0.join("keys").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(folder.names(), before);
+}
