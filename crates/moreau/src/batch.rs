@@ -1,5 +1,6 @@
 //! Several mechanisms in the lanes of one model.
 
+use crate::form::Form;
 use crate::joints::Parent;
 use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
 use crate::path::Path;
@@ -54,6 +55,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             weight: numbers(|m| m.weight),
             whirl: numbers(|m| m.whirl),
             zones: core::array::from_fn(|z| zone_of_lanes(|lane| &models[lane].zones[z])),
+            forms: core::array::from_fn(|z| Form::of(&zone_of_lanes(|lane| &models[lane].zones[z]))),
             paths: core::array::from_fn(|z| Path::of_lanes(|lane| &models[lane].paths[z])),
             site_path: Path::of_lanes(|lane| &models[lane].site_path),
             zone_count: first.zone_count,

@@ -3,7 +3,6 @@
 use crate::contact::Timing;
 use crate::joints::{relative, row_to_joints};
 use crate::model::Model;
-use crate::pose::Pose;
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
 use crate::{Mask, Real};
@@ -20,7 +19,7 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
 ) {
     let Scratch { coupling, deep_coupling, momentum, pose, .. } = &mut *scratch;
     let (mut impulse, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
-    let [x, y] = first_moments(model, pose);
+    let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
         let c = pose.arm_x[i] * x[i] + pose.arm_y[i] * y[i];
         coupling[i] = c;
@@ -41,18 +40,6 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
         let x = scratch.pose.point(site.body, site.point);
         scratch.pose.turning_row(&model.site_path, x, site.direction, &mut scratch.site_row);
     }
-}
-
-/// First moments about the pivots, x and y in the world.
-#[inline(always)]
-fn first_moments<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, pose: &Pose<T, B>) -> [[T; B]; 2] {
-    let [mut x, mut y] = [[T::ZERO; B]; 2];
-    for i in 0..B {
-        let (c, s) = (pose.cos[i], pose.sin[i]);
-        x[i] = c * model.moment_x[i] - s * model.moment_y[i];
-        y[i] = s * model.moment_x[i] + c * model.moment_y[i];
-    }
-    [x, y]
 }
 
 /// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
@@ -182,7 +169,7 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
 ) -> [T; B] {
     let (v, pose) = (&scratch.velocity, &scratch.pose);
     let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
-    let [x, y] = first_moments(model, pose);
+    let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
         let c = pose.arm_x[i] * y[i] - pose.arm_y[i] * x[i];
         let carrier = v[model.carrier[i]];

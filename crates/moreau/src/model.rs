@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::form::Form;
 use crate::joints::Parent;
 use crate::path::Path;
 use crate::vector::{Vector, add, dot, scale, sub};
@@ -186,6 +187,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) weight: [T; B],
     pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
+    /// The zones as the step reads them.
+    pub(crate) forms: [Form<T>; Z],
     /// The joints that a zone's compression and the driven point depend on.
     pub(crate) paths: [Path<T, B>; Z],
     pub(crate) site_path: Path<T, B>,
@@ -275,6 +278,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
             zones: [vacant(); Z],
+            forms: [Form::of(&vacant()); Z],
             paths: [Path::empty(); Z],
             site_path: Path::empty(),
             zone_count: zones.len(),
@@ -372,6 +376,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
+            model.forms[i] = Form::of(zone);
             model.paths[i] = model.path_of(zone);
             if zone.friction.is_some() {
                 model.sliding_zones[model.sliding_count] = i;

@@ -81,7 +81,7 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
     ) {
         *self = Survey { angle: *joint, reach: timing.reach, ..Survey::none() };
         for z in 0..model.zone_count {
-            let clearance = -gap_of(&model.zones[z], pose) - timing.reach;
+            let clearance = -gap_of(&model.forms[z], pose) - timing.reach;
             let mut speed = T::ZERO;
             for (k, j) in model.paths[z].joints() {
                 speed += model.paths[z].lever(k) * joint_velocity[j].abs();
