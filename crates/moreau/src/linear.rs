@@ -2,34 +2,44 @@
 
 use crate::Real;
 
-/// Factorises the lower triangle of `a` in place (strictly lower: L) and returns 1/D; takes right-hand sides `x` along through
-/// the forward substitution, which then waits for nothing.
+/// Factorises A, given by its lower triangle and (apart) its diagonal, into `l` (strictly lower: L) and returns 1/D; takes
+/// right-hand sides `x` along through the forward substitution, which then waits for nothing.
 ///
-/// `a` must be positive definite: here a mass matrix plus positive semidefinite terms.
+/// A must be positive definite: here a mass matrix plus positive semidefinite terms.
 #[inline(always)]
-pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], x: [&mut [T; B]; R]) -> [T; B] {
+pub(crate) fn factor<T: Real, const B: usize, const R: usize>(
+    a: &[[T; B]; B],
+    diagonal: &[T; B],
+    l: &mut [[T; B]; B],
+    x: [&mut [T; B]; R],
+) -> [T; B] {
     let mut inverse = [T::ZERO; B];
     // Row by row: while one row's division is under way, the next row's products can be.
     for i in 0..B {
         let mut scaled = a[i];
-        let mut d = a[i][i];
+        let mut d = diagonal[i];
         for j in 0..i {
             for k in 0..j {
                 let t = scaled[k];
-                scaled[j] -= t * a[j][k];
+                scaled[j] -= t * l[j][k];
             }
-            a[i][j] = scaled[j] * inverse[j];
-            d -= scaled[j] * a[i][j];
+            l[i][j] = scaled[j] * inverse[j];
+            d -= scaled[j] * l[i][j];
         }
         inverse[i] = T::ONE / d;
         for r in 0..R {
             for k in 0..i {
                 let t = x[r][k];
-                x[r][i] -= a[i][k] * t;
+                x[r][i] -= l[i][k] * t;
             }
         }
     }
     inverse
+}
+
+/// The diagonal of a matrix.
+pub(crate) fn diagonal<T: Real, const B: usize>(a: &[[T; B]; B]) -> [T; B] {
+    core::array::from_fn(|i| a[i][i])
 }
 
 /// The rest of A^-1 x, after [`factor`] has taken x along.
@@ -96,8 +106,8 @@ mod tests {
                 *x = 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 0.01 } else { 0.0 };
             }
         }
-        let mut l = a;
-        let d = factor(&mut l, []);
+        let mut l = [[0.0; 5]; 5];
+        let d = factor(&a, &diagonal(&a), &mut l, []);
         let x = [1.0, -2.0, 0.5, 3.0, -1.0];
         let y = solve(&l, &d, &x);
         for i in 0..5 {

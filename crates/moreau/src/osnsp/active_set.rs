@@ -139,25 +139,10 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     single: bool,
     w: &mut [T; B],
 ) -> T::Mask {
-    let (mut free, mut m) = ([0; B], 0);
     for i in 0..B {
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
-        if not_zero(guess.pivot[i]).any() {
-            free[m] = i;
-            m += 1;
-        }
     }
-    *w = [T::ZERO; B];
-    let mut changed = match m {
-        // Sizes that the compiler unrolls.
-        1 => reduced::<T, B, N, 1>(system, guess, impulses, condensed, &free, 1, w, tolerance, single),
-        2 => reduced::<T, B, N, 2>(system, guess, impulses, condensed, &free, 2, w, tolerance, single),
-        3 => reduced::<T, B, N, 3>(system, guess, impulses, condensed, &free, 3, w, tolerance, single),
-        4 => reduced::<T, B, N, 4>(system, guess, impulses, condensed, &free, 4, w, tolerance, single),
-        5 => reduced::<T, B, N, 5>(system, guess, impulses, condensed, &free, 5, w, tolerance, single),
-        6 => reduced::<T, B, N, 6>(system, guess, impulses, condensed, &free, 6, w, tolerance, single),
-        _ => reduced::<T, B, N, B>(system, guess, impulses, condensed, &free, m, w, tolerance, single),
-    };
+    let mut changed = velocities(system, guess, impulses, condensed, tolerance, single, w);
     let may_change = |changed: T::Mask| if single { changed.not() } else { T::Mask::splat(true) };
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
@@ -183,113 +168,129 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     changed
 }
 
-/// The first `m` (at most M) joints of `free` move, the others stick: their velocities and the sliding laws' impulses. Corrects the
-/// guesses of the sliding laws, and says in which lanes.
+/// A joint that sticks is held by so many times its own inertia: its share in the others' velocities is then below any rounding.
+const HELD: f64 = 1e20;
+
+/// The velocities of the joints that move (the others stick: exactly zero) and the sliding laws' impulses. Corrects the guesses of the
+/// sliding laws, and says in which lanes.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn reduced<T: Real, const B: usize, const N: usize, const M: usize>(
+fn velocities<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     condensed: &mut Condensed<T, B, N>,
-    free: &[usize; B],
-    m: usize,
-    w: &mut [T; B],
     tolerance: T,
     single: bool,
+    w: &mut [T; B],
 ) -> T::Mask {
-    let mut factors = [[T::ZERO; M]; M];
-    let mut v = [T::ZERO; M];
-    // Where a joint sticks in some lanes only: 1 where it moves.
-    let mut moves = [T::ONE; M];
-    for r in 0..M {
-        if r < m {
-            let i = free[r];
-            v[r] = system.b[i] + impulses.pivot[i];
-            for c in 0..=r {
-                factors[r][c] = system.a[i][free[c]];
-            }
-            if T::LANES > 1 {
-                let slides = not_zero(guess.pivot[i]);
-                moves[r] = T::select(slides, T::ONE, T::ZERO);
-                v[r] = v[r] * moves[r];
-                for c in 0..r {
-                    factors[r][c] = factors[r][c] * (moves[r] * moves[c]);
-                }
-                factors[r][r] = T::select(slides, factors[r][r], T::ONE);
-            }
-        } else {
-            factors[r][r] = T::ONE;
+    let no = T::Mask::splat(false);
+    let (mut free, mut diagonal, mut moving) = (Free::new(), [T::ONE; B], no);
+    for i in 0..B {
+        let slides = not_zero(guess.pivot[i]);
+        free.moves[i] = T::select(slides, T::ONE, T::ZERO);
+        diagonal[i] = system.a[i][i] * T::select(slides, T::ONE, T::from_f64(HELD));
+        moving = moving.or(slides);
+    }
+    free.any = moving.any();
+    *w = [T::ZERO; B];
+    if free.any {
+        for i in 0..B {
+            w[i] = system.b[i] + impulses.pivot[i];
         }
     }
-    let gather = |row: &[T; B]| {
-        let mut reduced = [T::ZERO; M];
-        for r in 0..m.min(M) {
-            reduced[r] = row[free[r]];
-            if T::LANES > 1 {
-                reduced[r] = reduced[r] * moves[r];
+    if system.count != 1 || system.sliding[0].rigid {
+        if free.any {
+            free.inverse_d = factor(&system.a, &diagonal, &mut free.factors, [w]);
+            free.back(w);
+        }
+        if system.count == 0 {
+            return no;
+        }
+        return slide(system, guess, impulses, condensed, &free, w, tolerance, single);
+    }
+    // The usual case of several laws, spelt out.
+    let law = &system.sliding[0];
+    let mut column = [T::ZERO; B];
+    if free.any {
+        column = law.row;
+        free.inverse_d = factor(&system.a, &diagonal, &mut free.factors, [w, &mut column]);
+        free.back(w);
+        free.back(&mut column);
+    }
+    let (side, open) = (guess.sliding[0], guess.open[0]);
+    let slides = not_zero(side);
+    let (mut numerator, mut denominator) = (T::ZERO, T::ONE);
+    let mut dependent = no;
+    if !slides.all() {
+        let pivot = product(&law.row, &column);
+        dependent = slides.not().and(is_dependent(pivot, scale_of(system, &law.row)));
+        let sticking = dependent.or(slides).not();
+        numerator = T::select(sticking, law.target - product(&law.row, w), impulses.sliding[0]);
+        denominator = T::select(sticking, pivot, T::ONE);
+    }
+    if slides.any() {
+        let sliding = side * (law.bound + product(&law.slope, w));
+        numerator = T::select(slides, sliding, numerator);
+        denominator = T::select(slides, T::ONE - side * product(&law.slope, &column), denominator);
+    }
+    let p = T::select(open, T::ZERO, numerator / denominator);
+    for i in 0..B {
+        w[i] += column[i] * p;
+    }
+    impulses.sliding[0] = p;
+    let (u, bound) = (product(&law.row, w) - law.target, law.bound + product(&law.slope, w));
+    correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true))
+}
+
+/// The joints that move, and the factors of their part of A.
+struct Free<T, const B: usize> {
+    /// 1 for a joint that moves, 0 for one that sticks.
+    moves: [T; B],
+    /// Whether there is one at all; the factors are not read otherwise.
+    any: bool,
+    factors: [[T; B]; B],
+    inverse_d: [T; B],
+}
+
+impl<T: Real, const B: usize> Free<T, B> {
+    #[inline(always)]
+    fn new() -> Self {
+        Free { moves: [T::ZERO; B], any: false, factors: [[T::ZERO; B]; B], inverse_d: [T::ZERO; B] }
+    }
+
+    /// After [`factor`] has taken x along, the velocities that it stands for.
+    #[inline(always)]
+    fn back(&self, x: &mut [T; B]) {
+        back_substitute(&self.factors, &self.inverse_d, x);
+        for i in 0..B {
+            x[i] = x[i] * self.moves[i];
+        }
+    }
+
+    /// The velocities that impulses along a row bring about.
+    #[inline(always)]
+    fn column(&self, row: &[T; B]) -> [T; B] {
+        let mut column = [T::ZERO; B];
+        if self.any {
+            column = solve_factored(&self.factors, &self.inverse_d, row);
+            for i in 0..B {
+                column[i] = column[i] * self.moves[i];
             }
         }
-        reduced
-    };
-    let mut changed = T::Mask::splat(false);
-    if system.count == 1 && !system.sliding[0].rigid {
-        // The usual case of several laws, spelt out.
-        let law = &system.sliding[0];
-        let (row, slope) = (gather(&law.row), gather(&law.slope));
-        let mut column = row;
-        let inverse_d = factor(&mut factors, [&mut v, &mut column]);
-        back_substitute(&factors, &inverse_d, &mut v);
-        back_substitute(&factors, &inverse_d, &mut column);
-        let (side, open) = (guess.sliding[0], guess.open[0]);
-        let slides = not_zero(side);
-        let (mut numerator, mut denominator) = (T::ZERO, T::ONE);
-        let mut dependent = T::Mask::splat(false);
-        if !slides.all() {
-            let pivot = product(&row, &column);
-            dependent = slides.not().and(is_dependent(pivot, scale_of(system, &law.row)));
-            let sticking = dependent.or(slides).not();
-            numerator = T::select(sticking, law.target - product(&row, &v), impulses.sliding[0]);
-            denominator = T::select(sticking, pivot, T::ONE);
-        }
-        if slides.any() {
-            let sliding = side * (law.bound + product(&slope, &v));
-            numerator = T::select(slides, sliding, numerator);
-            denominator = T::select(slides, T::ONE - side * product(&slope, &column), denominator);
-        }
-        let p = T::select(open, T::ZERO, numerator / denominator);
-        for r in 0..M {
-            v[r] += column[r] * p;
-        }
-        impulses.sliding[0] = p;
-        let (u, bound) = (product(&row, &v) - law.target, law.bound + product(&slope, &v));
-        changed = correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true));
-    } else {
-        let inverse_d = factor(&mut factors, [&mut v]);
-        back_substitute(&factors, &inverse_d, &mut v);
-        if system.count > 0 {
-            changed =
-                slide(system, guess, impulses, condensed, &factors, &inverse_d, gather, &mut v, tolerance, single);
-        }
+        column
     }
-    for r in 0..m.min(M) {
-        w[free[r]] = v[r];
-    }
-    changed
 }
 
 /// Sliding laws, condensed: adds their share to the velocities `v`, and corrects their guesses.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
+fn slide<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     condensed: &mut Condensed<T, B, N>,
-    factors: &[[T; M]; M],
-    inverse_d: &[T; M],
-    gather: impl Fn(&[T; B]) -> [T; M],
-    v: &mut [T; M],
+    free: &Free<T, B>,
+    v: &mut [T; B],
     tolerance: T,
     single: bool,
 ) -> T::Mask {
@@ -297,16 +298,8 @@ fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
     let Condensed { columns, matrix } = condensed;
     let (mut rhs, mut p, mut diagonal) = ([T::ZERO; N], [T::ZERO; N], [T::ONE; N]);
     for k in 0..n {
-        let column = solve_factored(factors, inverse_d, &gather(&system.sliding[k].row));
-        columns[k][..M.min(B)].copy_from_slice(&column[..M.min(B)]);
+        columns[k] = free.column(&system.sliding[k].row);
     }
-    let along = |row: &[T; M], column: &[T; B]| {
-        let mut sum = T::ZERO;
-        for r in 0..M.min(B) {
-            sum += row[r] * column[r];
-        }
-        sum
-    };
     for k in 0..n {
         let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
         let (slides, sticks) = (closed.and(not_zero(side)), closed.and(not_zero(side).not()));
@@ -314,33 +307,31 @@ fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
         matrix[k][k] = T::select(sticks, T::ZERO, T::ONE);
         if sticks.any() {
             // Sticking: row . (w + sum columns p) = target.
-            let row = gather(&law.row);
-            rhs[k] = T::select(sticks, law.target - product(&row, v), T::ZERO);
+            rhs[k] = T::select(sticks, law.target - product(&law.row, v), T::ZERO);
             for j in 0..n {
-                matrix[k][j] += T::select(sticks, along(&row, &columns[j]), T::ZERO);
+                matrix[k][j] += T::select(sticks, product(&law.row, &columns[j]), T::ZERO);
             }
             p[k] = T::select(sticks, impulses.sliding[k], T::ZERO);
             diagonal[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
         }
         if slides.any() {
             // Sliding: p = s (bound + slope . (w + sum columns p)).
-            let slope = gather(&law.slope);
-            rhs[k] = T::select(slides, side * (law.bound + product(&slope, v)), rhs[k]);
+            rhs[k] = T::select(slides, side * (law.bound + product(&law.slope, v)), rhs[k]);
             for j in 0..n {
-                matrix[k][j] -= T::select(slides, side * along(&slope, &columns[j]), T::ZERO);
+                matrix[k][j] -= T::select(slides, side * product(&law.slope, &columns[j]), T::ZERO);
             }
         }
     }
     let dependent = eliminate(matrix, &mut rhs, &mut p, &diagonal, n);
     for k in 0..n {
-        for r in 0..M.min(B) {
+        for r in 0..B {
             v[r] += columns[k][r] * p[k];
         }
     }
     let mut changed = T::Mask::splat(false);
     for k in 0..n {
         let law = &system.sliding[k];
-        let u = product(&gather(&law.row), v) - law.target;
+        let u = product(&law.row, v) - law.target;
         impulses.sliding[k] = p[k];
         let allowed = if single { changed.not() } else { T::Mask::splat(true) };
         if law.rigid {
@@ -355,7 +346,7 @@ fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
             }
             continue;
         }
-        let bound = law.bound + product(&gather(&law.slope), v);
+        let bound = law.bound + product(&law.slope, v);
         changed = changed.or(correct(guess, k, p[k], u, bound, dependent[k], tolerance, allowed));
     }
     changed
