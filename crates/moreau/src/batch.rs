@@ -3,6 +3,7 @@
 use crate::form::Form;
 use crate::joints::Parent;
 use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
+use crate::linear::Symmetric;
 use crate::path::Path;
 use crate::state::{Input, State};
 use crate::vector::Vector;
@@ -39,7 +40,6 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
             parent_count: first.parent_count,
             deep: first.deep,
-            carrier: first.carrier,
             pivot: o,
             link: [numbers(|m| m.link[0]), numbers(|m| m.link[1])],
             root: [numbers(|m| m.root[0]), numbers(|m| m.root[1])],
@@ -48,7 +48,10 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_torque: numbers(|m| m.spring_torque),
             spring_stiffness: numbers(|m| m.spring_stiffness),
             inertia: numbers(|m| m.inertia),
-            joint_inertia: core::array::from_fn(|i| join_all(|lane| models[lane].joint_inertia[i])),
+            joint_inertia: Symmetric {
+                diagonal: numbers(|m| m.joint_inertia.diagonal),
+                below: core::array::from_fn(|i| join_all(|lane| models[lane].joint_inertia.below[i])),
+            },
             moment: o,
             moment_x: numbers(|m| m.moment_x),
             moment_y: numbers(|m| m.moment_y),

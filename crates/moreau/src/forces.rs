@@ -2,6 +2,7 @@
 
 use crate::contact::Timing;
 use crate::joints::{relative, row_to_joints};
+use crate::linear::Symmetric;
 use crate::model::Model;
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
@@ -15,6 +16,7 @@ use crate::{Mask, Real};
 pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     v0: &[T; B],
+    w0: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let Scratch { coupling, deep_coupling, momentum, pose, .. } = &mut *scratch;
@@ -23,7 +25,7 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     for i in 0..B {
         let c = pose.arm_x[i] * x[i] + pose.arm_y[i] * y[i];
         coupling[i] = c;
-        impulse[i] = model.inertia[i] * v0[i] + c * v0[model.carrier[i]];
+        impulse[i] = model.inertia[i] * v0[i] + c * (v0[i] - w0[i]);
         on_parent[i] = c * v0[i];
     }
     if model.deep {
@@ -62,23 +64,23 @@ fn beyond_parents<T: Real, const B: usize, const Z: usize>(
 #[inline(always)]
 fn add_coupling<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
-    mass: &mut [[T; B]; B],
+    mass: &mut Symmetric<T, B>,
     body: usize,
     ancestor: usize,
     coupling: T,
 ) {
     if model.parent[ancestor] >= B && model.parent[body] == ancestor {
-        mass[ancestor][ancestor] += coupling + coupling;
-        mass[body][ancestor] += coupling;
+        mass.diagonal[ancestor] += coupling + coupling;
+        mass.below[body][ancestor] += coupling;
         return;
     }
     let mut j = body;
     while j < B {
         let mut k = ancestor;
         while k < B {
-            mass[j.max(k)][j.min(k)] += coupling;
+            mass.add(j, k, coupling);
             if j == k {
-                mass[j][k] += coupling;
+                mass.add(j, k, coupling);
             }
             k = model.parent[k];
         }
@@ -86,7 +88,7 @@ fn add_coupling<T: Real, const B: usize, const Z: usize>(
     }
 }
 
-/// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws. Of A the lower triangle is in use.
+/// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws.
 ///
 /// A = M + h theta (-dQ/dw) + h^2 theta^2 (-dQ/dq), b = M w0 + h Q + (A - M) w. Terms of the gradient that could make A
 /// indefinite (gravity, centrifugal, geometric stiffness, an unloading felt) are left out or clamped: they are of order h^2
@@ -120,7 +122,7 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
         let torque = weights[i] + spring - model.viscous[i] * joint_velocity[i];
         let tangent = h_theta * (model.viscous[i] + h_theta * model.spring_stiffness[i]);
         b[i] = momentum[i] + h * torque + tangent * w[i];
-        a[i][i] += tangent;
+        a.diagonal[i] += tangent;
     }
     if let Some((force, tangent)) = driven {
         *drive_force = force;
@@ -146,7 +148,7 @@ pub(crate) fn regularised_friction<T: Real, const B: usize, const Z: usize, cons
         let tangent = h_theta * model.dry[i] / pivot_width * (T::ONE - t * t);
         scratch.pivot_friction[i] = -model.dry[i] * t;
         b[i] += tangent * w[i] - h * model.dry[i] * t;
-        a[i][i] += tangent;
+        a.diagonal[i] += tangent;
     }
     for &z in near {
         let contact = &scratch.contacts[z];
@@ -167,12 +169,13 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
     model: &Model<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
 ) -> [T; B] {
-    let (v, pose) = (&scratch.velocity, &scratch.pose);
+    let (v, w, pose) = (&scratch.velocity, &scratch.joint_velocity, &scratch.pose);
     let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
     let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
         let c = pose.arm_x[i] * y[i] - pose.arm_y[i] * x[i];
-        let carrier = v[model.carrier[i]];
+        // The parent's speed.
+        let carrier = v[i] - w[i];
         force[i] = -(model.gravity * x[i]) - carrier * carrier * c;
         on_parent[i] = v[i] * v[i] * c;
     }

@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::batch::join;
+use crate::linear::Symmetric;
 
 /// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
 /// not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to `joint[k]`.
@@ -93,7 +94,7 @@ impl<T: Real, const B: usize> Path<T, B> {
 
     /// [`Row::add_term`] for a row of any length.
     #[inline(always)]
-    pub fn add_term(&self, a: &mut [[T; B]; B], b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
+    pub fn add_term(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
         if self.count == 1 {
             self.entries::<1>(row).add_term(a, b, tangent, p, w);
         } else {
@@ -131,17 +132,17 @@ impl<T: Real, const K: usize> Row<T, K> {
         sum
     }
 
-    /// Adds a force along the row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row (lower
-    /// triangle), b += row^T (p + tangent row . w).
+    /// Adds a force along the row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row, b += row^T (p + tangent row . w).
     #[inline(always)]
-    pub fn add_term<const B: usize>(&self, a: &mut [[T; B]; B], b: &mut [T; B], tangent: T, p: T, w: &[T; B]) {
+    pub fn add_term<const B: usize>(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], tangent: T, p: T, w: &[T; B]) {
         let total = p + tangent * self.product(w);
         for k in 0..K {
             let i = self.joint[k];
             b[i] += self.entry[k] * total;
             let t = tangent * self.entry[k];
-            for l in 0..=k {
-                a[i][self.joint[l]] += t * self.entry[l];
+            a.diagonal[i] += t * self.entry[k];
+            for l in 0..k {
+                a.below[i][self.joint[l]] += t * self.entry[l];
             }
         }
     }

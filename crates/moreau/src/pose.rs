@@ -35,14 +35,20 @@ impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
         sin_cos(angle, &mut self.sin, &mut self.cos);
         let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
+        let (mut arm_x, mut arm_y) = ([T::ZERO; B], [T::ZERO; B]);
+        for parent in model.parents() {
+            let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
+            for i in 0..B {
+                arm_x[i] += parent.children[i] * (c * link_x[i] - s * link_y[i]);
+                arm_y[i] += parent.children[i] * (s * link_x[i] + c * link_y[i]);
+            }
+        }
         let (mut x, mut y) = (*root_x, *root_y);
         for i in 0..B {
-            let (c, s) = (self.cos[model.carrier[i]], self.sin[model.carrier[i]]);
-            self.arm_x[i] = c * link_x[i] - s * link_y[i];
-            self.arm_y[i] = s * link_x[i] + c * link_y[i];
-            x[i] += self.arm_x[i];
-            y[i] += self.arm_y[i];
+            x[i] += arm_x[i];
+            y[i] += arm_y[i];
         }
+        (self.arm_x, self.arm_y) = (arm_x, arm_y);
         for i in 0..B {
             let (c, s) = (self.cos[i], self.sin[i]);
             self.moment_x[i] = c * model.moment_x[i] - s * model.moment_y[i];

@@ -95,7 +95,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
             // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
-            joint_momentum(model, &state.velocity, scratch);
+            joint_momentum(model, &state.velocity, &w0, scratch);
             state.survey.renew(model, &scratch.pose, &q_theta, &scratch.joint_velocity, &timing);
         }
         let near = state.survey.near();

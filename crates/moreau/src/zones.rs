@@ -92,7 +92,7 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         let size = change[i].abs();
         let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
         impulse[i] = timing.h_theta * (h * model.weight[i] + spin) * size;
-        allowed[i] = settings.tolerance * scratch.system.a[i][i] * (T::ONE + next[i].abs());
+        allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
         largest = largest.max(size);
     }
     let x = timing.theta * largest;

@@ -9,7 +9,7 @@
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
 use super::{Impulses, System, lane_by_lane};
-use crate::linear::{back_substitute, factor, product, solve as solve_factored, symmetric_product};
+use crate::linear::{back_substitute, product, solve as solve_factored};
 use crate::{Mask, Real, Scalar};
 
 /// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
@@ -147,7 +147,7 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
         if !slides.all() {
-            let mut p = symmetric_product(&system.a, i, w) - system.b[i];
+            let mut p = system.a.row_product(i, w) - system.b[i];
             for law in 0..system.count {
                 p -= system.sliding[law].row[i] * impulses.sliding[law];
             }
@@ -188,7 +188,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
         free.moves[i] = T::select(slides, T::ONE, T::ZERO);
-        diagonal[i] = system.a[i][i] * T::select(slides, T::ONE, T::from_f64(HELD));
+        diagonal[i] = system.a.diagonal[i] * T::select(slides, T::ONE, T::from_f64(HELD));
         moving = moving.or(slides);
     }
     free.any = moving.any();
@@ -200,7 +200,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     }
     if system.count != 1 || system.sliding[0].rigid {
         if free.any {
-            free.inverse_d = factor(&system.a, &diagonal, &mut free.factors, [w]);
+            free.inverse_d = system.a.factor(&diagonal, &mut free.factors, [w]);
             free.back(w);
         }
         if system.count == 0 {
@@ -213,7 +213,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     let mut column = [T::ZERO; B];
     if free.any {
         column = law.row;
-        free.inverse_d = factor(&system.a, &diagonal, &mut free.factors, [w, &mut column]);
+        free.inverse_d = system.a.factor(&diagonal, &mut free.factors, [w, &mut column]);
         free.back(w);
         free.back(&mut column);
     }
@@ -258,7 +258,7 @@ impl<T: Real, const B: usize> Free<T, B> {
         Free { moves: [T::ZERO; B], any: false, factors: [[T::ZERO; B]; B], inverse_d: [T::ZERO; B] }
     }
 
-    /// After [`factor`] has taken x along, the velocities that it stands for.
+    /// After [`crate::linear::Symmetric::factor`] has taken x along, the velocities that it stands for.
     #[inline(always)]
     fn back(&self, x: &mut [T; B]) {
         back_substitute(&self.factors, &self.inverse_d, x);
@@ -357,7 +357,7 @@ fn slide<T: Real, const B: usize, const N: usize>(
 fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, row: &[T; B]) -> T {
     let mut scale = T::ZERO;
     for i in 0..B {
-        scale += row[i] * row[i] / system.a[i][i];
+        scale += row[i] * row[i] / system.a.diagonal[i];
     }
     scale
 }
@@ -412,7 +412,7 @@ fn give_way<T: Scalar, const B: usize, const N: usize>(
     };
     for i in 0..B {
         if guess.pivot[i] == T::ZERO {
-            compare(i, row[i] / system.a[i][i], T::ONE / system.a[i][i]);
+            compare(i, row[i] / system.a.diagonal[i], T::ONE / system.a.diagonal[i]);
         }
     }
     for k in 0..system.count {
@@ -420,8 +420,8 @@ fn give_way<T: Scalar, const B: usize, const N: usize>(
         if guess.sliding[k] == T::ZERO && !law.rigid {
             let (mut coupling, mut mobility) = (T::ZERO, T::ZERO);
             for i in 0..B {
-                coupling += row[i] * law.row[i] / system.a[i][i];
-                mobility += law.row[i] * law.row[i] / system.a[i][i];
+                coupling += row[i] * law.row[i] / system.a.diagonal[i];
+                mobility += law.row[i] * law.row[i] / system.a.diagonal[i];
             }
             if T::ZERO < mobility {
                 compare(B + k, coupling, mobility);

@@ -99,7 +99,7 @@ impl<T: Scalar, const B: usize, const N: usize> Dense<T, B, N> {
     pub fn new(system: &System<T, B, N>, impulses: &Impulses<T, B, N>) -> Self {
         let mut factors = [[T::ZERO; B]; B];
         let mut free = system.b;
-        let inverse_d = linear::factor(&system.a, &linear::diagonal(&system.a), &mut factors, [&mut free]);
+        let inverse_d = system.a.factor(&system.a.diagonal, &mut factors, [&mut free]);
         linear::back_substitute(&factors, &inverse_d, &mut free);
         let mut dense = Dense {
             problem: OneStepProblem::new(),
