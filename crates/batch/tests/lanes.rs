@@ -1,6 +1,6 @@
-//! Four mechanisms in lanes move as each of them does alone.
+//! Mechanisms in lanes move as each of them does alone.
 
-use batch::{Group, WIDTH};
+use batch::{Group, Lanes, WIDTH};
 use moreau::{Body, Curve, Exponent, Felt, GROUND, Input, Model, Settings, Site, State, Zone};
 
 /// A lever on a felt, hit by a second one: two hinges with dry friction, a rubbing contact and a stop. `i` changes the masses.

@@ -1,7 +1,6 @@
 //! Which joints a relative motion of two points depends on.
 
 use crate::Real;
-use crate::batch::join;
 use crate::linear::Symmetric;
 
 /// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
@@ -31,8 +30,8 @@ impl<T: Real, const B: usize> Path<T, B> {
         let first = path(0);
         let mut joined = Path { count: first.count, joint: first.joint, ..Path::empty() };
         for k in 0..first.count {
-            joined.sign[k] = join(|lane| path(lane).sign[k]);
-            joined.lever[k] = join(|lane| path(lane).lever[k]);
+            joined.sign[k] = T::join(|lane| path(lane).sign[k]);
+            joined.lever[k] = T::join(|lane| path(lane).lever[k]);
         }
         joined
     }

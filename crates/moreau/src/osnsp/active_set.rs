@@ -28,9 +28,11 @@ pub struct Guess<T: Real, const B: usize, const N: usize> {
     pub(crate) open: [T::Mask; N],
 }
 
-/// The sliding laws' own system, once the pivots are guessed: workspace.
+/// The sliding laws' own system, once the pivots are guessed, and what it is made from: workspace.
 #[derive(Debug, Clone)]
 pub struct Condensed<T, const B: usize, const N: usize> {
+    /// The factors of A for the joints that move.
+    factors: [[T; B]; B],
     /// A^-1 row of every law.
     columns: [[T; B]; N],
     matrix: [[T; N]; N],
@@ -61,7 +63,7 @@ impl<T: Real, const B: usize, const N: usize> Guess<T, B, N> {
 
 impl<T: Real, const B: usize, const N: usize> Condensed<T, B, N> {
     pub(crate) fn new() -> Self {
-        Condensed { columns: [[T::ZERO; B]; N], matrix: [[T::ZERO; N]; N] }
+        Condensed { factors: [[T::ZERO; B]; B], columns: [[T::ZERO; B]; N], matrix: [[T::ZERO; N]; N] }
     }
 }
 
@@ -184,39 +186,45 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     w: &mut [T; B],
 ) -> T::Mask {
     let no = T::Mask::splat(false);
-    let (mut free, mut diagonal, mut moving) = (Free::new(), [T::ONE; B], no);
+    let Condensed { factors, columns, matrix } = condensed;
+    let (mut moves, mut diagonal, mut any) = ([T::ZERO; B], [T::ONE; B], no);
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
-        free.moves[i] = T::select(slides, T::ONE, T::ZERO);
+        moves[i] = T::select(slides, T::ONE, T::ZERO);
         diagonal[i] = system.a.diagonal[i] * T::select(slides, T::ONE, T::from_f64(HELD));
-        moving = moving.or(slides);
+        any = any.or(slides);
     }
-    free.any = moving.any();
+    let (free, spelt_out) = (any.any(), system.count == 1 && !system.sliding[0].rigid);
+    let mut column = [T::ZERO; B];
+    let mut inverse_d = [T::ZERO; B];
     *w = [T::ZERO; B];
-    if free.any {
+    if free {
         for i in 0..B {
             w[i] = system.b[i] + impulses.pivot[i];
         }
+        if spelt_out {
+            column = system.sliding[0].row;
+            inverse_d = system.a.factor(&diagonal, factors, [w, &mut column]);
+            back_substitute(factors, &inverse_d, &mut column);
+            only(&moves, &mut column);
+        } else {
+            inverse_d = system.a.factor(&diagonal, factors, [w]);
+        }
+        back_substitute(factors, &inverse_d, w);
+        only(&moves, w);
     }
-    if system.count != 1 || system.sliding[0].rigid {
-        if free.any {
-            free.inverse_d = system.a.factor(&diagonal, &mut free.factors, [w]);
-            free.back(w);
+    if !spelt_out {
+        for k in 0..system.count.min(N) {
+            columns[k] = [T::ZERO; B];
+            if free {
+                columns[k] = solve_factored(factors, &inverse_d, &system.sliding[k].row);
+                only(&moves, &mut columns[k]);
+            }
         }
-        if system.count == 0 {
-            return no;
-        }
-        return slide(system, guess, impulses, condensed, &free, w, tolerance, single);
+        return slide(system, guess, impulses, columns, matrix, w, tolerance, single);
     }
     // The usual case of several laws, spelt out.
     let law = &system.sliding[0];
-    let mut column = [T::ZERO; B];
-    if free.any {
-        column = law.row;
-        free.inverse_d = system.a.factor(&diagonal, &mut free.factors, [w, &mut column]);
-        free.back(w);
-        free.back(&mut column);
-    }
     let (side, open) = (guess.sliding[0], guess.open[0]);
     let slides = not_zero(side);
     let (mut numerator, mut denominator) = (T::ZERO, T::ONE);
@@ -242,42 +250,11 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true))
 }
 
-/// The joints that move, and the factors of their part of A.
-struct Free<T, const B: usize> {
-    /// 1 for a joint that moves, 0 for one that sticks.
-    moves: [T; B],
-    /// Whether there is one at all; the factors are not read otherwise.
-    any: bool,
-    factors: [[T; B]; B],
-    inverse_d: [T; B],
-}
-
-impl<T: Real, const B: usize> Free<T, B> {
-    #[inline(always)]
-    fn new() -> Self {
-        Free { moves: [T::ZERO; B], any: false, factors: [[T::ZERO; B]; B], inverse_d: [T::ZERO; B] }
-    }
-
-    /// After [`crate::linear::Symmetric::factor`] has taken x along, the velocities that it stands for.
-    #[inline(always)]
-    fn back(&self, x: &mut [T; B]) {
-        back_substitute(&self.factors, &self.inverse_d, x);
-        for i in 0..B {
-            x[i] = x[i] * self.moves[i];
-        }
-    }
-
-    /// The velocities that impulses along a row bring about.
-    #[inline(always)]
-    fn column(&self, row: &[T; B]) -> [T; B] {
-        let mut column = [T::ZERO; B];
-        if self.any {
-            column = solve_factored(&self.factors, &self.inverse_d, row);
-            for i in 0..B {
-                column[i] = column[i] * self.moves[i];
-            }
-        }
-        column
+/// x for the joints that move (1), zero for those that stick (0).
+#[inline(always)]
+fn only<T: Real, const B: usize>(moves: &[T; B], x: &mut [T; B]) {
+    for i in 0..B {
+        x[i] = x[i] * moves[i];
     }
 }
 
@@ -288,18 +265,14 @@ fn slide<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
-    condensed: &mut Condensed<T, B, N>,
-    free: &Free<T, B>,
+    columns: &[[T; B]; N],
+    matrix: &mut [[T; N]; N],
     v: &mut [T; B],
     tolerance: T,
     single: bool,
 ) -> T::Mask {
     let n = system.count.min(N);
-    let Condensed { columns, matrix } = condensed;
     let (mut rhs, mut p, mut diagonal) = ([T::ZERO; N], [T::ZERO; N], [T::ONE; N]);
-    for k in 0..n {
-        columns[k] = free.column(&system.sliding[k].row);
-    }
     for k in 0..n {
         let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
         let (slides, sticks) = (closed.and(not_zero(side)), closed.and(not_zero(side).not()));
