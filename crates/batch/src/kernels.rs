@@ -50,6 +50,7 @@ impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<
     /// One step; writes how each mechanism's ended.
     #[inline]
     pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
         let Some(input) = Input::of_lanes(inputs) else { return self.one_by_one(inputs, outcomes) };
         let Lanes { kernel, model, state, settings, scratch, .. } = self;
         // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.

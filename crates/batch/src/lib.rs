@@ -15,9 +15,6 @@ mod number;
 
 use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
 
-/// Mechanisms in a group.
-pub const WIDTH: usize = 8;
-
 /// How many mechanisms of a group are stepped at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lanes {
@@ -51,7 +48,7 @@ impl Lanes {
     }
 }
 
-/// [`WIDTH`] mechanisms of one topology, stepped together.
+/// Mechanisms of one topology, stepped together: as many as there are lanes.
 pub struct Group<const B: usize, const Z: usize, const N: usize> {
     kind: Kind<B, Z, N>,
 }
@@ -60,42 +57,47 @@ enum Kind<const B: usize, const Z: usize, const N: usize> {
     #[cfg(target_arch = "x86_64")]
     Eight(Box<kernels::Lanes<avx512::F64x8, B, Z, N>>),
     #[cfg(target_arch = "x86_64")]
-    Four(Box<[kernels::Lanes<avx2::F64x4, B, Z, N>; 2]>),
-    One(Box<OneByOne<B, Z, N>>),
+    Four(Box<kernels::Lanes<avx2::F64x4, B, Z, N>>),
+    OneByOne(Box<OneByOne<B, Z, N>>),
 }
 
 struct OneByOne<const B: usize, const Z: usize, const N: usize> {
-    models: [Model<f64, B, Z>; WIDTH],
-    states: [State<f64, B, Z>; WIDTH],
+    models: Vec<Model<f64, B, Z>>,
+    states: Vec<State<f64, B, Z>>,
     settings: Settings<f64>,
     scratch: Scratch<f64, B, Z, N>,
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
-    /// Mechanisms where they are now, `at_most` so many at once: fewer where the processor does not have the instructions, one by one
-    /// where the mechanisms differ in more than their numbers.
+    /// Mechanisms where they are now. Where there are as many of them as the processor has `lanes` for, and they differ in their numbers
+    /// only, they are stepped at once; otherwise one by one.
+    ///
+    /// # Panics
+    /// If there are not as many states as models.
     pub fn new(
-        models: [Model<f64, B, Z>; WIDTH],
-        states: [State<f64, B, Z>; WIDTH],
-        settings: Settings<f64>,
-        at_most: Lanes,
+        models: &[Model<f64, B, Z>],
+        states: &[State<f64, B, Z>],
+        settings: &Settings<f64>,
+        lanes: Lanes,
     ) -> Self {
+        assert_eq!(models.len(), states.len(), "a state for each model");
         #[cfg(target_arch = "x86_64")]
-        {
-            if at_most == Lanes::Eight
-                && let Some(eight) = kernels::eight(&models, &states, &settings)
-            {
-                return Group { kind: Kind::Eight(Box::new(eight)) };
+        match lanes {
+            Lanes::Eight => {
+                if let Some(eight) = kernels::eight(models, states, settings) {
+                    return Group { kind: Kind::Eight(Box::new(eight)) };
+                }
             }
-            let half = |k: usize| kernels::four(&models[4 * k..4 * k + 4], &states[4 * k..4 * k + 4], &settings);
-            if at_most >= Lanes::Four
-                && let (Some(first), Some(second)) = (half(0), half(1))
-            {
-                return Group { kind: Kind::Four(Box::new([first, second])) };
+            Lanes::Four => {
+                if let Some(four) = kernels::four(models, states, settings) {
+                    return Group { kind: Kind::Four(Box::new(four)) };
+                }
             }
+            Lanes::One => {}
         }
-        let _ = at_most;
-        Group { kind: Kind::One(Box::new(OneByOne { models, states, settings, scratch: Scratch::new() })) }
+        let _ = lanes;
+        let (models, states) = (models.to_vec(), states.to_vec());
+        Group { kind: Kind::OneByOne(Box::new(OneByOne { models, states, settings: *settings, scratch: Scratch::new() })) }
     }
 
     /// How many are stepped at once.
@@ -105,31 +107,27 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Eight(_) => Lanes::Eight,
             #[cfg(target_arch = "x86_64")]
             Kind::Four(_) => Lanes::Four,
-            Kind::One(_) => Lanes::One,
+            Kind::OneByOne(_) => Lanes::One,
         }
     }
 
-    /// One step of all; says how each ended. The inputs of mechanisms that are stepped at once must be of one kind (they are taken one
-    /// by one otherwise).
-    pub fn step(&mut self, inputs: &[Input<f64>; WIDTH]) -> [Outcome; WIDTH] {
-        let mut outcomes = [Outcome::Converged; WIDTH];
+    /// One step of all, with an input for each; writes how each ended. Inputs of different kinds are taken one by one.
+    ///
+    /// # Panics
+    /// If there are fewer inputs or outcomes than mechanisms.
+    pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         match &mut self.kind {
             #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.step(inputs, &mut outcomes),
+            Kind::Eight(eight) => eight.step(inputs, outcomes),
             #[cfg(target_arch = "x86_64")]
-            Kind::Four(halves) => {
-                for (k, four) in halves.iter_mut().enumerate() {
-                    four.step(&inputs[4 * k..4 * k + 4], &mut outcomes[4 * k..4 * k + 4]);
-                }
-            }
-            Kind::One(one) => {
+            Kind::Four(four) => four.step(inputs, outcomes),
+            Kind::OneByOne(one) => {
                 let OneByOne { models, states, settings, scratch } = one.as_mut();
-                for i in 0..WIDTH {
-                    outcomes[i] = step(&models[i], settings, &inputs[i], &mut states[i], scratch).outcome;
+                for (i, (model, state)) in models.iter().zip(states).enumerate() {
+                    outcomes[i] = step(model, settings, &inputs[i], state, scratch).outcome;
                 }
             }
         }
-        outcomes
     }
 
     /// One mechanism's state.
@@ -138,8 +136,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             #[cfg(target_arch = "x86_64")]
             Kind::Eight(eight) => eight.state(index),
             #[cfg(target_arch = "x86_64")]
-            Kind::Four(halves) => halves[index / 4].state(index % 4),
-            Kind::One(one) => one.states[index].clone(),
+            Kind::Four(four) => four.state(index),
+            Kind::OneByOne(one) => one.states[index].clone(),
         }
     }
 }
