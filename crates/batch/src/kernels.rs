@@ -1,21 +1,22 @@
 //! The kernel, compiled for each set of instructions.
 
-use moreau::{Input, LanesReport, Mask, Model, Outcome, Real, Scratch, Settings, State, step, step_lanes};
+use moreau::{Input, Mask, Model, Outcome, Real, Scratch, Settings, State, step, step_lanes};
 
 use crate::avx2::F64x4;
 use crate::avx512::F64x8;
 
-/// One step of all lanes.
+/// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one kind.
 ///
 /// # Safety
 /// The processor must have the instructions that the kernel is compiled for.
 type Kernel<T, const B: usize, const Z: usize, const N: usize> = unsafe fn(
     &Model<T, B, Z>,
     &Settings<T>,
-    &Input<T>,
+    &[Input<f64>],
     &mut State<T, B, Z>,
     &mut Scratch<T, B, Z, N>,
-) -> LanesReport<<T as Real>::Mask>;
+    &mut [Outcome],
+) -> bool;
 
 /// As many mechanisms as T has lanes, side by side.
 pub struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
@@ -51,16 +52,10 @@ impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<
     #[inline]
     pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
-        let Some(input) = Input::of_lanes(inputs) else { return self.one_by_one(inputs, outcomes) };
         let Lanes { kernel, model, state, settings, scratch, .. } = self;
         // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.
-        let report = unsafe { kernel(model, settings, &input, state, scratch) };
-        for (i, outcome) in outcomes.iter_mut().enumerate() {
-            *outcome = match (report.finite.lane(i), report.converged.lane(i)) {
-                (false, _) => Outcome::NonFinite,
-                (true, true) => Outcome::Converged,
-                (true, false) => Outcome::IterationLimit,
-            };
+        if !unsafe { kernel(model, settings, inputs, state, scratch, outcomes) } {
+            self.one_by_one(inputs, outcomes);
         }
     }
 
@@ -116,24 +111,48 @@ pub fn has_avx512() -> bool {
         && is_x86_feature_detected!("avx512bw")
 }
 
+/// The kernel for any number. Inputs are joined in here, so that they are written as wide as they are read.
+#[inline(always)]
+fn step_all<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    inputs: &[Input<f64>],
+    state: &mut State<T, B, Z>,
+    scratch: &mut Scratch<T, B, Z, N>,
+    outcomes: &mut [Outcome],
+) -> bool {
+    let Some(input) = Input::of_lanes(inputs) else { return false };
+    let report = step_lanes(model, settings, &input, state, scratch);
+    for (i, outcome) in outcomes.iter_mut().enumerate() {
+        *outcome = match (report.finite.lane(i), report.converged.lane(i)) {
+            (false, _) => Outcome::NonFinite,
+            (true, true) => Outcome::Converged,
+            (true, false) => Outcome::IterationLimit,
+        };
+    }
+    true
+}
+
 #[target_feature(enable = "avx2")]
 fn avx2_step<const B: usize, const Z: usize, const N: usize>(
     model: &Model<F64x4, B, Z>,
     settings: &Settings<F64x4>,
-    input: &Input<F64x4>,
+    inputs: &[Input<f64>],
     state: &mut State<F64x4, B, Z>,
     scratch: &mut Scratch<F64x4, B, Z, N>,
-) -> LanesReport<<F64x4 as Real>::Mask> {
-    step_lanes(model, settings, input, state, scratch)
+    outcomes: &mut [Outcome],
+) -> bool {
+    step_all(model, settings, inputs, state, scratch, outcomes)
 }
 
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
 fn avx512_step<const B: usize, const Z: usize, const N: usize>(
     model: &Model<F64x8, B, Z>,
     settings: &Settings<F64x8>,
-    input: &Input<F64x8>,
+    inputs: &[Input<f64>],
     state: &mut State<F64x8, B, Z>,
     scratch: &mut Scratch<F64x8, B, Z, N>,
-) -> LanesReport<<F64x8 as Real>::Mask> {
-    step_lanes(model, settings, input, state, scratch)
+    outcomes: &mut [Outcome],
+) -> bool {
+    step_all(model, settings, inputs, state, scratch, outcomes)
 }
