@@ -153,18 +153,23 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             for law in 0..system.count {
                 p -= system.sliding[law].row[i] * impulses.sliding[law];
             }
-            impulses.pivot[i] = T::select(slides, impulses.pivot[i], p);
+            // A pivot that sticks has no impulse yet.
+            impulses.pivot[i] += T::select(slides, T::ZERO, p);
             // Rounding in the bound must not turn a pivot that holds at its limit back and forth.
             let bound = system.pivot_bound[i] * (T::ONE + T::from_f64(8.0) * T::EPSILON);
             let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change(changed));
-            guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
-            changed = changed.or(exceeded);
+            if exceeded.any() {
+                guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
+                changed = changed.or(exceeded);
+            }
         }
         if slides.any() {
             let turned = slides.and(tolerance.lt(guess.pivot[i] * w[i])).and(T::ZERO.lt(system.pivot_bound[i]));
             let turned = turned.and(may_change(changed));
-            guess.pivot[i] = T::select(turned, T::ZERO, guess.pivot[i]);
-            changed = changed.or(turned);
+            if turned.any() {
+                guess.pivot[i] = T::select(turned, T::ZERO, guess.pivot[i]);
+                changed = changed.or(turned);
+            }
         }
     }
     changed
@@ -359,8 +364,10 @@ fn correct<T: Real, const B: usize, const N: usize>(
     let if_sliding = T::select(tolerance.lt(side * u), T::ZERO, side);
     let next = T::select(pressed, T::select(slides, if_sliding, if_sticking), T::ZERO);
     let moved = not_zero(next - side).or(pressed.and(open)).or(pressed.or(open).not()).and(allowed);
-    guess.sliding[k] = T::select(moved, next, side);
-    guess.open[k] = open.and(moved.not()).or(pressed.not().and(moved));
+    if moved.any() {
+        guess.sliding[k] = T::select(moved, next, side);
+        guess.open[k] = open.and(moved.not()).or(pressed.not().and(moved));
+    }
     moved
 }
 
