@@ -2,6 +2,25 @@
 
 use crate::Real;
 
+/// Repeats `body` for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler does not unroll
+/// loops within loops early enough to keep a matrix in registers, which makes the factorisation take twice as long.
+macro_rules! written_out {
+    (up $row:ident, $size:ident, $body:block) => {{
+        written_out!(@each $row, $size, $body, 0 1 2 3 4 5);
+        for $row in 6..$size $body
+    }};
+    (down $row:ident, $size:ident, $body:block) => {{
+        for $row in (6..$size).rev() $body
+        written_out!(@each $row, $size, $body, 5 4 3 2 1 0);
+    }};
+    (@each $row:ident, $size:ident, $body:block, $($index:literal)+) => {
+        $(if $index < $size {
+            let $row: usize = $index;
+            $body
+        })+
+    };
+}
+
 /// A symmetric matrix.
 #[derive(Debug, Clone, Copy)]
 pub struct Symmetric<T, const B: usize> {
@@ -60,7 +79,7 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
     ) -> [T; B] {
         let mut inverse = [T::ZERO; B];
         // Row by row: while one row's division is under way, the next row's products can be.
-        for i in 0..B {
+        written_out!(up i, B, {
             let mut scaled = self.below[i];
             let mut d = diagonal[i];
             for j in 0..i {
@@ -78,7 +97,7 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
                     x[r][i] -= l[i][k] * t;
                 }
             }
-        }
+        });
         inverse
     }
 }
@@ -89,24 +108,24 @@ pub(crate) fn back_substitute<T: Real, const B: usize>(l: &[[T; B]; B], inverse_
     for i in 0..B {
         x[i] = x[i] * inverse_d[i];
     }
-    for i in (0..B).rev() {
+    written_out!(down i, B, {
         for k in 0..i {
             let t = x[i];
             x[k] -= l[i][k] * t;
         }
-    }
+    });
 }
 
 /// A^-1 x from the factors.
 #[inline(always)]
 pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B], x: &[T; B]) -> [T; B] {
     let mut y = *x;
-    for i in 0..B {
+    written_out!(up i, B, {
         for k in 0..i {
             let t = y[k];
             y[i] -= l[i][k] * t;
         }
-    }
+    });
     back_substitute(l, inverse_d, &mut y);
     y
 }
