@@ -97,7 +97,9 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
         let _ = lanes;
         let (models, states) = (models.to_vec(), states.to_vec());
-        Group { kind: Kind::OneByOne(Box::new(OneByOne { models, states, settings: *settings, scratch: Scratch::new() })) }
+        Group {
+            kind: Kind::OneByOne(Box::new(OneByOne { models, states, settings: *settings, scratch: Scratch::new() })),
+        }
     }
 
     /// How many are stepped at once.

@@ -2,8 +2,8 @@
 
 use crate::form::Form;
 use crate::joints::Parent;
-use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
 use crate::linear::Symmetric;
+use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
 use crate::path::Path;
 use crate::state::{Input, State};
 use crate::survey::Survey;
@@ -70,7 +70,8 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             };
         }
         if let Some(site) = &first.site {
-            let numbers = |f: fn(&Site<T::Lane>) -> T::Lane| T::join(|lane| models[lane].site.as_ref().map_or(f(site), f));
+            let numbers =
+                |f: fn(&Site<T::Lane>) -> T::Lane| T::join(|lane| models[lane].site.as_ref().map_or(f(site), f));
             joined.site = Some(Site {
                 body: site.body,
                 point: [numbers(|s| s.point[0]), numbers(|s| s.point[1])],

@@ -1,7 +1,7 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
 use crate::contact::Timing;
-use crate::joints::{relative, row_to_joints};
+use crate::joints::row_to_joints;
 use crate::linear::Symmetric;
 use crate::model::Model;
 use crate::state::{Input, Scratch};
@@ -61,7 +61,6 @@ fn beyond_parents<T: Real, const B: usize, const Z: usize>(
 
 /// Adds the coupling c v_i v_a of a body and its ancestor to the mass matrix in relative velocities, where v is the sum of w over the
 /// joints that carry a body.
-#[inline(always)]
 fn add_coupling<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     mass: &mut Symmetric<T, B>,
@@ -69,11 +68,6 @@ fn add_coupling<T: Real, const B: usize, const Z: usize>(
     ancestor: usize,
     coupling: T,
 ) {
-    if model.parent[ancestor] >= B && model.parent[body] == ancestor {
-        mass.diagonal[ancestor] += coupling + coupling;
-        mass.below[body][ancestor] += coupling;
-        return;
-    }
     let mut j = body;
     while j < B {
         let mut k = ancestor;
@@ -100,29 +94,35 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     timing: &Timing<T>,
     input: &Input<T>,
     w: &[T; B],
-    q_theta: &[T; B],
+    joint_angle: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let (h, h_theta) = (timing.step, timing.h_theta);
     let weights = gravity_and_centrifugal(model, scratch);
     let driven = drive(model, input, h_theta, scratch);
-    let joint_angle = relative(model, q_theta);
     let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } =
         &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
     *a = model.joint_inertia;
-    for &i in &model.hinged[..model.hinged_count] {
-        add_coupling(model, a, i, model.parent[i], coupling[i]);
-    }
+    let mut carried = [T::ZERO; B];
     if model.deep {
+        for &i in &model.hinged[..model.hinged_count] {
+            add_coupling(model, a, i, model.parent[i], coupling[i]);
+        }
         beyond_parents(model, |i, ancestor, _| add_coupling(model, a, i, ancestor, deep_coupling[i][ancestor]));
+    } else {
+        // c (w_i + w_p) w_p.
+        for &i in &model.hinged[..model.hinged_count] {
+            a.below[i][model.parent[i]] += coupling[i];
+        }
+        row_to_joints(model, &mut carried, coupling);
     }
     for i in 0..B {
         let spring = model.spring_torque[i] - model.spring_stiffness[i] * joint_angle[i];
         let torque = weights[i] + spring - model.viscous[i] * joint_velocity[i];
         let tangent = h_theta * (model.viscous[i] + h_theta * model.spring_stiffness[i]);
         b[i] = momentum[i] + h * torque + tangent * w[i];
-        a.diagonal[i] += tangent;
+        a.diagonal[i] += tangent + carried[i] + carried[i];
     }
     if let Some((force, tangent)) = driven {
         *drive_force = force;

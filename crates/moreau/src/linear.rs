@@ -2,8 +2,8 @@
 
 use crate::Real;
 
-/// Repeats `body` for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler does not unroll
-/// loops within loops early enough to keep a matrix in registers, which makes the factorisation take twice as long.
+/// Repeats a body for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler does not unroll
+/// loops within loops early enough to keep a matrix in registers.
 macro_rules! written_out {
     (up $row:ident, $size:ident, $body:block) => {{
         written_out!(@each $row, $size, $body, 0 1 2 3 4 5);
@@ -71,12 +71,7 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
     ///
     /// The matrix must be positive definite: here a mass matrix plus positive semidefinite terms.
     #[inline(always)]
-    pub(crate) fn factor<const R: usize>(
-        &self,
-        diagonal: &[T; B],
-        l: &mut [[T; B]; B],
-        x: [&mut [T; B]; R],
-    ) -> [T; B] {
+    pub(crate) fn factor<const R: usize>(&self, diagonal: &[T; B], l: &mut [[T; B]; B], x: [&mut [T; B]; R]) -> [T; B] {
         let mut inverse = [T::ZERO; B];
         // Row by row: while one row's division is under way, the next row's products can be.
         written_out!(up i, B, {

@@ -27,7 +27,16 @@ pub struct Pose<T, const B: usize> {
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
         let zero = [T::ZERO; B];
-        Pose { cos: [T::ONE; B], sin: zero, pivot_x: zero, pivot_y: zero, arm_x: zero, arm_y: zero, moment_x: zero, moment_y: zero }
+        Pose {
+            cos: [T::ONE; B],
+            sin: zero,
+            pivot_x: zero,
+            pivot_y: zero,
+            arm_x: zero,
+            arm_y: zero,
+            moment_x: zero,
+            moment_y: zero,
+        }
     }
 
     /// Places every body for the given absolute angles, parents first.

@@ -92,14 +92,15 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     for iteration in 0..settings.newton_limit {
         let model = core::hint::black_box(model);
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
+        let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
             // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
             joint_momentum(model, &state.velocity, &w0, scratch);
-            state.survey.renew(model, &scratch.pose, &q_theta, &scratch.joint_velocity, &timing);
+            state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing);
         }
         let near = state.survey.near();
-        linearise(model, &timing, input, &w, &q_theta, scratch);
+        linearise(model, &timing, input, &w, &joint_angle, scratch);
         add_zones(model, &timing, near, iteration > 0, &w, scratch);
         if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
             regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
