@@ -155,8 +155,10 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             }
             // A pivot that sticks has no impulse yet.
             impulses.pivot[i] += T::select(slides, T::ZERO, p);
-            // Rounding in the bound must not turn a pivot that holds at its limit back and forth.
-            let bound = system.pivot_bound[i] * (T::ONE + T::from_f64(8.0) * T::EPSILON);
+            // Rounding, in the bound and in the loads that p is the difference of, must not turn a pivot that holds at its limit back
+            // and forth.
+            let rounding = T::from_f64(8.0) * T::EPSILON * (system.pivot_bound[i] + system.b[i].abs());
+            let bound = system.pivot_bound[i] + rounding;
             let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change(changed));
             if exceeded.any() {
                 guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
