@@ -6,7 +6,7 @@ use common::Folder;
 use serde_json::Value;
 
 /// What a reader of the JSON may rely on.
-const NUMBERS: [&str; 40] = [
+const NUMBERS: [&str; 42] = [
     "step_ns_median",
     "step_ns_spread",
     "real_time_factor",
@@ -22,7 +22,9 @@ const NUMBERS: [&str; 40] = [
     "batch_one_by_one_ns_median",
     "batch_lanes_ns_median",
     "batch_all_cores_ns_median",
-    "batch_spread",
+    "batch_one_by_one_ns_spread",
+    "batch_lanes_ns_spread",
+    "batch_all_cores_ns_spread",
     "batch_tremolo_speedup_per_core",
     "batch_tremolo_speedup_all_cores",
     "study_stroke_ms_median",

@@ -7,8 +7,9 @@ use std::f64::consts::PI;
 use common::{grand, tremolo};
 use erard::instrument::Instrument;
 use erard::one_dof;
+use erard::run::Run;
 use erard::simulation::{Drive, Setup, SimulationError, simulate};
-use erard::study::{Job, JobResult, Played, Stroke, play_all};
+use erard::study::{Job, JobResult, Lanes, Played, Stroke, Workers, play_all};
 use moreau::Settings;
 
 /// Variants of the grand that a study would ask for, another action, and models of other sizes.
@@ -62,8 +63,18 @@ fn jobs(plan: &[(usize, usize, f64)]) -> Vec<Job<'static>> {
 const SETUP: fn() -> Setup =
     || Setup { settings: Settings::new(50e-6), start_s: 0.0, duration_s: 0.25, record_every: Some(u64::MAX) };
 
-fn study(plan: &[(usize, usize, f64)], threads: usize) -> Vec<JobResult> {
-    play_all(&instruments(), jobs(plan), &SETUP(), threads, &mut |_| true).expect("nobody interrupts")
+fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {
+    play_all(&instruments(), jobs(plan), &SETUP(), workers, &mut |_| true).expect("nobody interrupts")
+}
+
+/// So many threads, and the lanes that there are.
+fn threads(threads: usize) -> Workers {
+    Workers { threads, ..Workers::all() }
+}
+
+/// Every kind of lanes that this processor has.
+fn kinds_of_lanes() -> impl Iterator<Item = Lanes> {
+    [Lanes::One, Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| *lanes <= Lanes::most())
 }
 
 fn played(results: Vec<JobResult>) -> Vec<Played> {
@@ -75,18 +86,30 @@ fn played(results: Vec<JobResult>) -> Vec<Played> {
 #[test]
 fn a_study_gives_what_simulate_gives() {
     let (instruments, plan) = (instruments(), plan());
-    let together = played(study(&plan, 2));
+    let runs: Vec<Run> =
+        plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
+    for lanes in kinds_of_lanes() {
+        compare(lanes, &plan, &runs);
+    }
+}
+
+/// One job by `simulate`.
+fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
+    let own = stroke(kind, strength);
+    let drive = match &own {
+        Stroke::Free => Drive::Free,
+        Stroke::Force(force) => Drive::Force(force.as_ref()),
+        Stroke::Motion(position) => Drive::Motion(position.as_ref()),
+        Stroke::Rigid(position) => Drive::Rigid(position.as_ref()),
+    };
+    let setup = Setup { record_every: Some(1), ..SETUP() };
+    simulate(instrument, &drive, &setup, &mut |_| true).expect("plays")
+}
+
+fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) {
+    let together = played(study(plan, Workers { threads: 2, lanes }));
     let (mut worst_s, mut worst_speed, mut strikes, mut checks) = (0.0_f64, 0.0_f64, 0, 0);
-    for (&(instrument, kind, strength), played) in plan.iter().zip(&together) {
-        let own = stroke(kind, strength);
-        let drive = match &own {
-            Stroke::Free => Drive::Free,
-            Stroke::Force(force) => Drive::Force(force.as_ref()),
-            Stroke::Motion(position) => Drive::Motion(position.as_ref()),
-            Stroke::Rigid(position) => Drive::Rigid(position.as_ref()),
-        };
-        let setup = Setup { record_every: Some(1), ..SETUP() };
-        let run = simulate(&instruments[instrument], &drive, &setup, &mut |_| true).expect("plays");
+    for ((&(instrument, kind, strength), played), run) in plan.iter().zip(&together).zip(runs) {
         assert_eq!(played.unconverged_steps, run.work.unconverged_steps);
         let highest = run.hammer_head_m.iter().fold(0.0_f64, |a, b| a.max(*b));
         assert!((played.highest_m - highest).abs() < 1e-9, "{instrument} {kind}: {} {highest}", played.highest_m);
@@ -106,7 +129,9 @@ fn a_study_gives_what_simulate_gives() {
         strikes += b.strikes.len();
         checks += usize::from(b.check_s.is_some());
     }
-    println!("{strikes} strikes, {checks} checks; apart by at most {worst_s:.1e} s and {worst_speed:.1e} of the speed");
+    println!(
+        "{lanes:?}: {strikes} strikes, {checks} checks; apart by at most {worst_s:.1e} s and {worst_speed:.1e} of the speed"
+    );
     assert!(strikes >= 15 && checks >= 5, "the study strikes and checks: {strikes}, {checks}");
     assert!(worst_s < 1e-9 && worst_speed < 1e-7, "{worst_s:e} {worst_speed:e}");
 }
@@ -116,9 +141,11 @@ fn a_study_gives_what_simulate_gives() {
 fn the_same_bits_with_any_number_of_threads() {
     let plan = plan();
     assert!(plan.len() % 2 == 1, "the last groups are not full");
-    let alone = played(study(&plan, 1));
-    for threads in [2, 3, 16] {
-        assert_eq!(played(study(&plan, threads)), alone, "{threads} threads");
+    for lanes in kinds_of_lanes() {
+        let alone = played(study(&plan, Workers { threads: 1, lanes }));
+        for threads in [2, 3] {
+            assert_eq!(played(study(&plan, Workers { threads, lanes })), alone, "{threads} threads, {lanes:?}");
+        }
     }
 }
 
@@ -128,7 +155,7 @@ fn the_order_does_not_matter() {
     let plan = plan();
     let mut backwards = plan.clone();
     backwards.reverse();
-    let (a, b) = (played(study(&plan, 2)), played(study(&backwards, 2)));
+    let (a, b) = (played(study(&plan, threads(2))), played(study(&backwards, threads(2))));
     for (a, b) in a.iter().zip(b.iter().rev()) {
         assert_eq!(a.events.strikes.len(), b.events.strikes.len());
         for (x, y) in a.events.strikes.iter().zip(&b.events.strikes) {
@@ -146,7 +173,7 @@ fn a_job_that_fails_fails_alone() {
     explosive.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300);
     instruments.push(explosive);
     let job = |instrument, force: fn(f64) -> f64| Job { instrument, stroke: Stroke::Force(Box::new(force)) };
-    let go = |jobs| play_all(&instruments, jobs, &SETUP(), 2, &mut |_| true).expect("nobody interrupts");
+    let go = |jobs| play_all(&instruments, jobs, &SETUP(), threads(2), &mut |_| true).expect("nobody interrupts");
     let good = go(vec![job(0, |_| 4.0), job(1, |_| 5.0), job(2, |_| 6.0)]);
     let some =
         go(vec![job(0, |_| 4.0), job(1, |t| if t > 0.1 { f64::NAN } else { 5.0 }), job(2, |_| 6.0), job(3, |_| 5.0)]);
@@ -164,14 +191,14 @@ fn a_job_that_fails_fails_alone() {
 #[test]
 fn nothing_to_do_a_wrong_setup_and_an_interruption() {
     let instruments = instruments();
-    assert!(play_all(&instruments, Vec::new(), &SETUP(), 2, &mut |_| true).expect("nothing fails").is_empty());
+    assert!(play_all(&instruments, Vec::new(), &SETUP(), threads(2), &mut |_| true).expect("nothing fails").is_empty());
     let wrong = Setup { duration_s: -1.0, ..SETUP() };
     assert!(matches!(
-        play_all(&instruments, jobs(&plan()), &wrong, 2, &mut |_| true),
+        play_all(&instruments, jobs(&plan()), &wrong, threads(2), &mut |_| true),
         Err(SimulationError::Duration { .. })
     ));
     assert!(matches!(
-        play_all(&instruments, jobs(&plan()), &SETUP(), 2, &mut |_| false),
+        play_all(&instruments, jobs(&plan()), &SETUP(), threads(2), &mut |_| false),
         Err(SimulationError::Interrupted)
     ));
 }

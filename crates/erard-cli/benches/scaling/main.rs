@@ -14,7 +14,7 @@ use erard::bench::callgrind::{CountError, instructions, is_available};
 use erard::bench::{STEP_S, instrument};
 use erard::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
 use erard::simulation::Setup;
-use erard::study::{Job, Stroke, play_all};
+use erard::study::{Job, Lanes, Stroke, Workers, play_all};
 use erard_cli::figure::png_from_svg;
 use erard_cli::report::chart_svg;
 use levers::{BODIES, BODIES_AND_STOPS, Size, Stops, Tree, ZONES};
@@ -97,7 +97,9 @@ fn study(strokes: usize) {
     let instruments = vec![instrument(); strokes];
     let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s: STROKE_S, record_every: None };
     let job = |i: usize| Job { instrument: i, stroke: Stroke::Force(Box::new(move |_| 4.0 + 0.01 * i as f64)) };
-    let played = play_all(&instruments, (0..strokes).map(job).collect(), &setup, 1, &mut |_| true);
+    // Four: whatever more the processor has, so that counts can be compared.
+    let workers = Workers { threads: 1, lanes: Lanes::most().min(Lanes::Four) };
+    let played = play_all(&instruments, (0..strokes).map(job).collect(), &setup, workers, &mut |_| true);
     assert!(played.expect("nobody interrupts").iter().all(Result::is_ok));
 }
 

@@ -7,7 +7,7 @@ use clap::Args;
 use erard::cores;
 use erard::instrument::Instrument;
 use erard::simulation::Setup;
-use erard::study::{Job, JobResult, Stroke as JobStroke, play_all};
+use erard::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
 
 use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use crate::failure::Failure;
@@ -193,7 +193,7 @@ fn play_portion(
         jobs.push(Job { instrument: instruments.len() - 1, stroke: job_stroke(stroke, force_n) });
     }
     let mut results: Vec<Option<JobResult>> =
-        play_all(&instruments, jobs, setup, cores::count(), progress)?.into_iter().map(Some).collect();
+        play_all(&instruments, jobs, setup, Workers::all(), progress)?.into_iter().map(Some).collect();
     let outcome = |place: Result<usize, String>| {
         let result = results[place?].take();
         result.ok_or_else(|| "no result".to_owned())?.map_err(|error| error.to_string())

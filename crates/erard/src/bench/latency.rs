@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use batch::WIDTH;
+use batch::Lanes;
 use moreau::{Input, Outcome, Settings, step};
 use serde::Serialize;
 
@@ -42,9 +42,9 @@ pub struct Latencies {
     pub step_ns_p9999: u64,
     /// The slowest one, ns.
     pub step_ns_max: u64,
-    /// Steps of four grands at once that were timed.
+    /// Steps of as many grands at once as there are lanes that were timed.
     pub group_steps_timed: u64,
-    /// As for single steps, ns for all four.
+    /// As for single steps, ns for all of them.
     pub group_step_ns_p50: u64,
     /// Likewise.
     pub group_step_ns_p99: u64,
@@ -64,22 +64,22 @@ pub struct Latencies {
 
 impl Latencies {
     /// Of single steps and of group steps.
-    pub fn new(one: &Latency, four: &Latency) -> Self {
+    pub fn new(one: &Latency, group: &Latency) -> Self {
         Latencies {
             steps_timed: one.steps,
             step_ns_p50: one.p50_ns,
             step_ns_p99: one.p99_ns,
             step_ns_p9999: one.p9999_ns,
             step_ns_max: one.max_ns,
-            group_steps_timed: four.steps,
-            group_step_ns_p50: four.p50_ns,
-            group_step_ns_p99: four.p99_ns,
-            group_step_ns_p9999: four.p9999_ns,
-            group_step_ns_max: four.max_ns,
+            group_steps_timed: group.steps,
+            group_step_ns_p50: group.p50_ns,
+            group_step_ns_p99: group.p99_ns,
+            group_step_ns_p9999: group.p9999_ns,
+            group_step_ns_max: group.max_ns,
             clock_ns: clock_ns(),
             newton_iterations_max: one.newton_iterations_max,
             active_sets_max: one.active_sets_max,
-            unconverged_steps: one.unconverged_steps + four.unconverged_steps,
+            unconverged_steps: one.unconverged_steps + group.unconverged_steps,
         }
     }
 }
@@ -206,24 +206,27 @@ pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Lat
     })
 }
 
-/// Times steps of four grands in lanes, each with a player of its own; `None` where `progress` ended the work.
+/// Times steps of as many grands as there are lanes, each with a player of its own; `None` where `progress` ended the work.
 ///
 /// # Panics
 /// If a number becomes infinite.
-pub fn of_group_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
+pub fn of_group_steps(steps: u64, lanes: Lanes, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
     let (model, state) = grand();
-    let (models, states) = (core::array::from_fn(|_| model.clone()), core::array::from_fn(|_| state.clone()));
-    let mut group = GrandGroup::new(models, states, Settings::new(STEP_S), true);
-    let mut players: [RandomPlayer; WIDTH] =
-        core::array::from_fn(|i| RandomPlayer::new(SEED.wrapping_mul(2 * i as u64 + 1)));
+    let count = lanes.count();
+    let mut group = GrandGroup::new(&vec![model; count], &vec![state; count], &Settings::new(STEP_S), lanes);
+    let mut players: Vec<RandomPlayer> =
+        (0..count).map(|i| RandomPlayer::new(SEED.wrapping_mul(2 * i as u64 + 1))).collect();
+    let (mut inputs, mut outcomes) = (vec![Input::Free; count], vec![Outcome::Converged; count]);
     let (mut histogram, mut unconverged) = (Histogram::new(), 0);
     for n in 0..steps {
         if n % ASK_EVERY == 0 && !progress(n as f64 / steps as f64) {
             return None;
         }
-        let inputs = players.each_mut().map(RandomPlayer::next);
+        for (input, player) in inputs.iter_mut().zip(&mut players) {
+            *input = player.next();
+        }
         let start = Instant::now();
-        let outcomes = group.step(&inputs);
+        group.step(&inputs, &mut outcomes);
         histogram.add(start.elapsed().as_nanos() as u64);
         assert!(!outcomes.contains(&Outcome::NonFinite));
         unconverged += u64::from(outcomes.contains(&Outcome::IterationLimit));

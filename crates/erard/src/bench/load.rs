@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use batch::WIDTH;
+use batch::Lanes;
 use moreau::{Input, Outcome, Settings, step};
 
 use super::grand::{GrandGroup, GrandModel, GrandScratch, GrandState, MF_N, STEP_S, STEPS, at_rest, instrument};
 use crate::cores::{do_all, job};
 use crate::simulation::SimulationError;
 
-/// Grands that are played one after the other, or four by four in lanes.
+/// Grands that are played one after the other, or side by side in lanes.
 pub struct Load {
     grands: Vec<(GrandModel, GrandState)>,
     settings: Settings<f64>,
@@ -18,17 +18,20 @@ pub struct Load {
     steps: u64,
 }
 
+/// Grands of a group, whatever lanes they are played in: as many as the widest lanes hold.
+pub const WIDEST: usize = 8;
+
 /// Strokes a second of the tremolo.
 const TREMOLO_HZ: f64 = 8.0;
 /// Its strongest force, N: fortissimo.
 const TREMOLO_N: f64 = 20.0;
 
 impl Load {
-    /// A parameter study: the same second of a note on `groups` times four grands whose hammers are of different weight, by up to 20 %
+    /// A parameter study: the same second of a note on grands, as many as so many groups have lanes, whose hammers are of different weight, by up to 20 %
     /// either way, and whose knuckles are of different stiffness. The lanes of a group do nearly the same at the same time.
     pub fn parameter_study(groups: usize, steps: u64) -> Self {
         // Settling takes its time: on many cores the same sixteen come again.
-        let count = (groups * WIDTH).min(16);
+        let count = (groups * WIDEST).min(16);
         let varied = |i: usize| {
             let mut varied = instrument();
             let x = i as f64 / (count - 1) as f64 - 0.5;
@@ -42,7 +45,7 @@ impl Load {
             at_rest(&varied).expect("a varied grand comes to rest")
         };
         let varied: Vec<_> = (0..count).map(varied).collect();
-        let grands = varied.iter().cycle().take(groups * WIDTH).cloned().collect();
+        let grands = varied.iter().cycle().take(groups * WIDEST).cloned().collect();
         Load::new(grands, |_, n| Input::Force(if n % STEPS < STEPS / 2 { MF_N } else { 0.0 }), steps)
     }
 
@@ -51,7 +54,7 @@ impl Load {
     pub fn tremolo(groups: usize, steps: u64) -> Self {
         let one = super::grand();
         Load::new(
-            vec![one; groups * WIDTH],
+            vec![one; groups * WIDEST],
             |i, n| {
                 // The golden section spreads the phases, also those of neighbours.
                 let phase = TREMOLO_HZ * STEP_S * n as f64 + 0.618_033_988_749_895 * i as f64;
@@ -65,19 +68,14 @@ impl Load {
         Load { grands, settings: Settings::new(STEP_S), input, steps }
     }
 
-    /// Number of its groups of four.
+    /// Number of its groups of [`WIDEST`].
     pub fn groups(&self) -> usize {
-        self.grands.len() / WIDTH
+        self.grands.len() / WIDEST
     }
 
-    /// Steps that playing so many of its groups takes, of all four grands.
+    /// Steps that playing so many of its groups takes, of all their grands.
     pub fn count(&self, groups: usize) -> f64 {
-        (groups * WIDTH) as f64 * self.steps as f64
-    }
-
-    /// Whether its groups are stepped in lanes here.
-    pub fn in_lanes(&self) -> bool {
-        self.group(0).in_lanes()
+        (groups * WIDEST) as f64 * self.steps as f64
     }
 
     /// Plays the grands of so many groups one after the other; returns the sum of the last angles, so that nothing can be left out.
@@ -86,7 +84,7 @@ impl Load {
     /// If a number becomes infinite; so do the others.
     pub fn one_by_one(&self, groups: usize) -> f64 {
         let mut sum = 0.0;
-        for (i, (model, state)) in self.grands.iter().take(groups * WIDTH).enumerate() {
+        for (i, (model, state)) in self.grands.iter().take(groups * WIDEST).enumerate() {
             let (mut state, mut scratch) = (state.clone(), GrandScratch::new());
             for n in 0..self.steps {
                 let report = step(model, &self.settings, &(self.input)(i, n), &mut state, &mut scratch);
@@ -98,33 +96,39 @@ impl Load {
     }
 
     /// Plays so many groups one after the other, each in lanes; as [`Load::one_by_one`].
-    pub fn in_groups(&self, groups: usize) -> f64 {
-        (0..groups).map(|g| self.play_group(g)).sum()
+    pub fn in_lanes(&self, groups: usize, lanes: Lanes) -> f64 {
+        (0..groups).map(|g| self.play_group(g, lanes)).sum()
     }
 
     /// Plays all groups, each in lanes, on so many threads.
     ///
     /// # Panics
     /// If a thread dies.
-    pub fn on_cores(&self, threads: usize) -> f64 {
+    pub fn on_cores(&self, lanes: Lanes, threads: usize) -> f64 {
         let mut sums = vec![None; self.groups()];
-        let jobs = sums.iter_mut().enumerate().map(|(g, sum)| job(sum, move |_| Ok(self.play_group(g))));
+        let jobs = sums.iter_mut().enumerate().map(|(g, sum)| job(sum, move |_| Ok(self.play_group(g, lanes))));
         do_all::<SimulationError>(jobs.collect(), threads, &mut |_| true).expect("nobody interrupts");
         sums.into_iter().flatten().sum()
     }
 
-    fn group(&self, g: usize) -> GrandGroup {
-        let model = |i: usize| self.grands[g * WIDTH + i].0.clone();
-        let state = |i: usize| self.grands[g * WIDTH + i].1.clone();
-        GrandGroup::new(core::array::from_fn(model), core::array::from_fn(state), self.settings, true)
-    }
-
-    fn play_group(&self, g: usize) -> f64 {
-        let mut group = self.group(g);
-        for n in 0..self.steps {
-            let inputs = core::array::from_fn(|i| (self.input)(g * WIDTH + i, n));
-            assert!(!group.step(&inputs).contains(&Outcome::NonFinite));
+    /// Plays a group, in as many parts as its grands need lanes.
+    fn play_group(&self, g: usize, lanes: Lanes) -> f64 {
+        let width = lanes.count();
+        let mut sum = 0.0;
+        for first in (g * WIDEST..(g + 1) * WIDEST).step_by(width) {
+            let (models, states): (Vec<GrandModel>, Vec<GrandState>) =
+                self.grands[first..first + width].iter().cloned().unzip();
+            let mut group = GrandGroup::new(&models, &states, &self.settings, lanes);
+            let (mut inputs, mut outcomes) = ([Input::Free; WIDEST], [Outcome::Converged; WIDEST]);
+            for n in 0..self.steps {
+                for (i, input) in inputs[..width].iter_mut().enumerate() {
+                    *input = (self.input)(first + i, n);
+                }
+                group.step(&inputs[..width], &mut outcomes[..width]);
+                assert!(!outcomes.contains(&Outcome::NonFinite));
+            }
+            sum += (0..width).flat_map(|i| group.motion(i).0).sum::<f64>();
         }
-        (0..WIDTH).flat_map(|i| group.motion(i).0).sum()
+        sum
     }
 }

@@ -16,12 +16,12 @@ pub use grand::{
     GrandGroup, GrandModel, GrandScratch, GrandState, STEP_S, STEPS, at_rest, grand, instrument, note, press,
 };
 pub use keys::{KeyboardTimes, Ticks, keyboard};
-pub use load::Load;
+pub use load::{Load, WIDEST};
 pub use many::{LoadTimes, Many, load_times};
 pub use sampling::{Timed, Times, in_turn};
 pub use single::Single;
 
-use batch::WIDTH;
+use batch::Lanes;
 use serde::Serialize;
 
 use latency::{Latencies, of_group_steps, of_steps};
@@ -33,9 +33,9 @@ pub struct Effort {
     pub rounds: usize,
     /// Steps of a note in one round.
     pub steps: u64,
-    /// Groups of four grands for every core.
+    /// Groups of [`WIDEST`] grands for every core.
     pub groups_per_core: usize,
-    /// Steps timed one by one; a quarter as many group steps.
+    /// Steps timed one by one; of groups as many as make the same number of single ones.
     pub single_steps: u64,
     /// Ticks of the keyboard timed one by one.
     pub ticks: usize,
@@ -54,7 +54,7 @@ impl Effort {
 /// names side by side.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// What of the processor's vector instructions was found; the batch uses `avx2`.
+    /// What of the processor's vector instructions was found.
     pub instruction_sets: Vec<&'static str>,
     /// One action.
     #[serde(flatten)]
@@ -81,9 +81,10 @@ pub fn measure(effort: &Effort, progress: &mut Progress) -> Option<Report> {
     let many = Many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
     let keyboard = KeyboardTimes::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.75, share))?;
     let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
-    let group_steps = effort.single_steps / WIDTH as u64;
-    let of_four = of_group_steps(group_steps, &mut |share| part("group steps", 0.9, 1.0, share))?;
-    let latencies = Latencies::new(&of_one, &of_four);
+    let lanes = Lanes::most();
+    let group_steps = effort.single_steps / lanes.count() as u64;
+    let of_group = of_group_steps(group_steps, lanes, &mut |share| part("group steps", 0.9, 1.0, share))?;
+    let latencies = Latencies::new(&of_one, &of_group);
     Some(Report { instruction_sets: instruction_sets(), single, many, keyboard, latencies })
 }
 
@@ -94,7 +95,7 @@ pub fn instruction_sets() -> Vec<&'static str> {
         ("sse2", true),
         ("avx2", std::arch::is_x86_feature_detected!("avx2")),
         ("fma", std::arch::is_x86_feature_detected!("fma")),
-        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
+        ("avx512", Lanes::most() == Lanes::Eight),
     ];
     #[cfg(target_arch = "aarch64")]
     let all = [("neon", std::arch::is_aarch64_feature_detected!("neon"))];

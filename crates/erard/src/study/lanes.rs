@@ -1,6 +1,6 @@
-//! Four mechanisms side by side: brought to rest, and played.
+//! Mechanisms side by side: brought to rest, and played.
 
-use batch::{Group, WIDTH};
+use batch::{Group, Lanes};
 use moreau::{Input, Model, ModelError, Outcome, Pose, Settings, State};
 
 use super::reach::{Reach, lever};
@@ -33,22 +33,48 @@ pub(super) struct Player<'a, const B: usize, const Z: usize> {
     pub stroke: Stroke<'a>,
 }
 
-/// Brings four instruments of one topology to rest.
+/// A group of the mechanisms of some lanes; where there are fewer than lanes, the last one is there several times.
+fn group<const B: usize, const Z: usize, const N: usize>(
+    mut models: Vec<Model<f64, B, Z>>,
+    mut states: Vec<State<f64, B, Z>>,
+    settings: &Settings<f64>,
+    lanes: Lanes,
+) -> Group<B, Z, N> {
+    let fill = |count: usize| lanes.count().saturating_sub(count);
+    models.extend(models.last().cloned().map(|last| vec![last; fill(models.len())]).unwrap_or_default());
+    states.extend(states.last().cloned().map(|last| vec![last; fill(states.len())]).unwrap_or_default());
+    Group::new(&models, &states, settings, lanes)
+}
+
+/// Inputs for all lanes of a group: the last one for those that are filled up.
+fn inputs_of(own: impl Iterator<Item = Input<f64>>, inputs: &mut [Input<f64>]) {
+    let mut from = 0;
+    for (i, input) in own.enumerate() {
+        inputs[i] = input;
+        from = i;
+    }
+    let last = inputs[from];
+    inputs[from..].fill(last);
+}
+
+/// Brings instruments of one topology to rest.
 ///
 /// # Errors
 /// [`SimulationError::Interrupted`].
 pub(super) fn settle<const B: usize, const Z: usize, const N: usize>(
-    instruments: [&Instrument; WIDTH],
+    instruments: &[&Instrument],
     settings: Settings<f64>,
+    lanes: Lanes,
     going: Interrupt<'_>,
 ) -> Result<Vec<Rested<B, Z>>, SimulationError> {
     let models: Vec<Result<Model<f64, B, Z>, ModelError>> = instruments.iter().map(|i| assemble(i)).collect();
     let Some(stand_in) = models.iter().flatten().next().cloned() else {
         return Ok(models.into_iter().filter_map(Result::err).map(|error| Err(error.into())).collect());
     };
-    let lanes = std::array::from_fn(|i| models[i].as_ref().unwrap_or(&stand_in).clone());
-    let drawn = instruments.map(|instrument| State::at_rest(drawn_angles(instrument)));
-    let states = come_to_rest::<B, Z, N>(lanes, drawn, &[Input::Free; WIDTH], going)?;
+    let own = models.iter().map(|model| model.as_ref().unwrap_or(&stand_in).clone()).collect();
+    let drawn = instruments.iter().map(|instrument| State::at_rest(drawn_angles(instrument))).collect();
+    let free = vec![Input::Free; instruments.len()];
+    let states = come_to_rest::<B, Z, N>(own, drawn, &free, lanes, going)?;
     let each = instruments.iter().zip(models).zip(states);
     let rested = each.map(|((instrument, model), state)| {
         let model = model?;
@@ -58,25 +84,30 @@ pub(super) fn settle<const B: usize, const Z: usize, const N: usize>(
     Ok(rested.collect())
 }
 
-/// Steps four mechanisms until they rest, as [`equilibrium::settle`] does; `None` for one that it would have to slow down, or that
-/// flies apart.
+/// Steps mechanisms until they rest, as [`equilibrium::settle`] does; `None` for one that it would have to slow down, or that flies
+/// apart.
 fn come_to_rest<const B: usize, const Z: usize, const N: usize>(
-    models: [Model<f64, B, Z>; WIDTH],
-    from: [State<f64, B, Z>; WIDTH],
-    inputs: &[Input<f64>; WIDTH],
+    models: Vec<Model<f64, B, Z>>,
+    from: Vec<State<f64, B, Z>>,
+    own_inputs: &[Input<f64>],
+    lanes: Lanes,
     going: Interrupt<'_>,
-) -> Result<[Option<State<f64, B, Z>>; WIDTH], SimulationError> {
-    let mut group = Group::<B, Z, N>::new(models, from, equilibrium::settings(), true);
-    let mut rested = std::array::from_fn(|_| None);
-    let (mut settling, mut waited_for) = ([Settling::default(); WIDTH], [true; WIDTH]);
+) -> Result<Vec<Option<State<f64, B, Z>>>, SimulationError> {
+    let count = models.len();
+    let mut group = group::<B, Z, N>(models, from, &equilibrium::settings(), lanes);
+    let mut inputs = vec![Input::Free; lanes.count().max(count)];
+    inputs_of(own_inputs.iter().copied(), &mut inputs);
+    let mut outcomes = vec![Outcome::Converged; inputs.len()];
+    let mut rested: Vec<Option<State<f64, B, Z>>> = vec![None; count];
+    let (mut settling, mut waited_for) = (vec![Settling::default(); count], vec![true; count]);
     let mut steps = 0_u64;
     while waited_for.contains(&true) {
         if steps.is_multiple_of(ASK_EVERY) && !going() {
             return Err(SimulationError::Interrupted);
         }
         steps += 1;
-        let outcomes = group.step(inputs);
-        for i in 0..WIDTH {
+        group.step(&inputs, &mut outcomes);
+        for i in 0..count {
             if !waited_for[i] {
                 continue;
             }
@@ -117,6 +148,7 @@ fn alone<const B: usize, const Z: usize>(
 struct Lane<'a, const B: usize, const Z: usize> {
     player: &'a Player<'a, B, Z>,
     model: &'a Model<f64, B, Z>,
+    at_rest: &'a State<f64, B, Z>,
     pose: Pose<f64, B>,
     velocity: [f64; B],
     rest: Rest,
@@ -148,6 +180,7 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
         let mut lane = Lane {
             player,
             model,
+            at_rest: state,
             pose: Pose::of(model, &state.angle),
             velocity: state.velocity,
             rest: Rest { site_m: 0.0, head_m: 0.0 },
@@ -225,35 +258,39 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
     }
 }
 
-/// Plays at most four strokes side by side, all of one kind on one topology.
+/// Plays strokes side by side, all of one kind on one topology, at most as many as there are lanes.
 ///
 /// # Errors
 /// [`SimulationError::Interrupted`].
 pub(super) fn play<const B: usize, const Z: usize, const N: usize>(
     players: &[Player<'_, B, Z>],
     setup: &Setup,
+    lanes: Lanes,
     going: Interrupt<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     let mut begun: Vec<Result<Lane<B, Z>, SimulationError>> = players.iter().map(Lane::new).collect();
-    let mut lanes: Vec<&mut Lane<B, Z>> = begun.iter_mut().flatten().collect();
-    if !lanes.is_empty() {
-        step_all::<B, Z, N>(&mut lanes, setup, going)?;
+    let mut own: Vec<&mut Lane<B, Z>> = begun.iter_mut().flatten().collect();
+    if !own.is_empty() {
+        step_all::<B, Z, N>(&mut own, setup, lanes, going)?;
     }
     Ok(begun.into_iter().map(|lane| lane.and_then(Lane::finish)).collect())
 }
 
-/// Steps the lanes to the end of their strokes; the places that are left over repeat the last lane.
+/// Steps mechanisms side by side to the end of their strokes.
 fn step_all<const B: usize, const Z: usize, const N: usize>(
-    lanes: &mut [&mut Lane<'_, B, Z>],
+    own: &mut [&mut Lane<'_, B, Z>],
     setup: &Setup,
+    lanes: Lanes,
     going: Interrupt<'_>,
 ) -> Result<(), SimulationError> {
-    let last = lanes.len() - 1;
-    let models = std::array::from_fn(|i| lanes[i.min(last)].model.clone());
-    let mut group = Group::<B, Z, N>::new(models, first_states::<B, Z, N>(lanes, setup, going)?, setup.settings, true);
+    let states = first_states::<B, Z, N>(own, setup, lanes, going)?;
+    let models = own.iter().map(|lane| lane.model.clone()).collect();
+    let mut group = group::<B, Z, N>(models, states, &setup.settings, lanes);
+    let mut inputs = vec![Input::Free; lanes.count().max(own.len())];
+    let mut outcomes = vec![Outcome::Converged; inputs.len()];
     let steps = setup.check()?;
     let h = setup.settings.step;
-    for (i, lane) in lanes.iter_mut().enumerate() {
+    for (i, lane) in own.iter_mut().enumerate() {
         lane.look(setup.start_s, group.motion(i));
     }
     for n in 0..steps {
@@ -261,17 +298,14 @@ fn step_all<const B: usize, const Z: usize, const N: usize>(
             if !going() {
                 return Err(SimulationError::Interrupted);
             }
-            if lanes.iter().all(|lane| lane.failed.is_some()) {
+            if own.iter().all(|lane| lane.failed.is_some()) {
                 break;
             }
         }
         let t0 = setup.start_s + n as f64 * h;
-        let mut inputs = [Input::Free; WIDTH];
-        for (i, lane) in lanes.iter().enumerate() {
-            inputs[i..].fill(lane.input(t0, &setup.settings));
-        }
-        let outcomes = group.step(&inputs);
-        for (i, lane) in lanes.iter_mut().enumerate().filter(|(_, lane)| lane.failed.is_none()) {
+        inputs_of(own.iter().map(|lane| lane.input(t0, &setup.settings)), &mut inputs);
+        group.step(&inputs, &mut outcomes);
+        for (i, lane) in own.iter_mut().enumerate().filter(|(_, lane)| lane.failed.is_none()) {
             match outcomes[i] {
                 Outcome::Converged => {}
                 Outcome::IterationLimit => lane.unconverged_steps += 1,
@@ -288,31 +322,25 @@ fn step_all<const B: usize, const Z: usize, const N: usize>(
 
 /// Where the lanes begin: at rest, or under a finger that is already down.
 fn first_states<const B: usize, const Z: usize, const N: usize>(
-    lanes: &mut [&mut Lane<'_, B, Z>],
+    own: &mut [&mut Lane<'_, B, Z>],
     setup: &Setup,
+    lanes: Lanes,
     going: Interrupt<'_>,
-) -> Result<[State<f64, B, Z>; WIDTH], SimulationError> {
-    let last = lanes.len() - 1;
-    let at_rest: [State<f64, B, Z>; WIDTH] = std::array::from_fn(|i| match lanes[i.min(last)].player.rest {
-        Ok(rest) => rest.state.clone(),
-        Err(_) => State::at_rest([0.0; B]),
-    });
-    // Lanes are grouped so that all begin at rest or none does.
-    if lanes[0].player.stroke.begins_at_m(setup.start_s) <= 0.0 {
+) -> Result<Vec<State<f64, B, Z>>, SimulationError> {
+    let at_rest: Vec<State<f64, B, Z>> = own.iter().map(|lane| lane.at_rest.clone()).collect();
+    let begins_at_m: Vec<f64> = own.iter().map(|lane| lane.player.stroke.begins_at_m(setup.start_s)).collect();
+    // They are grouped so that all begin at rest or none does.
+    if begins_at_m.iter().all(|at| *at <= 0.0) {
         return Ok(at_rest);
     }
-    let mut inputs = [Input::Free; WIDTH];
-    for (i, lane) in lanes.iter().enumerate() {
-        let position = lane.rest.site_m + lane.player.stroke.begins_at_m(setup.start_s);
-        inputs[i..].fill(Input::Motion { position, velocity: 0.0 });
-    }
-    let models = std::array::from_fn(|i| lanes[i.min(last)].model.clone());
-    let settled = come_to_rest::<B, Z, N>(models, at_rest.clone(), &inputs, going)?;
+    let finger =
+        |(lane, at): (&&mut Lane<B, Z>, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
+    let inputs: Vec<Input<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
+    let models = own.iter().map(|lane| lane.model.clone()).collect();
+    let settled = come_to_rest::<B, Z, N>(models, at_rest.clone(), &inputs, lanes, going)?;
     let mut states = at_rest;
-    for (i, (state, settled)) in states.iter_mut().zip(settled).enumerate() {
-        let lane = &mut lanes[i.min(last)];
-        let begins_at_m = lane.player.stroke.begins_at_m(setup.start_s);
-        match settled.map_or_else(|| alone(lane.player.instrument, setup.settings, begins_at_m), Ok) {
+    for (((state, settled), lane), at) in states.iter_mut().zip(settled).zip(own).zip(begins_at_m) {
+        match settled.map_or_else(|| alone(lane.player.instrument, setup.settings, at), Ok) {
             Ok(settled) => *state = settled,
             Err(error) => lane.failed = Some(error.into()),
         }

@@ -1,8 +1,8 @@
 //! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on all its cores.
 //!
-//! What is alike in topology goes side by side, four to a group; what comes out is the same as from [`simulate`](crate::simulation::simulate),
+//! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`](crate::simulation::simulate),
 //! to rounding, and the same bits however many threads there are. Nothing is recorded but the instants of each stroke. Instruments of
-//! more than six bodies or fourteen zones go on all cores, but not in lanes.
+//! another size than a grand action's (six bodies, fourteen zones) go on all cores, but not in lanes.
 
 mod lanes;
 mod parameter;
@@ -11,15 +11,15 @@ mod topology;
 
 pub use parameter::Parameter;
 
-use batch::WIDTH;
+pub use batch::Lanes;
 
-use crate::cores::{do_all, job};
+use crate::cores::{self, do_all, job};
 use crate::instrument::Instrument;
 use crate::mechanism::Size;
 use crate::run::Events;
 use crate::simulation::{Drive, Setup, SimulationError, simulate};
 use lanes::{Player, Rested, play, settle};
-use topology::{Topology, fours};
+use topology::{Topology, groups};
 
 /// What drives the key in a job: as [`Drive`], but owned, so that another thread can take it.
 pub enum Stroke<'a> {
@@ -70,6 +70,22 @@ pub struct Job<'a> {
     pub stroke: Stroke<'a>,
 }
 
+/// Who does the work.
+#[derive(Debug, Clone, Copy)]
+pub struct Workers {
+    /// Threads.
+    pub threads: usize,
+    /// Strokes side by side in each.
+    pub lanes: Lanes,
+}
+
+impl Workers {
+    /// All that the processor has.
+    pub fn all() -> Self {
+        Workers { threads: cores::count(), lanes: Lanes::most() }
+    }
+}
+
 /// What came of a job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Played {
@@ -84,7 +100,7 @@ pub struct Played {
 /// How a job ended: a job that fails fails alone.
 pub type JobResult = Result<Played, SimulationError>;
 
-/// Plays all jobs on so many threads; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).
+/// Plays all jobs; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).
 /// `progress` is told the share done and ends the work by returning false.
 ///
 /// # Errors
@@ -96,38 +112,28 @@ pub fn play_all(
     instruments: &[Instrument],
     jobs: Vec<Job<'_>>,
     setup: &Setup,
-    threads: usize,
+    workers: Workers,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
     let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, &setup.settings)).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
-    let count = jobs.len();
-    let mut done = 0;
-    let mut of_size: [Vec<(usize, Job)>; 3] = Default::default();
-    for (index, job) in jobs.into_iter().enumerate() {
-        of_size[sizes[job.instrument] as usize].push((index, job));
-    }
-    for (size, jobs) in [Size::One, Size::Grand, Size::Most].into_iter().zip(of_size) {
-        let here = jobs.len();
-        let mut tell = |share: f64| progress((done as f64 + share * here as f64) / count as f64);
-        match size {
-            Size::One => play_size::<1, 4, 6>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
-            Size::Grand => play_size::<6, 14, 10>(instruments, jobs, setup, threads, &mut results, &mut tell)?,
-            Size::Most => play_alone(instruments, jobs, setup, threads, &mut results, &mut tell)?,
-        }
-        done += here;
-    }
+    let count = jobs.len() as f64;
+    let (grands, others): (Vec<_>, Vec<_>) =
+        jobs.into_iter().enumerate().partition(|(_, job)| sizes[job.instrument] == Size::Grand);
+    let share = grands.len() as f64 / count.max(1.0);
+    play_in_lanes::<6, 14, 10>(instruments, grands, setup, workers, &mut results, &mut |own| progress(share * own))?;
+    play_alone(instruments, others, setup, workers, &mut results, &mut |own| progress(share + (1.0 - share) * own))?;
     Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
 }
 
-/// Plays jobs one by one, on several threads: lanes of the largest size would take longer to compile than anybody who has such an
+/// Plays jobs one by one, on several threads: lanes of other sizes would take longer to compile than anybody who has such an
 /// instrument will wait for its strokes.
 fn play_alone(
     instruments: &[Instrument],
     jobs: Vec<(usize, Job<'_>)>,
     setup: &Setup,
-    threads: usize,
+    workers: Workers,
     results: &mut [Option<JobResult>],
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), SimulationError> {
@@ -145,7 +151,7 @@ fn play_alone(
             })),
         })
     });
-    do_all(work.collect(), threads, progress)?;
+    do_all(work.collect(), workers.threads, progress)?;
     for (index, outcome) in indices.into_iter().zip(outcomes) {
         results[index] = outcome;
     }
@@ -155,31 +161,33 @@ fn play_alone(
 /// Share of a study's time that finding the rests is taken to last, of as many rests as strokes, per second of stroke.
 const REST_S: f64 = 0.3;
 
-/// Plays the jobs of one engine size: first every instrument used comes to rest, then all strokes.
-fn play_size<const B: usize, const Z: usize, const N: usize>(
+/// Plays the jobs of one engine size in lanes: first every instrument used comes to rest, then all strokes.
+fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
     instruments: &[Instrument],
     jobs: Vec<(usize, Job<'_>)>,
     setup: &Setup,
-    threads: usize,
+    workers: Workers,
     results: &mut [Option<JobResult>],
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), SimulationError> {
+    let Workers { threads, lanes } = workers;
     let mut used: Vec<usize> = jobs.iter().map(|(_, job)| job.instrument).collect();
     used.sort_unstable();
     used.dedup();
     let rests = used.len() as f64 * REST_S;
-    let settling = rests / (rests + jobs.len() as f64 * setup.duration_s);
+    let settling = rests / (rests + jobs.len() as f64 * setup.duration_s).max(f64::MIN_POSITIVE);
 
     let topologies: Vec<Topology> = used.iter().map(|&i| Topology::of(&instruments[i])).collect();
-    let groups = fours(topologies.iter().enumerate().map(|(place, topology)| (topology, place)));
-    let mut outcomes: Vec<_> = groups.iter().map(|_| None).collect();
-    let work = groups.iter().zip(&mut outcomes).map(|(group, outcome)| {
-        let four = group.map(|place| &instruments[used[place]]);
-        job(outcome, move |going| settle::<B, Z, N>(four, setup.settings, going))
+    let kinds = topologies.iter().enumerate().map(|(place, topology)| (topology, place));
+    let settled_together = groups(kinds, lanes.count());
+    let mut outcomes: Vec<_> = settled_together.iter().map(|_| None).collect();
+    let work = settled_together.iter().zip(&mut outcomes).map(|(group, outcome)| {
+        let group: Vec<&Instrument> = group.iter().map(|&place| &instruments[used[place]]).collect();
+        job(outcome, move |going| settle::<B, Z, N>(&group, setup.settings, lanes, going))
     });
     do_all(work.collect(), threads, &mut |share| progress(settling * share))?;
     let mut rested: Vec<Option<Rested<B, Z>>> = used.iter().map(|_| None).collect();
-    for (group, outcome) in groups.iter().zip(outcomes) {
+    for (group, outcome) in settled_together.iter().zip(outcomes) {
         for (place, one) in group.iter().zip(outcome.into_iter().flatten()) {
             rested[*place] = Some(one);
         }
@@ -193,29 +201,24 @@ fn play_size<const B: usize, const Z: usize, const N: usize>(
             (topology, job.stroke.kind(), job.stroke.begins_at_m(setup.start_s) > 0.0)
         })
         .collect();
-    let groups = fours(kinds.into_iter().enumerate().map(|(place, kind)| (kind, place)));
-    let mut indices = Vec::new();
-    let mut waiting: Vec<Option<Job>> = Vec::new();
-    for (index, job) in jobs {
-        indices.push(index);
-        waiting.push(Some(job));
-    }
-    let mut outcomes: Vec<_> = groups.iter().map(|_| None).collect();
+    let played_together = groups(kinds.into_iter().zip(0..), lanes.count());
+    let (indices, jobs): (Vec<usize>, Vec<Job>) = jobs.into_iter().unzip();
+    let mut waiting: Vec<Option<Job>> = jobs.into_iter().map(Some).collect();
+    let mut outcomes: Vec<_> = played_together.iter().map(|_| None).collect();
     let mut work = Vec::new();
     let rested = &rested;
-    for (group, outcome) in groups.iter().zip(&mut outcomes) {
-        // What fills up the last group is the last job again: it is played once, and its lane repeats it.
-        let mut players: Vec<Player<B, Z>> = Vec::with_capacity(WIDTH);
-        for place in group {
-            if let Some(Job { instrument, stroke }) = waiting[*place].take() {
-                let rested = rested[place_of(instrument)].as_ref();
-                players.extend(rested.map(|rest| Player { instrument: &instruments[instrument], stroke, rest }));
-            }
-        }
-        work.push(job(outcome, move |going| play::<B, Z, N>(&players, setup, going)));
+    for (group, outcome) in played_together.iter().zip(&mut outcomes) {
+        let own = group.iter().filter_map(|&place| waiting[place].take());
+        let players: Vec<Player<B, Z>> = own
+            .filter_map(|Job { instrument, stroke }| {
+                let rest = rested[place_of(instrument)].as_ref()?;
+                Some(Player { instrument: &instruments[instrument], stroke, rest })
+            })
+            .collect();
+        work.push(job(outcome, move |going| play::<B, Z, N>(&players, setup, lanes, going)));
     }
     do_all(work, threads, &mut |share| progress(settling + (1.0 - settling) * share))?;
-    for (group, outcome) in groups.iter().zip(outcomes) {
+    for (group, outcome) in played_together.iter().zip(outcomes) {
         for (place, played) in group.iter().zip(outcome.into_iter().flatten()) {
             results[indices[*place]] = Some(played);
         }

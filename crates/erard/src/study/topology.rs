@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use batch::WIDTH;
 use moreau::Exponent;
 
 use crate::instrument::{Curve, Instrument};
@@ -45,14 +44,14 @@ impl Topology {
     }
 }
 
-/// Groups of four places of one kind, as they come; the last group of a kind is filled up with its last place.
-pub(super) fn fours<K: Ord>(kinds: impl Iterator<Item = (K, usize)>) -> Vec<[usize; WIDTH]> {
+/// Groups of so many places of one kind, as they come; the last group of a kind may be smaller.
+pub(super) fn groups<K: Ord>(kinds: impl Iterator<Item = (K, usize)>, width: usize) -> Vec<Vec<usize>> {
     let mut places: BTreeMap<K, Vec<usize>> = BTreeMap::new();
     for (kind, place) in kinds {
         places.entry(kind).or_default().push(place);
     }
-    let four = |chunk: &[usize]| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)]);
-    let mut groups: Vec<[usize; WIDTH]> = places.values().flat_map(|places| places.chunks(WIDTH).map(four)).collect();
+    let mut groups: Vec<Vec<usize>> =
+        places.values().flat_map(|places| places.chunks(width).map(<[usize]>::to_vec)).collect();
     groups.sort_unstable();
     groups
 }
@@ -62,10 +61,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn groups_are_of_one_kind_and_filled_up() {
+    fn groups_are_of_one_kind() {
         let kinds = [7, 7, 8, 7, 7, 7, 8];
-        let groups = fours(kinds.into_iter().zip(0..));
-        assert_eq!(groups, [[0, 1, 3, 4], [2, 6, 6, 6], [5, 5, 5, 5]]);
+        let of_width = |width| groups(kinds.into_iter().zip(0..), width);
+        assert_eq!(of_width(4), [vec![0, 1, 3, 4], vec![2, 6], vec![5]]);
+        assert_eq!(of_width(1).concat(), [0, 1, 2, 3, 4, 5, 6]);
     }
 
     #[test]
