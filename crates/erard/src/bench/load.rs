@@ -13,9 +13,23 @@ use crate::simulation::SimulationError;
 pub struct Load {
     grands: Vec<(GrandModel, GrandState)>,
     settings: Settings<f64>,
-    /// The input of a grand at a step.
-    input: fn(usize, u64) -> Input<f64>,
+    /// The force on the key at every step, N, again and again.
+    forces_n: Vec<f64>,
+    /// Where in it each grand begins.
+    begins: Vec<usize>,
     steps: u64,
+}
+
+/// Goes through the forces of a grand. They are looked up, so that what is timed is the steps.
+struct Cursor(usize);
+
+impl Cursor {
+    #[inline(always)]
+    fn next(&mut self, forces_n: &[f64]) -> Input<f64> {
+        let force = forces_n[self.0];
+        self.0 = if self.0 + 1 == forces_n.len() { 0 } else { self.0 + 1 };
+        Input::Force(force)
+    }
 }
 
 /// Grands of a group, whatever lanes they are played in: as many as the widest lanes hold.
@@ -27,7 +41,7 @@ const TREMOLO_HZ: f64 = 8.0;
 const TREMOLO_N: f64 = 20.0;
 
 impl Load {
-    /// A parameter study: the same second of a note on grands, as many as so many groups have lanes, whose hammers are of different weight, by up to 20 %
+    /// A parameter study: the same second of a note on so many groups of grands whose hammers are of different weight, by up to 20 %
     /// either way, and whose knuckles are of different stiffness. The lanes of a group do nearly the same at the same time.
     pub fn parameter_study(groups: usize, steps: u64) -> Self {
         // Settling takes its time: on many cores the same sixteen come again.
@@ -45,27 +59,27 @@ impl Load {
             at_rest(&varied).expect("a varied grand comes to rest")
         };
         let varied: Vec<_> = (0..count).map(varied).collect();
-        let grands = varied.iter().cycle().take(groups * WIDEST).cloned().collect();
-        Load::new(grands, |_, n| Input::Force(if n % STEPS < STEPS / 2 { MF_N } else { 0.0 }), steps)
+        let grands: Vec<_> = varied.iter().cycle().take(groups * WIDEST).cloned().collect();
+        let note = |n| if n < STEPS / 2 { MF_N } else { 0.0 };
+        let begins = vec![0; grands.len()];
+        Load { grands, settings: Settings::new(STEP_S), forces_n: (0..STEPS).map(note).collect(), begins, steps }
     }
 
     /// A fortissimo tremolo: grands that are alike, each in another phase of its strokes, so that the lanes of a group are never in
     /// contact with the same felts.
     pub fn tremolo(groups: usize, steps: u64) -> Self {
-        let one = super::grand();
-        Load::new(
-            vec![one; groups * WIDEST],
-            |i, n| {
-                // The golden section spreads the phases, also those of neighbours.
-                let phase = TREMOLO_HZ * STEP_S * n as f64 + 0.618_033_988_749_895 * i as f64;
-                Input::Force(0.5 * TREMOLO_N * (1.0 - (TAU * phase).cos()))
-            },
+        let count = groups * WIDEST;
+        let period = (1.0 / (TREMOLO_HZ * STEP_S)).round();
+        let force = |n: usize| 0.5 * TREMOLO_N * (1.0 - (TAU * n as f64 / period).cos());
+        // The golden section spreads the phases, also those of neighbours.
+        let phase = |i: usize| (0.618_033_988_749_895 * i as f64).fract();
+        Load {
+            grands: vec![super::grand(); count],
+            settings: Settings::new(STEP_S),
+            forces_n: (0..period as usize).map(force).collect(),
+            begins: (0..count).map(|i| (phase(i) * period) as usize).collect(),
             steps,
-        )
-    }
-
-    fn new(grands: Vec<(GrandModel, GrandState)>, input: fn(usize, u64) -> Input<f64>, steps: u64) -> Self {
-        Load { grands, settings: Settings::new(STEP_S), input, steps }
+        }
     }
 
     /// Number of its groups of [`WIDEST`].
@@ -86,8 +100,10 @@ impl Load {
         let mut sum = 0.0;
         for (i, (model, state)) in self.grands.iter().take(groups * WIDEST).enumerate() {
             let (mut state, mut scratch) = (state.clone(), GrandScratch::new());
-            for n in 0..self.steps {
-                let report = step(model, &self.settings, &(self.input)(i, n), &mut state, &mut scratch);
+            let mut cursor = Cursor(self.begins[i]);
+            for _ in 0..self.steps {
+                let input = cursor.next(&self.forces_n);
+                let report = step(model, &self.settings, &input, &mut state, &mut scratch);
                 assert_ne!(report.outcome, Outcome::NonFinite);
             }
             sum += state.angle.iter().sum::<f64>();
@@ -120,9 +136,11 @@ impl Load {
                 self.grands[first..first + width].iter().cloned().unzip();
             let mut group = GrandGroup::new(&models, &states, &self.settings, lanes);
             let (mut inputs, mut outcomes) = ([Input::Free; WIDEST], [Outcome::Converged; WIDEST]);
-            for n in 0..self.steps {
-                for (i, input) in inputs[..width].iter_mut().enumerate() {
-                    *input = (self.input)(first + i, n);
+            let mut cursors: [Cursor; WIDEST] =
+                core::array::from_fn(|i| Cursor(self.begins.get(first + i).copied().unwrap_or(0)));
+            for _ in 0..self.steps {
+                for (input, cursor) in inputs[..width].iter_mut().zip(&mut cursors) {
+                    *input = cursor.next(&self.forces_n);
                 }
                 group.step(&inputs[..width], &mut outcomes[..width]);
                 assert!(!outcomes.contains(&Outcome::NonFinite));
@@ -130,5 +148,23 @@ impl Load {
             sum += (0..width).flat_map(|i| group.motion(i).0).sum::<f64>();
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All ways of playing a load do the same work.
+    #[test]
+    fn all_ways_lead_to_the_same_poses() {
+        for load in [Load::parameter_study(2, 400), Load::tremolo(2, 400)] {
+            let sum = load.one_by_one(2);
+            assert!(sum.is_finite() && (sum - load.one_by_one(1)).abs() > 1e-3);
+            for lanes in [Lanes::One, Lanes::Four, Lanes::Eight] {
+                assert!((load.in_lanes(2, lanes) - sum).abs() < 1e-9, "{lanes:?}");
+                assert!((load.on_cores(lanes, 2) - sum).abs() < 1e-9, "{lanes:?}");
+            }
+        }
     }
 }
