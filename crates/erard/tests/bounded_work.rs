@@ -75,7 +75,7 @@ fn lanes_run_into_the_bound_each_for_itself() {
         let mut limited = vec![0_u32; count];
         for n in 0..20_000 {
             // One lane rests, the others are struck at different rates.
-            let force = |i: usize| if i > 0 && n / (1000 * i) % 2 == 0 { 40.0 } else { 0.0 };
+            let force = |i: usize| if i > 0 && (n / (1000 * i)).is_multiple_of(2) { 40.0 } else { 0.0 };
             let inputs: Vec<Input<f64>> = (0..count).map(|i| Input::Force(force(i))).collect();
             together.step(&inputs, &mut outcomes);
             // Without a tolerance rounding decides whether the last iteration changed nothing at all, so that outcomes may differ.

@@ -155,15 +155,16 @@ impl Load {
 mod tests {
     use super::*;
 
-    /// All ways of playing a load do the same work.
+    /// All ways of playing a load do the same work. (How near lanes are to a mechanism alone is tested elsewhere; here what Newton's
+    /// tolerance of 1e-5 rad/s may make of 200 angles in 20 ms would go unseen.)
     #[test]
     fn all_ways_lead_to_the_same_poses() {
         for load in [Load::parameter_study(2, 400), Load::tremolo(2, 400)] {
             let sum = load.one_by_one(2);
             assert!(sum.is_finite() && (sum - load.one_by_one(1)).abs() > 1e-3);
             for lanes in [Lanes::One, Lanes::Four, Lanes::Eight] {
-                assert!((load.in_lanes(2, lanes) - sum).abs() < 1e-9, "{lanes:?}");
-                assert!((load.on_cores(lanes, 2) - sum).abs() < 1e-9, "{lanes:?}");
+                assert!((load.in_lanes(2, lanes) - sum).abs() < 4e-5, "{lanes:?}");
+                assert!((load.on_cores(lanes, 2) - sum).abs() < 4e-5, "{lanes:?}");
             }
         }
     }
