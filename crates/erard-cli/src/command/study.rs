@@ -1,10 +1,8 @@
 //! `erard study`.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
-use erard::cores;
 use erard::instrument::Instrument;
 use erard::simulation::Setup;
 use erard::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
@@ -70,9 +68,7 @@ impl Study {
         let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None };
         check(&setup)?;
         let mut output = Output::prepare(&self.out)?;
-        let start = Instant::now();
         let rows = play(&instrument, &axes, &stroke, &setup)?;
-        let elapsed_s = start.elapsed().as_secs_f64();
 
         let columns = columns(&axes, &rows);
         output.stage("study.csv", |w| table::write_optional_csv(&columns, w))?;
@@ -95,7 +91,7 @@ impl Study {
         }
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
-        say!("{} strokes in {elapsed_s:.2} s on {} cores; {failed} failed", rows.len(), cores::count());
+        say!("{} strokes; {failed} failed", rows.len());
         say!("Written to {}: {}", self.out.display(), written.join(", "));
         Ok(())
     }
