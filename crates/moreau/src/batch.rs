@@ -1,24 +1,18 @@
 //! Several mechanisms in the lanes of one model.
 
+use crate::form::Form;
 use crate::joints::Parent;
+use crate::linear::Symmetric;
 use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
 use crate::path::Path;
 use crate::state::{Input, State};
+use crate::survey::Survey;
 use crate::vector::Vector;
 use crate::{Real, Settings};
 
-/// One number per lane.
 #[inline(always)]
-pub(crate) fn join<T: Real>(x: impl Fn(usize) -> T::Lane) -> T {
-    let mut joined = T::ZERO;
-    for lane in 0..T::LANES {
-        joined = joined.with_lane(lane, x(lane));
-    }
-    joined
-}
-
 fn join_all<T: Real, const K: usize>(x: impl Fn(usize) -> [T::Lane; K]) -> [T; K] {
-    core::array::from_fn(|k| join(|lane| x(lane)[k]))
+    core::array::from_fn(|k| T::join(|lane| x(lane)[k]))
 }
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
@@ -38,7 +32,6 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
             parent_count: first.parent_count,
             deep: first.deep,
-            carrier: first.carrier,
             pivot: o,
             link: [numbers(|m| m.link[0]), numbers(|m| m.link[1])],
             root: [numbers(|m| m.root[0]), numbers(|m| m.root[1])],
@@ -47,20 +40,24 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_torque: numbers(|m| m.spring_torque),
             spring_stiffness: numbers(|m| m.spring_stiffness),
             inertia: numbers(|m| m.inertia),
-            joint_inertia: core::array::from_fn(|i| join_all(|lane| models[lane].joint_inertia[i])),
+            joint_inertia: Symmetric {
+                diagonal: numbers(|m| m.joint_inertia.diagonal),
+                below: core::array::from_fn(|i| join_all(|lane| models[lane].joint_inertia.below[i])),
+            },
             moment: o,
             moment_x: numbers(|m| m.moment_x),
             moment_y: numbers(|m| m.moment_y),
             weight: numbers(|m| m.weight),
             whirl: numbers(|m| m.whirl),
             zones: core::array::from_fn(|z| zone_of_lanes(|lane| &models[lane].zones[z])),
+            forms: core::array::from_fn(|z| Form::of(&zone_of_lanes(|lane| &models[lane].zones[z]))),
             paths: core::array::from_fn(|z| Path::of_lanes(|lane| &models[lane].paths[z])),
             site_path: Path::of_lanes(|lane| &models[lane].site_path),
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,
             site: None,
-            gravity: join(|lane| models[lane].gravity),
+            gravity: T::join(|lane| models[lane].gravity),
         };
         for i in 0..B {
             joined.pivot[i] = join_all(|lane| models[lane].pivot[i]);
@@ -73,7 +70,8 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             };
         }
         if let Some(site) = &first.site {
-            let numbers = |f: fn(&Site<T::Lane>) -> T::Lane| join(|lane| models[lane].site.as_ref().map_or(f(site), f));
+            let numbers =
+                |f: fn(&Site<T::Lane>) -> T::Lane| T::join(|lane| models[lane].site.as_ref().map_or(f(site), f));
             joined.site = Some(Site {
                 body: site.body,
                 point: [numbers(|s| s.point[0]), numbers(|s| s.point[1])],
@@ -124,7 +122,7 @@ where
         Exponent::Two => Exponent::Two,
         Exponent::TwoAndHalf => Exponent::TwoAndHalf,
         Exponent::Three => Exponent::Three,
-        Exponent::Other(r) => Exponent::Other(join(|lane| match zone(lane).felt.exponent {
+        Exponent::Other(r) => Exponent::Other(T::join(|lane| match zone(lane).felt.exponent {
             Exponent::Other(r) => r,
             _ => r,
         })),
@@ -132,15 +130,15 @@ where
     Zone {
         disc_body: first.disc_body,
         center: join_all(|lane| zone(lane).center),
-        radius: join(|lane| zone(lane).radius),
+        radius: T::join(|lane| zone(lane).radius),
         curve_body: first.curve_body,
         curve,
         felt: Felt {
-            stiffness: join(|lane| zone(lane).felt.stiffness),
+            stiffness: T::join(|lane| zone(lane).felt.stiffness),
             exponent,
-            damping: join(|lane| zone(lane).felt.damping),
+            damping: T::join(|lane| zone(lane).felt.damping),
         },
-        friction: first.friction.map(|mu| join(|lane| zone(lane).friction.unwrap_or(mu))),
+        friction: first.friction.map(|mu| T::join(|lane| zone(lane).friction.unwrap_or(mu))),
     }
 }
 
@@ -156,8 +154,25 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         joined.pivot_friction = join_all(|lane| states[lane].pivot_friction);
         joined.tangential = join_all(|lane| states[lane].tangential);
         joined.side = join_all(|lane| states[lane].side);
-        joined.rigid_force = join(|lane| states[lane].rigid_force);
+        joined.rigid_force = T::join(|lane| states[lane].rigid_force);
         joined
+    }
+
+    /// Sets one lane's state.
+    pub fn set_lane(&mut self, lane: usize, one: &State<T::Lane, B, Z>) {
+        fn set<T: Real, const K: usize>(all: &mut [T; K], lane: usize, one: &[T::Lane; K]) {
+            for k in 0..K {
+                all[k] = all[k].with_lane(lane, one[k]);
+            }
+        }
+        set(&mut self.angle, lane, &one.angle);
+        set(&mut self.velocity, lane, &one.velocity);
+        set(&mut self.trend, lane, &one.trend);
+        set(&mut self.pivot_friction, lane, &one.pivot_friction);
+        set(&mut self.tangential, lane, &one.tangential);
+        set(&mut self.side, lane, &one.side);
+        self.rigid_force = self.rigid_force.with_lane(lane, one.rigid_force);
+        self.survey = Survey::none();
     }
 
     /// One lane's state.
@@ -178,6 +193,7 @@ type Numbers<T> = fn(&Input<T>) -> Option<[T; 2]>;
 
 impl<T: Real> Input<T> {
     /// One input per lane; `None` where they are not of one kind.
+    #[inline(always)]
     pub fn of_lanes(inputs: &[Input<T::Lane>]) -> Option<Self> {
         let pair = |f: Numbers<T::Lane>| {
             let all = inputs.len() == T::LANES && inputs.iter().all(|i| f(i).is_some());

@@ -1,9 +1,10 @@
 //! Contact zones: geometry of a disc against a curve, and the felt between them.
 
-use crate::model::{Curve, Exponent, Felt, Zone};
-use crate::path::Path;
+use crate::form::Form;
+use crate::model::{Exponent, Felt};
+use crate::path::{Path, Row};
 use crate::pose::Pose;
-use crate::vector::{Vector, add, dot, scale, sub};
+use crate::vector::Vector;
 use crate::{Mask, Real};
 
 /// m/s; a zone so far apart that it would need a greater speed to touch within the step is not looked at further. Where one is
@@ -82,34 +83,37 @@ impl<T: Real, const B: usize> Contact<T, B> {
         }
     }
 
-    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; says where it is. `candidates`:
-    /// the lanes that may be in reach.
+    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; says where it is, and gives the row,
+    /// of K entries. `candidates`: the lanes that may be in reach.
     ///
     /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
     /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
     /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
     /// step's end, and the scheme is backward Euler.
     #[inline(always)]
-    pub(crate) fn evaluate(
+    pub(crate) fn evaluate<const K: usize>(
         &mut self,
-        zone: &Zone<T>,
+        form: &Form<T>,
         path: &Path<T, B>,
         pose: &Pose<T, B>,
         w: &[T; B],
         timing: &Timing<T>,
         candidates: T::Mask,
-    ) -> T::Mask {
-        let center = pose.point(zone.disc_body, zone.center);
-        let (distance, normal) = distance_to_curve(zone, pose, center);
-        let gap = zone.radius - distance;
+    ) -> (T::Mask, Row<T, K>) {
+        let center = form.center(pose);
+        let (gap, normal) = form.gap_and_normal(pose, center);
         let in_reach = candidates.and((-timing.reach).le(gap));
         self.in_reach = in_reach;
+        let mut row = path.entries::<K>(&self.row);
         if !in_reach.any() {
-            return in_reach;
+            return (in_reach, row);
         }
+        for k in 0..K {
+            row.entry[k] = path.sign(k) * pose.turning(row.joint[k], center, normal);
+            self.row[k] = row.entry[k];
+        }
+        let rate = row.product(w);
         self.gap = gap;
-        pose.turning_row(path, center, normal, &mut self.row);
-        let rate = path.product(&self.row, w);
         self.rate = rate;
         self.normal = normal;
         let offset = timing.node * rate;
@@ -117,33 +121,55 @@ impl<T: Real, const B: usize> Contact<T, B> {
         self.bend.deepest = deepest;
         let active = in_reach.and(T::ZERO.lt(deepest));
         if active.any() {
-            self.press(&zone.felt, gap, rate, timing, active);
+            self.press(form, gap, rate, timing, active);
         }
-        active
+        (active, row)
     }
 
     /// The felt's mean force over the step and its tangent, at a compression and rate.
     #[inline(always)]
-    fn press(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
+    fn press(&mut self, form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
+        let (felt, offset) = (&form.felt, (timing.node * rate).abs());
+        let partly = active.and(gap.le(offset));
+        if form.is_square() && !partly.any() {
+            self.press_square(felt, gap, rate, timing, active);
+        } else {
+            self.press_points(felt, gap, rate, timing, active);
+        }
+    }
+
+    /// [`Contact::press`] for r = 2 with both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is
+    /// (k + b dg/dt) (g^2 + o^2), o being the points' distance from the middle.
+    #[inline(always)]
+    fn press_square(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
+        let (h_theta, node) = (timing.h_theta, timing.node);
+        let (offset, reach) = (node * rate, h_theta + node);
+        let (bv, deepest) = (felt.damping * rate, self.bend.deepest);
+        let (factor, square) = (felt.stiffness + bv, gap * gap + offset * offset);
+        // One factor for both points: the clamp takes both or none.
+        let pushing = active.and(T::ZERO.lt(factor));
+        let only_pushing = |x: T| T::select(pushing, x, T::ZERO);
+        let shallowest = gap - offset.abs();
+        let twice = factor + factor;
+        let tangent = h_theta * (felt.damping * square + twice * (h_theta * gap + node * offset));
+        self.force = only_pushing(factor * square);
+        self.tangent = only_pushing(tangent.max(T::ZERO));
+        // What the clamp leaves of the damping undoes the stiffness.
+        self.damping_force = T::select(pushing, bv, -felt.stiffness) * square;
+        self.bend.quadratic = reach * (reach * (felt.stiffness + bv.abs()) + T::from_f64(2.0) * felt.damping * deepest);
+        self.bend.linear = deepest * (reach * twice.abs() + felt.damping * deepest);
+        self.bend.slack = only_pushing(factor * shallowest * shallowest);
+    }
+
+    /// [`Contact::press`] for any exponent, point by point.
+    #[inline(always)]
+    fn press_points(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
         let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
         let offset = timing.node * rate;
-        let (first, second) = (gap + offset, gap - offset);
-        let (a, b, curvature);
-        let pressed = T::ZERO.lt(first).and(T::ZERO.lt(second));
-        if pressed.all() {
-            let (elastic, bent) = felt.elastic_pair(first, second);
-            (a, b, curvature) = (felt.law(elastic[0], first, rate), felt.law(elastic[1], second, rate), bent);
-        } else {
-            let (first, second) = (first.max(T::ZERO), second.max(T::ZERO));
-            let (elastic, bent) = felt.elastic_pair(first, second);
-            (a, b, curvature) = (felt.law(elastic[0], first, rate), felt.law(elastic[1], second, rate), bent);
-        }
-        // Not clamped at either point: nothing to choose.
-        let (a, b) = if pressed.and(T::ZERO.lt(a.force)).and(T::ZERO.lt(b.force)).all() {
-            (a, b)
-        } else {
-            (a.clamped(first), b.clamped(second))
-        };
+        let (first, second) = ((gap + offset).max(T::ZERO), (gap - offset).max(T::ZERO));
+        let ((ea, sa, ca), (eb, sb, cb)) = (felt.elastic(first), felt.elastic(second));
+        let a = felt.law([ea, sa], first, rate).clamped(first);
+        let b = felt.law([eb, sb], second, rate).clamped(second);
         let only_active = |x: T| T::select(active, x, T::ZERO);
         let (h_theta, node) = (timing.h_theta, timing.node);
         let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
@@ -152,7 +178,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
         self.damping_force = half * (a.damping_force + b.damping_force);
         // The gap's change by a change of the rate.
         let reach = h_theta + node;
-        let bend = half * curvature + felt.damping * rate.abs();
+        let bend = half * ca.max(cb) + felt.damping * rate.abs();
         self.bend.quadratic = reach * (reach * bend + two * felt.damping * self.bend.deepest);
         self.bend.linear = reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping);
         self.bend.slack = a.slack.min(b.slack);
@@ -162,25 +188,18 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// relative velocities, without looking at the geometry again.
     pub(crate) fn complete(
         &mut self,
-        zone: &Zone<T>,
+        form: &Form<T>,
         path: &Path<T, B>,
         pose: &Pose<T, B>,
         change: &[T; B],
         timing: &Timing<T>,
         active: T::Mask,
     ) {
-        self.place(zone, pose);
+        self.point = form.contact_point(pose, self.gap, self.normal);
         let ahead = timing.theta * path.product(&self.row, change);
         self.rate += ahead;
         self.gap += timing.h_theta * ahead;
-        self.press(&zone.felt, self.gap, self.rate, timing, active);
-    }
-
-    /// The contact point, on the curve.
-    #[inline(always)]
-    fn place(&mut self, zone: &Zone<T>, pose: &Pose<T, B>) {
-        let center = pose.point(zone.disc_body, zone.center);
-        self.point = sub(center, scale(self.normal, zone.radius - self.gap));
+        self.press(form, self.gap, self.rate, timing, active);
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
@@ -188,7 +207,7 @@ impl<T: Real, const B: usize> Contact<T, B> {
     #[inline(always)]
     pub(crate) fn remainder(
         &self,
-        zone: &Zone<T>,
+        form: &Form<T>,
         path: &Path<T, B>,
         change: &[T; B],
         timing: &Timing<T>,
@@ -200,15 +219,14 @@ impl<T: Real, const B: usize> Contact<T, B> {
         let bent = T::select(linear.lt(self.bend.slack), quadratic, linear.max(quadratic));
         // Not touched before: all of it.
         let deepest = (self.bend.deepest + (timing.h_theta + timing.node) * rate).max(T::ZERO);
-        let (elastic, _, _) = zone.felt.elastic(deepest);
-        let onset = elastic + zone.felt.damping * deepest * deepest * (self.rate.abs() + rate);
+        let (elastic, _, _) = form.felt.elastic(deepest);
+        let onset = elastic + form.felt.damping * deepest * deepest * (self.rate.abs() + rate);
         T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
     }
 
-    /// Adds to the quick bounds of what [`Contact::remainder`] may find.
+    /// Adds to the quick bounds of what [`Contact::remainder`] may find; `lever`: the sum of the row's levers.
     #[inline(always)]
-    pub(crate) fn ease(&self, path: &Path<T, B>, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
-        let lever = path.sum_of_levers(&self.row);
+    pub(crate) fn ease(&self, lever: T, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
         if active.all() {
             ease.slack = ease.slack.min(self.bend.slack);
             ease.linear = ease.linear.max(lever * self.bend.linear);
@@ -227,60 +245,21 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// the normal turned clockwise by a quarter turn.
     #[inline(always)]
     pub(crate) fn slip_row(
-        &mut self,
-        zone: &Zone<T>,
+        &self,
+        form: &Form<T>,
         path: &Path<T, B>,
         pose: &Pose<T, B>,
         lanes: T::Mask,
         row: &mut [T; B],
     ) {
-        self.place(zone, pose);
-        let before = *row;
-        pose.turning_row(path, self.point, [-self.normal[1], self.normal[0]], row);
+        let (before, point) = (*row, form.contact_point(pose, self.gap, self.normal));
+        pose.turning_row(path, point, [-self.normal[1], self.normal[0]], row);
         if !lanes.all() {
             for (k, _) in path.joints() {
                 row[k] = T::select(lanes, row[k], before[k]);
             }
         }
     }
-}
-
-/// Signed distance from the disc's centre to the curve, and the curve's outward unit normal there.
-#[inline(always)]
-fn distance_to_curve<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
-    match zone.curve {
-        Curve::Line { point, normal } => {
-            let offset = dot(point, normal);
-            if zone.curve_body >= B {
-                return (dot(center, normal) - offset, normal);
-            }
-            let n = pose.rotate(zone.curve_body, normal);
-            (dot(sub(center, pose.pivot(zone.curve_body)), n) - offset, n)
-        }
-        Curve::Segment { from, direction, length, rounding } => {
-            let t = pose.rotate(zone.curve_body, direction);
-            let from = pose.point(zone.curve_body, from);
-            let along = dot(sub(center, from), t).max(T::ZERO).min(length);
-            let (d, n) = length_and_direction(sub(center, add(from, scale(t, along))), [-t[1], t[0]]);
-            (d - rounding, n)
-        }
-        Curve::Disc { center: other, radius } => {
-            let other = pose.point(zone.curve_body, other);
-            let (d, n) = length_and_direction(sub(center, other), [T::ZERO, T::ONE]);
-            (d - radius, n)
-        }
-    }
-}
-
-/// |a| and a/|a|; `fallback` (a unit vector) where a vanishes, so that no division by zero can start a NaN.
-#[inline(always)]
-fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vector<T>) {
-    let squared = dot(a, a);
-    let usable = T::from_f64(1e-30).lt(squared);
-    let length = T::select(usable, squared, T::ONE).sqrt();
-    let inverse = T::ONE / length;
-    let n = [T::select(usable, a[0] * inverse, fallback[0]), T::select(usable, a[1] * inverse, fallback[1])];
-    (T::select(usable, length, T::ZERO), n)
 }
 
 /// How a zone's force bends away from its linearisation.
@@ -347,18 +326,6 @@ impl<T: Real> Felt<T> {
         FeltState { force, damping_force, stiffness, damping, slack: force }
     }
 
-    /// k g^r and its slope at two compressions, and the larger curvature of the two; none may be negative.
-    #[inline(always)]
-    fn elastic_pair(&self, a: T, b: T) -> ([[T; 2]; 2], T) {
-        if let Exponent::Two = self.exponent {
-            let two_k = self.stiffness + self.stiffness;
-            let (ka, kb) = (self.stiffness * a, self.stiffness * b);
-            return ([[ka * a, two_k * a], [kb * b, two_k * b]], two_k);
-        }
-        let ((ea, sa, ca), (eb, sb, cb)) = (self.elastic(a), self.elastic(b));
-        ([[ea, sa], [eb, sb]], ca.max(cb))
-    }
-
     /// k g^r and its first and second derivative in g; `gap` must not be negative.
     #[inline(always)]
     fn elastic(&self, gap: T) -> (T, T, T) {
@@ -401,16 +368,15 @@ pub(crate) fn felt_energy<T: Real>(felt: &Felt<T>, gap: T) -> T {
 
 /// Compression of a zone at a pose (negative apart), without forces.
 #[inline(always)]
-pub(crate) fn gap_of<T: Real, const B: usize>(zone: &Zone<T>, pose: &Pose<T, B>) -> T {
-    let (distance, _) = distance_to_curve(zone, pose, pose.point(zone.disc_body, zone.center));
-    zone.radius - distance
+pub(crate) fn gap_of<T: Real, const B: usize>(form: &Form<T>, pose: &Pose<T, B>) -> T {
+    form.gap_and_normal(pose, form.center(pose)).0
 }
 
 /// The row G of a zone at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with
 /// G = -n . (v_disc(c) - v_curve(c)), exact although the contact point moves.
-pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, path: &Path<T, B>, pose: &Pose<T, B>) -> [T; B] {
-    let center = pose.point(zone.disc_body, zone.center);
-    let (_, normal) = distance_to_curve(zone, pose, center);
+pub(crate) fn gap_row_of<T: Real, const B: usize>(form: &Form<T>, path: &Path<T, B>, pose: &Pose<T, B>) -> [T; B] {
+    let center = form.center(pose);
+    let (_, normal) = form.gap_and_normal(pose, center);
     let mut row = [T::ZERO; B];
     pose.turning_row(path, center, normal, &mut row);
     let mut dense = [T::ZERO; B];
@@ -421,7 +387,7 @@ pub(crate) fn gap_row_of<T: Real, const B: usize>(zone: &Zone<T>, path: &Path<T,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Body, GROUND, Model};
+    use crate::model::{Body, Curve, GROUND, Model, Zone};
 
     /// Rows against central differences of the gap, for every kind of curve, on a three-body chain: the claim is that
     /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
@@ -442,10 +408,11 @@ mod tests {
                     Zone { disc_body: a, center: [0.2, -0.3], radius: 5.0, curve_body: b, curve, felt, friction: None };
                 let model = Model::<f64, 4, 1>::new(&bodies, &[], &[zone], None, 0.0).unwrap();
                 let q = [0.3, -0.7, 1.9, 0.4];
-                let gap = |q: &[f64; 4]| gap_of(&zone, &Pose::of(&model, q));
+                let gap = |q: &[f64; 4]| gap_of(&Form::of(&zone), &Pose::of(&model, q));
                 let mut contact = Contact::apart();
                 let timing = Timing::new(1e-3, 0.5);
-                assert!(contact.evaluate(&zone, &model.paths[0], &Pose::of(&model, &q), &[0.0; 4], &timing, true));
+                let (pose, path) = (Pose::of(&model, &q), &model.paths[0]);
+                assert!(contact.evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true).0);
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;
@@ -465,7 +432,10 @@ mod tests {
         for exponent in [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three, Exponent::Other(1.7)] {
             let felt = Felt { stiffness: 3e3, exponent, damping: 2e3 };
             let (g, v, e) = (0.02, -0.01, 1e-7);
-            let law = |g: f64, v: f64| felt.law(felt.elastic_pair(g, g).0[0], g, v).clamped(g);
+            let law = |g: f64, v: f64| {
+                let (elastic, slope, _) = felt.elastic(g);
+                felt.law([elastic, slope], g, v).clamped(g)
+            };
             let at = law(g, v);
             let dg = (law(g + e, v).force - law(g - e, v).force) / (2.0 * e);
             let dv = (law(g, v + e).force - law(g, v - e).force) / (2.0 * e);

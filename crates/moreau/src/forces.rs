@@ -1,9 +1,9 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
 use crate::contact::Timing;
-use crate::joints::{relative, row_to_joints};
+use crate::joints::row_to_joints;
+use crate::linear::Symmetric;
 use crate::model::Model;
-use crate::pose::Pose;
 use crate::state::{Input, Scratch};
 use crate::vector::{cross, dot};
 use crate::{Mask, Real};
@@ -16,15 +16,16 @@ use crate::{Mask, Real};
 pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     v0: &[T; B],
+    w0: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let Scratch { coupling, deep_coupling, momentum, pose, .. } = &mut *scratch;
     let (mut impulse, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
-    let [x, y] = first_moments(model, pose);
+    let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
         let c = pose.arm_x[i] * x[i] + pose.arm_y[i] * y[i];
         coupling[i] = c;
-        impulse[i] = model.inertia[i] * v0[i] + c * v0[model.carrier[i]];
+        impulse[i] = model.inertia[i] * v0[i] + c * (v0[i] - w0[i]);
         on_parent[i] = c * v0[i];
     }
     if model.deep {
@@ -41,18 +42,6 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
         let x = scratch.pose.point(site.body, site.point);
         scratch.pose.turning_row(&model.site_path, x, site.direction, &mut scratch.site_row);
     }
-}
-
-/// First moments about the pivots, x and y in the world.
-#[inline(always)]
-fn first_moments<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, pose: &Pose<T, B>) -> [[T; B]; 2] {
-    let [mut x, mut y] = [[T::ZERO; B]; 2];
-    for i in 0..B {
-        let (c, s) = (pose.cos[i], pose.sin[i]);
-        x[i] = c * model.moment_x[i] - s * model.moment_y[i];
-        y[i] = s * model.moment_x[i] + c * model.moment_y[i];
-    }
-    [x, y]
 }
 
 /// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
@@ -72,26 +61,20 @@ fn beyond_parents<T: Real, const B: usize, const Z: usize>(
 
 /// Adds the coupling c v_i v_a of a body and its ancestor to the mass matrix in relative velocities, where v is the sum of w over the
 /// joints that carry a body.
-#[inline(always)]
 fn add_coupling<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
-    mass: &mut [[T; B]; B],
+    mass: &mut Symmetric<T, B>,
     body: usize,
     ancestor: usize,
     coupling: T,
 ) {
-    if model.parent[ancestor] >= B && model.parent[body] == ancestor {
-        mass[ancestor][ancestor] += coupling + coupling;
-        mass[body][ancestor] += coupling;
-        return;
-    }
     let mut j = body;
     while j < B {
         let mut k = ancestor;
         while k < B {
-            mass[j.max(k)][j.min(k)] += coupling;
+            mass.add(j, k, coupling);
             if j == k {
-                mass[j][k] += coupling;
+                mass.add(j, k, coupling);
             }
             k = model.parent[k];
         }
@@ -99,7 +82,7 @@ fn add_coupling<T: Real, const B: usize, const Z: usize>(
     }
 }
 
-/// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws. Of A the lower triangle is in use.
+/// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws.
 ///
 /// A = M + h theta (-dQ/dw) + h^2 theta^2 (-dQ/dq), b = M w0 + h Q + (A - M) w. Terms of the gradient that could make A
 /// indefinite (gravity, centrifugal, geometric stiffness, an unloading felt) are left out or clamped: they are of order h^2
@@ -111,29 +94,35 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     timing: &Timing<T>,
     input: &Input<T>,
     w: &[T; B],
-    q_theta: &[T; B],
+    joint_angle: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let (h, h_theta) = (timing.step, timing.h_theta);
     let weights = gravity_and_centrifugal(model, scratch);
     let driven = drive(model, input, h_theta, scratch);
-    let joint_angle = relative(model, q_theta);
     let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } =
         &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
     *a = model.joint_inertia;
-    for &i in &model.hinged[..model.hinged_count] {
-        add_coupling(model, a, i, model.parent[i], coupling[i]);
-    }
+    let mut carried = [T::ZERO; B];
     if model.deep {
+        for &i in &model.hinged[..model.hinged_count] {
+            add_coupling(model, a, i, model.parent[i], coupling[i]);
+        }
         beyond_parents(model, |i, ancestor, _| add_coupling(model, a, i, ancestor, deep_coupling[i][ancestor]));
+    } else {
+        // c (w_i + w_p) w_p.
+        for &i in &model.hinged[..model.hinged_count] {
+            a.below[i][model.parent[i]] += coupling[i];
+        }
+        row_to_joints(model, &mut carried, coupling);
     }
     for i in 0..B {
         let spring = model.spring_torque[i] - model.spring_stiffness[i] * joint_angle[i];
         let torque = weights[i] + spring - model.viscous[i] * joint_velocity[i];
         let tangent = h_theta * (model.viscous[i] + h_theta * model.spring_stiffness[i]);
         b[i] = momentum[i] + h * torque + tangent * w[i];
-        a[i][i] += tangent;
+        a.diagonal[i] += tangent + carried[i] + carried[i];
     }
     if let Some((force, tangent)) = driven {
         *drive_force = force;
@@ -159,7 +148,7 @@ pub(crate) fn regularised_friction<T: Real, const B: usize, const Z: usize, cons
         let tangent = h_theta * model.dry[i] / pivot_width * (T::ONE - t * t);
         scratch.pivot_friction[i] = -model.dry[i] * t;
         b[i] += tangent * w[i] - h * model.dry[i] * t;
-        a[i][i] += tangent;
+        a.diagonal[i] += tangent;
     }
     for &z in near {
         let contact = &scratch.contacts[z];
@@ -180,12 +169,13 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
     model: &Model<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
 ) -> [T; B] {
-    let (v, pose) = (&scratch.velocity, &scratch.pose);
+    let (v, w, pose) = (&scratch.velocity, &scratch.joint_velocity, &scratch.pose);
     let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
-    let [x, y] = first_moments(model, pose);
+    let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
         let c = pose.arm_x[i] * y[i] - pose.arm_y[i] * x[i];
-        let carrier = v[model.carrier[i]];
+        // The parent's speed.
+        let carrier = v[i] - w[i];
         force[i] = -(model.gravity * x[i]) - carrier * carrier * c;
         on_parent[i] = v[i] * v[i] * c;
     }

@@ -157,6 +157,15 @@ pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
     state: &mut State<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
 ) {
+    if lanes.all() {
+        // The usual case by itself: storing some lanes only is far slower than storing all.
+        state.pivot_friction = scratch.pivot_friction;
+        state.rigid_force = scratch.rigid_force;
+        for &z in &model.sliding_zones[..model.sliding_count] {
+            (state.tangential[z], state.side[z]) = (scratch.tangential[z], scratch.side[z]);
+        }
+        return;
+    }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
         keep(&mut state.pivot_friction[i], scratch.pivot_friction[i]);

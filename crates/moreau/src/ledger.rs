@@ -3,8 +3,10 @@
 //! Separate from the step, so that a step that nobody audits does not pay for it.
 
 use crate::Scalar;
-use crate::contact::felt_energy;
+use crate::contact::{felt_energy, gap_of};
+use crate::joints::relative;
 use crate::model::Model;
+use crate::path::Path;
 use crate::pose::Pose;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Scratch, State};
@@ -50,8 +52,8 @@ impl Energies {
             e.spring += (model.spring_stiffness[i] * relative * relative).to_f64() / 2.0
                 - (model.spring_torque[i] * relative).to_f64();
         }
-        for zone in model.zones() {
-            e.felt += felt_energy(&zone.felt, crate::contact::gap_of(zone, &pose)).to_f64();
+        for form in &model.forms[..model.zone_count] {
+            e.felt += felt_energy(&form.felt, gap_of(form, &pose)).to_f64();
         }
         e
     }
@@ -110,8 +112,13 @@ impl Ledger {
         after: &State<T, B, Z>,
         scratch: &Scratch<T, B, Z, N>,
     ) {
-        let h = settings.step.to_f64();
-        let work = scratch.drive_force.to_f64() * scratch.drive_velocity.to_f64() * h;
+        let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
+        let at_theta = |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1];
+        let joints = [&before.velocity, &after.velocity].map(|v| relative(model, v));
+        // What a row sees before and after the step.
+        let seen = |path: &Path<T, B>, row: &[T; B]| joints.map(|w| path.product(row, &w).to_f64());
+        let drive_velocity = at_theta(seen(&model.site_path, &scratch.site_row));
+        let work = scratch.drive_force.to_f64() * drive_velocity * h;
         self.drive_work += work;
         self.drive_work_in += work.max(0.0);
         let mut smallest = self.smallest_term;
@@ -120,14 +127,12 @@ impl Ledger {
             smallest = smallest.min(loss);
         };
         for i in 0..B {
-            let parent = model.parent[i];
-            let relative = |v: &[T; B]| (if parent < B { v[i] - v[parent] } else { v[i] }).to_f64();
-            let rate = relative(&scratch.velocity);
+            let u = joints.map(|w| w[i].to_f64());
+            let rate = at_theta(u);
             lose(&mut self.pivot_viscous, model.viscous[i].to_f64() * rate * rate * h);
             match settings.friction {
                 FrictionLaw::SetValued => {
-                    let path = path(relative(&before.velocity), relative(&after.velocity));
-                    lose(&mut self.pivot_dry, after.pivot_friction[i].to_f64().abs() * path * h);
+                    lose(&mut self.pivot_dry, after.pivot_friction[i].to_f64().abs() * path(u) * h);
                 }
                 FrictionLaw::Regularised { pivot_width, .. } => {
                     let torque = model.dry[i].to_f64() * libm::tanh(rate / pivot_width.to_f64());
@@ -139,14 +144,13 @@ impl Ledger {
             let Some(contact) = scratch.contact(model, settings, z) else { continue };
             lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
             let Some(mu) = zone.friction else { continue };
-            let [u0, u1] = [scratch.slip[z][0].to_f64(), scratch.slip[z][1].to_f64()];
+            let u = seen(&model.paths[z], &scratch.slip_row[z]);
             match settings.friction {
                 FrictionLaw::SetValued => {
-                    lose(&mut self.coulomb, after.tangential[z].to_f64().abs() * path(u0, u1) * h);
+                    lose(&mut self.coulomb, after.tangential[z].to_f64().abs() * path(u) * h);
                 }
                 FrictionLaw::Regularised { sliding_width, .. } => {
-                    let theta = settings.theta.to_f64();
-                    let u = (1.0 - theta) * u0 + theta * u1;
+                    let u = at_theta(u);
                     let f = (mu * contact.force).to_f64() * libm::tanh(u / sliding_width.to_f64());
                     lose(&mut self.coulomb, f * u * h);
                 }
@@ -182,6 +186,6 @@ impl Ledger {
 }
 
 /// Mean of |u| over a step in which u runs linearly from u0 to u1.
-fn path(u0: f64, u1: f64) -> f64 {
+fn path([u0, u1]: [f64; 2]) -> f64 {
     if u0 * u1 >= 0.0 { (u0 + u1).abs() / 2.0 } else { (u0 * u0 + u1 * u1) / (2.0 * (u0 - u1).abs()) }
 }

@@ -17,6 +17,7 @@
 mod batch;
 mod contact;
 mod forces;
+mod form;
 mod joints;
 mod laws;
 mod ledger;

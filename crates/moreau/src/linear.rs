@@ -2,75 +2,127 @@
 
 use crate::Real;
 
-/// Factorises the lower triangle of `a` in place (strictly lower: L) and returns 1/D; takes right-hand sides `x` along through
-/// the forward substitution, which then waits for nothing.
-///
-/// `a` must be positive definite: here a mass matrix plus positive semidefinite terms.
-#[inline(always)]
-pub(crate) fn factor<T: Real, const B: usize, const R: usize>(a: &mut [[T; B]; B], x: [&mut [T; B]; R]) -> [T; B] {
-    let mut inverse = [T::ZERO; B];
-    // Row by row: while one row's division is under way, the next row's products can be.
-    for i in 0..B {
-        let mut scaled = a[i];
-        let mut d = a[i][i];
-        for j in 0..i {
-            for k in 0..j {
-                let t = scaled[k];
-                scaled[j] -= t * a[j][k];
-            }
-            a[i][j] = scaled[j] * inverse[j];
-            d -= scaled[j] * a[i][j];
-        }
-        inverse[i] = T::ONE / d;
-        for r in 0..R {
-            for k in 0..i {
-                let t = x[r][k];
-                x[r][i] -= a[i][k] * t;
-            }
-        }
-    }
-    inverse
+/// Repeats a body for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler does not unroll
+/// loops within loops early enough to keep a matrix in registers.
+macro_rules! written_out {
+    (up $row:ident, $size:ident, $body:block) => {{
+        written_out!(@each $row, $size, $body, 0 1 2 3 4 5);
+        for $row in 6..$size $body
+    }};
+    (down $row:ident, $size:ident, $body:block) => {{
+        for $row in (6..$size).rev() $body
+        written_out!(@each $row, $size, $body, 5 4 3 2 1 0);
+    }};
+    (@each $row:ident, $size:ident, $body:block, $($index:literal)+) => {
+        $(if $index < $size {
+            let $row: usize = $index;
+            $body
+        })+
+    };
 }
 
-/// The rest of A^-1 x, after [`factor`] has taken x along.
+/// A symmetric matrix.
+#[derive(Debug, Clone, Copy)]
+pub struct Symmetric<T, const B: usize> {
+    /// Apart, so that it is written and read in one piece.
+    pub diagonal: [T; B],
+    /// Below the diagonal; the other entries are not read.
+    pub below: [[T; B]; B],
+}
+
+impl<T: Real, const B: usize> Symmetric<T, B> {
+    pub(crate) fn zero() -> Self {
+        Symmetric { diagonal: [T::ZERO; B], below: [[T::ZERO; B]; B] }
+    }
+
+    /// One lane's matrix.
+    pub(crate) fn lane(&self, lane: usize) -> Symmetric<T::Lane, B> {
+        Symmetric {
+            diagonal: self.diagonal.map(|x| x.lane(lane)),
+            below: self.below.map(|row| row.map(|x| x.lane(lane))),
+        }
+    }
+
+    /// Adds to one entry, and to the one across the diagonal.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, i: usize, j: usize, x: T) {
+        if i == j {
+            self.diagonal[i] += x;
+        } else {
+            self.below[i.max(j)][i.min(j)] += x;
+        }
+    }
+
+    /// A row times x.
+    #[inline(always)]
+    pub(crate) fn row_product(&self, i: usize, x: &[T; B]) -> T {
+        let mut sum = self.diagonal[i] * x[i];
+        for j in 0..i {
+            sum += self.below[i][j] * x[j];
+        }
+        for j in i + 1..B {
+            sum += self.below[j][i] * x[j];
+        }
+        sum
+    }
+
+    /// Factorises the matrix, with another diagonal, into `l` (strictly lower: L) and returns 1/D; takes right-hand sides `x` along
+    /// through the forward substitution, which then waits for nothing.
+    ///
+    /// The matrix must be positive definite: here a mass matrix plus positive semidefinite terms.
+    #[inline(always)]
+    pub(crate) fn factor<const R: usize>(&self, diagonal: &[T; B], l: &mut [[T; B]; B], x: [&mut [T; B]; R]) -> [T; B] {
+        let mut inverse = [T::ZERO; B];
+        // Row by row: while one row's division is under way, the next row's products can be.
+        written_out!(up i, B, {
+            let mut scaled = self.below[i];
+            let mut d = diagonal[i];
+            for j in 0..i {
+                for k in 0..j {
+                    let t = scaled[k];
+                    scaled[j] -= t * l[j][k];
+                }
+                l[i][j] = scaled[j] * inverse[j];
+                d -= scaled[j] * l[i][j];
+            }
+            inverse[i] = T::ONE / d;
+            for r in 0..R {
+                for k in 0..i {
+                    let t = x[r][k];
+                    x[r][i] -= l[i][k] * t;
+                }
+            }
+        });
+        inverse
+    }
+}
+
+/// The rest of A^-1 x, after [`Symmetric::factor`] has taken x along.
 #[inline(always)]
 pub(crate) fn back_substitute<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B], x: &mut [T; B]) {
     for i in 0..B {
         x[i] = x[i] * inverse_d[i];
     }
-    for i in (0..B).rev() {
+    written_out!(down i, B, {
         for k in 0..i {
             let t = x[i];
             x[k] -= l[i][k] * t;
         }
-    }
+    });
 }
 
 /// A^-1 x from the factors.
 #[inline(always)]
 pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B], x: &[T; B]) -> [T; B] {
     let mut y = *x;
-    for i in 0..B {
+    written_out!(up i, B, {
         for k in 0..i {
             let t = y[k];
             y[i] -= l[i][k] * t;
         }
-    }
+    });
     back_substitute(l, inverse_d, &mut y);
     y
-}
-
-/// Row i of a symmetric matrix, of which the lower triangle is given, times x.
-#[inline(always)]
-pub(crate) fn symmetric_product<T: Real, const B: usize>(a: &[[T; B]; B], i: usize, x: &[T; B]) -> T {
-    let mut sum = T::ZERO;
-    for j in 0..i {
-        sum += a[i][j] * x[j];
-    }
-    for j in i..B {
-        sum += a[j][i] * x[j];
-    }
-    sum
 }
 
 /// a . b.
@@ -90,18 +142,18 @@ mod tests {
     /// A times A^-1 x is x, to the condition number (about 1e3) times rounding.
     #[test]
     fn solves_a_gram_matrix() {
-        let mut a = [[0.0_f64; 5]; 5];
-        for (i, row) in a.iter_mut().enumerate() {
-            for (j, x) in row.iter_mut().enumerate() {
-                *x = 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 0.01 } else { 0.0 };
+        let mut a = Symmetric::<f64, 5>::zero();
+        for i in 0..5 {
+            for j in 0..=i {
+                a.add(i, j, 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 0.01 } else { 0.0 });
             }
         }
-        let mut l = a;
-        let d = factor(&mut l, []);
+        let mut l = [[0.0; 5]; 5];
+        let d = a.factor(&a.diagonal, &mut l, []);
         let x = [1.0, -2.0, 0.5, 3.0, -1.0];
         let y = solve(&l, &d, &x);
         for i in 0..5 {
-            assert!((product(&a[i], &y) - x[i]).abs() < 1e-12);
+            assert!((a.row_product(i, &y) - x[i]).abs() < 1e-12);
         }
     }
 }

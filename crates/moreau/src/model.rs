@@ -2,7 +2,9 @@
 
 use core::fmt;
 
+use crate::form::Form;
 use crate::joints::Parent;
+use crate::linear::Symmetric;
 use crate::path::Path;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Real, Scalar};
@@ -163,8 +165,6 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) parent_count: usize,
     /// Whether a body is hinged on one that is hinged itself.
     pub(crate) deep: bool,
-    /// The parent of a hinged body, and any body instead of the ground.
-    pub(crate) carrier: [usize; B],
     pub(crate) pivot: [Vector<T>; B],
     /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the others.
     pub(crate) link: [[T; B]; 2],
@@ -176,8 +176,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) spring_stiffness: [T; B],
     /// Diagonal of the mass matrix in absolute velocities: own inertia plus every descendant's mass at its branch's pivot.
     pub(crate) inertia: [T; B],
-    /// What that diagonal contributes to the mass matrix in relative velocities; lower triangle.
-    pub(crate) joint_inertia: [[T; B]; B],
+    /// What that diagonal contributes to the mass matrix in relative velocities.
+    pub(crate) joint_inertia: Symmetric<T, B>,
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
     pub(crate) moment_x: [T; B],
@@ -186,6 +186,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) weight: [T; B],
     pub(crate) whirl: [T; B],
     pub(crate) zones: [Zone<T>; Z],
+    /// The zones as the step reads them.
+    pub(crate) forms: [Form<T>; Z],
     /// The joints that a zone's compression and the driven point depend on.
     pub(crate) paths: [Path<T, B>; Z],
     pub(crate) site_path: Path<T, B>,
@@ -259,7 +261,6 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
             parent_count: 0,
             deep: false,
-            carrier: [0; B],
             pivot: [o; B],
             link: [[T::ZERO; B]; 2],
             root: [[T::ZERO; B]; 2],
@@ -268,13 +269,14 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_torque: [T::ZERO; B],
             spring_stiffness: [T::ZERO; B],
             inertia: [T::ONE; B],
-            joint_inertia: [[T::ZERO; B]; B],
+            joint_inertia: Symmetric::zero(),
             moment: [o; B],
             moment_x: [T::ZERO; B],
             moment_y: [T::ZERO; B],
             weight: [T::ZERO; B],
             whirl: [T::ZERO; B],
             zones: [vacant(); Z],
+            forms: [Form::of(&vacant()); Z],
             paths: [Path::empty(); Z],
             site_path: Path::empty(),
             zone_count: zones.len(),
@@ -303,7 +305,6 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             let place = if body.parent == GROUND { &mut model.root } else { &mut model.link };
             (place[0][i], place[1][i]) = (body.pivot[0], body.pivot[1]);
             if body.parent != GROUND {
-                model.carrier[i] = body.parent;
                 model.deep |= bodies[body.parent].parent != GROUND;
             }
             model.dry[i] = body.dry;
@@ -337,7 +338,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             for j in 0..=i {
                 for k in 0..=j {
                     if model.carries(j, i) && model.carries(k, i) {
-                        model.joint_inertia[j][k] += model.inertia[i];
+                        model.joint_inertia.add(j, k, model.inertia[i]);
                     }
                 }
             }
@@ -372,6 +373,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 return Err(ModelError::BadZone(i));
             }
             model.zones[i] = *zone;
+            model.forms[i] = Form::of(zone);
             model.paths[i] = model.path_of(zone);
             if zone.friction.is_some() {
                 model.sliding_zones[model.sliding_count] = i;

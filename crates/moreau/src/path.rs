@@ -1,7 +1,7 @@
 //! Which joints a relative motion of two points depends on.
 
 use crate::Real;
-use crate::batch::join;
+use crate::linear::Symmetric;
 
 /// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
 /// not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to `joint[k]`.
@@ -30,8 +30,8 @@ impl<T: Real, const B: usize> Path<T, B> {
         let first = path(0);
         let mut joined = Path { count: first.count, joint: first.joint, ..Path::empty() };
         for k in 0..first.count {
-            joined.sign[k] = join(|lane| path(lane).sign[k]);
-            joined.lever[k] = join(|lane| path(lane).lever[k]);
+            joined.sign[k] = T::join(|lane| path(lane).sign[k]);
+            joined.lever[k] = T::join(|lane| path(lane).lever[k]);
         }
         joined
     }
@@ -60,22 +60,24 @@ impl<T: Real, const B: usize> Path<T, B> {
         self.lever[entry]
     }
 
+    /// The first K entries of a row, at hand. Entries beyond the path's own must be zero.
+    #[inline(always)]
+    pub fn entries<const K: usize>(&self, row: &[T; B]) -> Row<T, K> {
+        Row { joint: core::array::from_fn(|k| self.joint[k]), entry: core::array::from_fn(|k| row[k]) }
+    }
+
+    /// How many entries a row has.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     /// row . w.
     #[inline(always)]
     pub fn product(&self, row: &[T; B], w: &[T; B]) -> T {
         let mut sum = T::ZERO;
         for (k, j) in self.joints() {
             sum += row[k] * w[j];
-        }
-        sum
-    }
-
-    /// The largest |row . w| for |w| of at most 1 in every joint.
-    #[inline(always)]
-    pub fn sum_of_levers(&self, row: &[T; B]) -> T {
-        let mut sum = T::ZERO;
-        for (k, _) in self.joints() {
-            sum += row[k].abs();
         }
         sum
     }
@@ -89,16 +91,57 @@ impl<T: Real, const B: usize> Path<T, B> {
         }
     }
 
-    /// Adds a force along a row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row (lower
-    /// triangle), b += row^T (p + tangent row . w).
+    /// [`Row::add_term`] for a row of any length.
     #[inline(always)]
-    pub fn add_term(&self, a: &mut [[T; B]; B], b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
-        let total = p + tangent * self.product(row, w);
-        for (k, i) in self.joints() {
-            b[i] += row[k] * total;
-            let t = tangent * row[k];
-            for (l, &j) in self.joint[..=k].iter().enumerate() {
-                a[i][j] += t * row[l];
+    pub fn add_term(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
+        if self.count == 1 {
+            self.entries::<1>(row).add_term(a, b, tangent, p, w);
+        } else {
+            self.entries::<B>(row).add_term(a, b, tangent, p, w);
+        }
+    }
+}
+
+/// A row with K entries, the number being known to the compiler, so that it stays in registers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Row<T, const K: usize> {
+    /// The joints, ascending; any one where the entry is zero for good.
+    pub joint: [usize; K],
+    pub entry: [T; K],
+}
+
+impl<T: Real, const K: usize> Row<T, K> {
+    /// row . w.
+    #[inline(always)]
+    pub fn product<const B: usize>(&self, w: &[T; B]) -> T {
+        let mut sum = self.entry[0] * w[self.joint[0]];
+        for k in 1..K {
+            sum += self.entry[k] * w[self.joint[k]];
+        }
+        sum
+    }
+
+    /// The largest |row . w| for |w| of at most 1 in every joint.
+    #[inline(always)]
+    pub fn sum_of_levers(&self) -> T {
+        let mut sum = self.entry[0].abs();
+        for k in 1..K {
+            sum += self.entry[k].abs();
+        }
+        sum
+    }
+
+    /// Adds a force along the row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row, b += row^T (p + tangent row . w).
+    #[inline(always)]
+    pub fn add_term<const B: usize>(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], tangent: T, p: T, w: &[T; B]) {
+        let total = p + tangent * self.product(w);
+        for k in 0..K {
+            let i = self.joint[k];
+            b[i] += self.entry[k] * total;
+            let t = tangent * self.entry[k];
+            a.diagonal[i] += t * self.entry[k];
+            for l in 0..k {
+                a.below[i][self.joint[l]] += t * self.entry[l];
             }
         }
     }

@@ -19,12 +19,24 @@ pub struct Pose<T, const B: usize> {
     /// From the parent's pivot to this one's, in the world; zero for a body hinged on the ground.
     pub(crate) arm_x: [T; B],
     pub(crate) arm_y: [T; B],
+    /// First moments about the pivots, in the world (README, "Inertia").
+    pub(crate) moment_x: [T; B],
+    pub(crate) moment_y: [T; B],
 }
 
 impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn new() -> Self {
         let zero = [T::ZERO; B];
-        Pose { cos: [T::ONE; B], sin: zero, pivot_x: zero, pivot_y: zero, arm_x: zero, arm_y: zero }
+        Pose {
+            cos: [T::ONE; B],
+            sin: zero,
+            pivot_x: zero,
+            pivot_y: zero,
+            arm_x: zero,
+            arm_y: zero,
+            moment_x: zero,
+            moment_y: zero,
+        }
     }
 
     /// Places every body for the given absolute angles, parents first.
@@ -32,13 +44,24 @@ impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
         sin_cos(angle, &mut self.sin, &mut self.cos);
         let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
+        let (mut arm_x, mut arm_y) = ([T::ZERO; B], [T::ZERO; B]);
+        for parent in model.parents() {
+            let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
+            for i in 0..B {
+                arm_x[i] += parent.children[i] * (c * link_x[i] - s * link_y[i]);
+                arm_y[i] += parent.children[i] * (s * link_x[i] + c * link_y[i]);
+            }
+        }
         let (mut x, mut y) = (*root_x, *root_y);
         for i in 0..B {
-            let (c, s) = (self.cos[model.carrier[i]], self.sin[model.carrier[i]]);
-            self.arm_x[i] = c * link_x[i] - s * link_y[i];
-            self.arm_y[i] = s * link_x[i] + c * link_y[i];
-            x[i] += self.arm_x[i];
-            y[i] += self.arm_y[i];
+            x[i] += arm_x[i];
+            y[i] += arm_y[i];
+        }
+        (self.arm_x, self.arm_y) = (arm_x, arm_y);
+        for i in 0..B {
+            let (c, s) = (self.cos[i], self.sin[i]);
+            self.moment_x[i] = c * model.moment_x[i] - s * model.moment_y[i];
+            self.moment_y[i] = s * model.moment_x[i] + c * model.moment_y[i];
         }
         // A pivot is carried along by its parent's: the same sum as that of velocities.
         self.pivot_x = absolute(model, &x);
@@ -78,8 +101,14 @@ impl<T: Real, const B: usize> Pose<T, B> {
     #[inline(always)]
     pub(crate) fn turning_row(&self, path: &Path<T, B>, x: Vector<T>, n: Vector<T>, row: &mut [T; B]) {
         for (k, j) in path.joints() {
-            row[k] = path.sign(k) * cross(sub(x, self.pivot(j)), n);
+            row[k] = path.sign(k) * self.turning(j, x, n);
         }
+    }
+
+    /// `n . velocity(x)` of what turns about a joint with 1 rad/s.
+    #[inline(always)]
+    pub(crate) fn turning(&self, joint: usize, x: Vector<T>, n: Vector<T>) -> T {
+        cross(sub(x, self.pivot(joint)), n)
     }
 }
 
@@ -110,12 +139,12 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
 
     /// Compression of a zone at this pose, m; negative apart.
     pub fn gap<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
-        gap_of(&model.zones[zone], self)
+        gap_of(&model.forms[zone], self)
     }
 
     /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
     pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = gap_row_of(&model.zones[zone], &model.paths[zone], self);
+        let mut row = gap_row_of(&model.forms[zone], &model.paths[zone], self);
         row_to_angles(model, &mut row);
         row
     }

@@ -82,6 +82,8 @@ pub trait Real:
     const EPSILON: Self;
     /// Nearest representable number (in every lane).
     fn from_f64(x: f64) -> Self;
+    /// A number per lane.
+    fn join(x: impl Fn(usize) -> Self::Lane) -> Self;
     /// One lane's number.
     fn lane(self, lane: usize) -> Self::Lane;
     /// The same with another number in one lane.
@@ -178,6 +180,10 @@ macro_rules! real_for {
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 x as $t
+            }
+            #[inline(always)]
+            fn join(x: impl Fn(usize) -> Self) -> Self {
+                x(0)
             }
             #[inline(always)]
             fn lane(self, _: usize) -> Self {

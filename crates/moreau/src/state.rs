@@ -81,19 +81,15 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) ease: Ease<T>,
     /// The last Newton correction of the relative velocities.
     pub(crate) change: [T; B],
-    /// Absolute angular velocities at t0 + theta h.
-    pub velocity: [T; B],
+    /// Absolute angular velocities at t0 + theta h, before the last Newton correction.
+    pub(crate) velocity: [T; B],
     /// Relative ones.
     pub(crate) joint_velocity: [T; B],
     /// Force of the drive on the mechanism, N.
     pub drive_force: T,
-    /// Velocity of the site along its direction at t0 + theta h, m/s.
-    pub drive_velocity: T,
     /// Force of an elastic drive before its clamp at zero, N, and h dF/d(site velocity).
     pub(crate) drive_pull: T,
     pub(crate) drive_tangent: T,
-    /// Slip velocity of each zone with friction at t0 + h, m/s, and at t0.
-    pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
     pub(crate) has_slip_row: [T::Mask; Z],
     /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
@@ -128,10 +124,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             joint_velocity: [z; B],
             momentum: [z; B],
             drive_force: z,
-            drive_velocity: z,
             drive_pull: z,
             drive_tangent: z,
-            slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
             has_slip_row: [T::Mask::splat(false); Z],
             coupling: [z; B],
@@ -155,7 +149,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             return None;
         }
         let (mut contact, timing) = (self.contacts[zone], Timing::new(settings.step, settings.theta));
-        let (form, path) = (&model.zones[zone], &model.paths[zone]);
+        let (form, path) = (&model.forms[zone], &model.paths[zone]);
         contact.complete(form, path, &self.pose, &self.change, &timing, self.active[zone]);
         Some(contact)
     }

@@ -90,15 +90,17 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let mut done = no;
 
     for iteration in 0..settings.newton_limit {
+        let model = core::hint::black_box(model);
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
+        let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
             // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
-            joint_momentum(model, &state.velocity, scratch);
-            state.survey.renew(model, &scratch.pose, &q_theta, &scratch.joint_velocity, &timing);
+            joint_momentum(model, &state.velocity, &w0, scratch);
+            state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing);
         }
         let near = state.survey.near();
-        linearise(model, &timing, input, &w, &q_theta, scratch);
+        linearise(model, &timing, input, &w, &joint_angle, scratch);
         add_zones(model, &timing, near, iteration > 0, &w, scratch);
         if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
             regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
@@ -135,7 +137,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 
     end(model, done.not().and(report.finite), state, scratch);
-    report.finite = finish(model, input, &w0, &w, h, theta, report.finite, state, scratch);
+    report.finite = finish(model, &w, h, theta, report.finite, state);
     report
 }
 
@@ -185,44 +187,33 @@ fn correction<T: Real, const B: usize>(w: &[T; B], next: &[T; B], tolerance: T) 
     (change, small, sum.finite())
 }
 
-/// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes; leaves the slips and the drive's speed to be read. Returns the lanes whose
-/// angles are finite.
+/// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes. Returns the lanes whose angles are finite.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn finish<T: Real, const B: usize, const Z: usize, const N: usize>(
+fn finish<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
-    input: &Input<T>,
-    w0: &[T; B],
     w: &[T; B],
     h: T,
     theta: T,
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
-    scratch: &mut Scratch<T, B, Z, N>,
 ) -> T::Mask {
-    let q0 = state.angle;
-    theta_point(model, &q0, w0, w, h, theta, scratch);
-    let (mut q, mut sum) = (q0, T::ZERO);
+    let v = absolute(model, w);
+    let (mut q, mut trend, mut sum) = (state.angle, v, T::ZERO);
     for i in 0..B {
-        q[i] += h * scratch.velocity[i];
+        trend[i] -= state.velocity[i];
+        q[i] += h * (state.velocity[i] + theta * trend[i]);
         sum += T::ZERO * q[i];
     }
     let lanes = lanes.and(sum.finite());
-    let v = absolute(model, w);
+    if lanes.all() {
+        (state.angle, state.trend, state.velocity) = (q, trend, v);
+        return lanes;
+    }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
         keep(&mut state.angle[i], q[i]);
-        keep(&mut state.trend[i], v[i] - state.velocity[i]);
+        keep(&mut state.trend[i], trend[i]);
         keep(&mut state.velocity[i], v[i]);
-    }
-    let driven = !matches!(input, Input::Free);
-    scratch.drive_velocity =
-        if driven { model.site_path.product(&scratch.site_row, &scratch.joint_velocity) } else { T::ZERO };
-    for &z in &model.sliding_zones[..model.sliding_count] {
-        if scratch.has_slip_row[z].any() {
-            let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
-            scratch.slip[z] = [path.product(row, w0), path.product(row, w)];
-        }
     }
     lanes
 }

@@ -5,7 +5,6 @@
 //! estimate: with or without a survey, a step gives the same bits.
 
 use crate::contact::{Timing, gap_of};
-use crate::joints::relative;
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::{Mask, Real};
@@ -48,17 +47,16 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         &self.near[..self.near_count]
     }
 
-    /// Surveys again if the zones left out could now be closer than `reach` (m).
+    /// Surveys again if the zones left out could now be closer than `reach` (m); `joint`: the joints' angles.
     #[inline(always)]
     pub fn renew(
         &mut self,
         model: &Model<T, B, Z>,
         pose: &Pose<T, B>,
-        angle: &[T; B],
+        joint: &[T; B],
         joint_velocity: &[T; B],
         timing: &Timing<T>,
     ) {
-        let joint = relative(model, angle);
         let mut spent = T::ZERO;
         for i in 0..B {
             spent += (joint[i] - self.angle[i]).abs() * self.spent[i];
@@ -66,7 +64,7 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         // The last thousandth is left to rounding.
         let holds = spent.lt(T::from_f64(0.999)).and(timing.reach.le(self.reach));
         if !holds.all() {
-            self.take(model, pose, &joint, joint_velocity, timing);
+            self.take(model, pose, joint, joint_velocity, timing);
         }
     }
 
@@ -81,7 +79,7 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
     ) {
         *self = Survey { angle: *joint, reach: timing.reach, ..Survey::none() };
         for z in 0..model.zone_count {
-            let clearance = -gap_of(&model.zones[z], pose) - timing.reach;
+            let clearance = -gap_of(&model.forms[z], pose) - timing.reach;
             let mut speed = T::ZERO;
             for (k, j) in model.paths[z].joints() {
                 speed += model.paths[z].lever(k) * joint_velocity[j].abs();

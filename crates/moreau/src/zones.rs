@@ -17,29 +17,48 @@ pub(crate) fn add_zones<T: Real, const B: usize, const Z: usize, const N: usize>
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, system, .. } = scratch;
     let mut ease = Ease::new();
     for &z in near {
-        let (zone, path, contact) = (&model.zones[z], &model.paths[z], &mut contacts[z]);
-        // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
-        let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
-        let touched = contact.evaluate(zone, path, pose, joint_velocity, timing, candidates);
-        active[z] = touched;
-        if !contact.in_reach.any() {
-            continue;
-        }
-        contact.ease(path, timing, touched, &mut ease);
-        if touched.any() {
-            let p = -(timing.step * contact.force);
-            path.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, p, w);
-            let fresh = touched.and(has_slip_row[z].not());
-            if zone.friction.is_some() && fresh.any() {
-                contact.slip_row(zone, path, pose, fresh, &mut slip_row[z]);
-                has_slip_row[z] = has_slip_row[z].or(touched);
-            }
+        // A row's length is known to the compiler, so that it stays in registers.
+        match model.paths[z].count() {
+            1 => add_zone::<T, B, Z, N, 1>(model, timing, z, again, w, &mut ease, scratch),
+            2 => add_zone::<T, B, Z, N, 2>(model, timing, z, again, w, &mut ease, scratch),
+            3 => add_zone::<T, B, Z, N, 3>(model, timing, z, again, w, &mut ease, scratch),
+            _ => add_zone::<T, B, Z, N, B>(model, timing, z, again, w, &mut ease, scratch),
         }
     }
     scratch.ease = ease;
+}
+
+/// One zone, whose row has K entries.
+#[inline(always)]
+fn add_zone<T: Real, const B: usize, const Z: usize, const N: usize, const K: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    z: usize,
+    again: bool,
+    w: &[T; B],
+    ease: &mut Ease<T>,
+    scratch: &mut Scratch<T, B, Z, N>,
+) {
+    let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, system, .. } = scratch;
+    let (form, path, contact) = (&model.forms[z], &model.paths[z], &mut contacts[z]);
+    // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
+    let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
+    let (touched, row) = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates);
+    active[z] = touched;
+    if !contact.in_reach.any() {
+        return;
+    }
+    contact.ease(row.sum_of_levers(), timing, touched, ease);
+    if touched.any() {
+        row.add_term(&mut system.a, &mut system.b, contact.tangent, -(timing.step * contact.force), w);
+        let fresh = touched.and(has_slip_row[z].not());
+        if form.slides && fresh.any() {
+            contact.slip_row(form, path, pose, fresh, &mut slip_row[z]);
+            has_slip_row[z] = has_slip_row[z].or(touched);
+        }
+    }
 }
 
 /// Whether the linearisation holds where `change` has taken the velocities, to `next`: for every joint, what the felts' curvature,
@@ -73,7 +92,7 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         let size = change[i].abs();
         let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
         impulse[i] = timing.h_theta * (h * model.weight[i] + spin) * size;
-        allowed[i] = settings.tolerance * scratch.system.a[i][i] * (T::ONE + next[i].abs());
+        allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
         largest = largest.max(size);
     }
     let x = timing.theta * largest;
@@ -101,9 +120,9 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     allowed: &[T; B],
 ) -> T::Mask {
     for &z in near {
-        let (zone, path, contact) = (&model.zones[z], &model.paths[z], &scratch.contacts[z]);
+        let (form, path, contact) = (&model.forms[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
-            let p = timing.step * contact.remainder(zone, path, change, timing, scratch.active[z]);
+            let p = timing.step * contact.remainder(form, path, change, timing, scratch.active[z]);
             for (k, j) in path.joints() {
                 impulse[j] += p * contact.row[k].abs();
             }

@@ -9,7 +9,7 @@
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
 use super::{Impulses, System, lane_by_lane};
-use crate::linear::{back_substitute, factor, product, solve as solve_factored, symmetric_product};
+use crate::linear::{back_substitute, product, solve as solve_factored};
 use crate::{Mask, Real, Scalar};
 
 /// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
@@ -28,9 +28,11 @@ pub struct Guess<T: Real, const B: usize, const N: usize> {
     pub(crate) open: [T::Mask; N],
 }
 
-/// The sliding laws' own system, once the pivots are guessed: workspace.
+/// The sliding laws' own system, once the pivots are guessed, and what it is made from: workspace.
 #[derive(Debug, Clone)]
 pub struct Condensed<T, const B: usize, const N: usize> {
+    /// The factors of A for the joints that move.
+    factors: [[T; B]; B],
     /// A^-1 row of every law.
     columns: [[T; B]; N],
     matrix: [[T; N]; N],
@@ -61,7 +63,7 @@ impl<T: Real, const B: usize, const N: usize> Guess<T, B, N> {
 
 impl<T: Real, const B: usize, const N: usize> Condensed<T, B, N> {
     pub(crate) fn new() -> Self {
-        Condensed { columns: [[T::ZERO; B]; N], matrix: [[T::ZERO; N]; N] }
+        Condensed { factors: [[T::ZERO; B]; B], columns: [[T::ZERO; B]; N], matrix: [[T::ZERO; N]; N] }
     }
 }
 
@@ -139,174 +141,145 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     single: bool,
     w: &mut [T; B],
 ) -> T::Mask {
-    let (mut free, mut m) = ([0; B], 0);
     for i in 0..B {
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
-        if not_zero(guess.pivot[i]).any() {
-            free[m] = i;
-            m += 1;
-        }
     }
-    *w = [T::ZERO; B];
-    let mut changed = match m {
-        // Sizes that the compiler unrolls.
-        1 => reduced::<T, B, N, 1>(system, guess, impulses, condensed, &free, 1, w, tolerance, single),
-        2 => reduced::<T, B, N, 2>(system, guess, impulses, condensed, &free, 2, w, tolerance, single),
-        3 => reduced::<T, B, N, 3>(system, guess, impulses, condensed, &free, 3, w, tolerance, single),
-        4 => reduced::<T, B, N, 4>(system, guess, impulses, condensed, &free, 4, w, tolerance, single),
-        5 => reduced::<T, B, N, 5>(system, guess, impulses, condensed, &free, 5, w, tolerance, single),
-        6 => reduced::<T, B, N, 6>(system, guess, impulses, condensed, &free, 6, w, tolerance, single),
-        _ => reduced::<T, B, N, B>(system, guess, impulses, condensed, &free, m, w, tolerance, single),
-    };
+    let mut changed = velocities(system, guess, impulses, condensed, tolerance, single, w);
     let may_change = |changed: T::Mask| if single { changed.not() } else { T::Mask::splat(true) };
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
         if !slides.all() {
-            let mut p = symmetric_product(&system.a, i, w) - system.b[i];
+            let mut p = system.a.row_product(i, w) - system.b[i];
             for law in 0..system.count {
                 p -= system.sliding[law].row[i] * impulses.sliding[law];
             }
-            impulses.pivot[i] = T::select(slides, impulses.pivot[i], p);
-            // Rounding in the bound must not turn a pivot that holds at its limit back and forth.
-            let bound = system.pivot_bound[i] * (T::ONE + T::from_f64(8.0) * T::EPSILON);
+            // A pivot that sticks has no impulse yet.
+            impulses.pivot[i] += T::select(slides, T::ZERO, p);
+            // Rounding, in the bound and in the loads that p is the difference of, must not turn a pivot that holds at its limit back
+            // and forth.
+            let rounding = T::from_f64(8.0) * T::EPSILON * (system.pivot_bound[i] + system.b[i].abs());
+            let bound = system.pivot_bound[i] + rounding;
             let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change(changed));
-            guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
-            changed = changed.or(exceeded);
+            if exceeded.any() {
+                guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
+                changed = changed.or(exceeded);
+            }
         }
         if slides.any() {
             let turned = slides.and(tolerance.lt(guess.pivot[i] * w[i])).and(T::ZERO.lt(system.pivot_bound[i]));
             let turned = turned.and(may_change(changed));
-            guess.pivot[i] = T::select(turned, T::ZERO, guess.pivot[i]);
-            changed = changed.or(turned);
+            if turned.any() {
+                guess.pivot[i] = T::select(turned, T::ZERO, guess.pivot[i]);
+                changed = changed.or(turned);
+            }
         }
     }
     changed
 }
 
-/// The first `m` (at most M) joints of `free` move, the others stick: their velocities and the sliding laws' impulses. Corrects the
-/// guesses of the sliding laws, and says in which lanes.
+/// A joint that sticks is held by so many times its own inertia: its share in the others' velocities is then below any rounding.
+const HELD: f64 = 1e20;
+
+/// The velocities of the joints that move (the others stick: exactly zero) and the sliding laws' impulses. Corrects the guesses of the
+/// sliding laws, and says in which lanes.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn reduced<T: Real, const B: usize, const N: usize, const M: usize>(
+fn velocities<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     condensed: &mut Condensed<T, B, N>,
-    free: &[usize; B],
-    m: usize,
-    w: &mut [T; B],
     tolerance: T,
     single: bool,
+    w: &mut [T; B],
 ) -> T::Mask {
-    let mut factors = [[T::ZERO; M]; M];
-    let mut v = [T::ZERO; M];
-    // Where a joint sticks in some lanes only: 1 where it moves.
-    let mut moves = [T::ONE; M];
-    for r in 0..M {
-        if r < m {
-            let i = free[r];
-            v[r] = system.b[i] + impulses.pivot[i];
-            for c in 0..=r {
-                factors[r][c] = system.a[i][free[c]];
-            }
-            if T::LANES > 1 {
-                let slides = not_zero(guess.pivot[i]);
-                moves[r] = T::select(slides, T::ONE, T::ZERO);
-                v[r] = v[r] * moves[r];
-                for c in 0..r {
-                    factors[r][c] = factors[r][c] * (moves[r] * moves[c]);
-                }
-                factors[r][r] = T::select(slides, factors[r][r], T::ONE);
-            }
+    let no = T::Mask::splat(false);
+    let Condensed { factors, columns, matrix } = condensed;
+    let (mut moves, mut diagonal, mut any) = ([T::ZERO; B], [T::ONE; B], no);
+    for i in 0..B {
+        let slides = not_zero(guess.pivot[i]);
+        moves[i] = T::select(slides, T::ONE, T::ZERO);
+        diagonal[i] = system.a.diagonal[i] * T::select(slides, T::ONE, T::from_f64(HELD));
+        any = any.or(slides);
+    }
+    let (free, spelt_out) = (any.any(), system.count == 1 && !system.sliding[0].rigid);
+    let mut column = [T::ZERO; B];
+    let mut inverse_d = [T::ZERO; B];
+    *w = [T::ZERO; B];
+    if free {
+        for i in 0..B {
+            w[i] = system.b[i] + impulses.pivot[i];
+        }
+        if spelt_out {
+            column = system.sliding[0].row;
+            inverse_d = system.a.factor(&diagonal, factors, [w, &mut column]);
+            back_substitute(factors, &inverse_d, &mut column);
+            only(&moves, &mut column);
         } else {
-            factors[r][r] = T::ONE;
+            inverse_d = system.a.factor(&diagonal, factors, [w]);
         }
+        back_substitute(factors, &inverse_d, w);
+        only(&moves, w);
     }
-    let gather = |row: &[T; B]| {
-        let mut reduced = [T::ZERO; M];
-        for r in 0..m.min(M) {
-            reduced[r] = row[free[r]];
-            if T::LANES > 1 {
-                reduced[r] = reduced[r] * moves[r];
+    if !spelt_out {
+        for k in 0..system.count.min(N) {
+            columns[k] = [T::ZERO; B];
+            if free {
+                columns[k] = solve_factored(factors, &inverse_d, &system.sliding[k].row);
+                only(&moves, &mut columns[k]);
             }
         }
-        reduced
-    };
-    let mut changed = T::Mask::splat(false);
-    if system.count == 1 && !system.sliding[0].rigid {
-        // The usual case of several laws, spelt out.
-        let law = &system.sliding[0];
-        let (row, slope) = (gather(&law.row), gather(&law.slope));
-        let mut column = row;
-        let inverse_d = factor(&mut factors, [&mut v, &mut column]);
-        back_substitute(&factors, &inverse_d, &mut v);
-        back_substitute(&factors, &inverse_d, &mut column);
-        let (side, open) = (guess.sliding[0], guess.open[0]);
-        let slides = not_zero(side);
-        let (mut numerator, mut denominator) = (T::ZERO, T::ONE);
-        let mut dependent = T::Mask::splat(false);
-        if !slides.all() {
-            let pivot = product(&row, &column);
-            dependent = slides.not().and(is_dependent(pivot, scale_of(system, &law.row)));
-            let sticking = dependent.or(slides).not();
-            numerator = T::select(sticking, law.target - product(&row, &v), impulses.sliding[0]);
-            denominator = T::select(sticking, pivot, T::ONE);
-        }
-        if slides.any() {
-            let sliding = side * (law.bound + product(&slope, &v));
-            numerator = T::select(slides, sliding, numerator);
-            denominator = T::select(slides, T::ONE - side * product(&slope, &column), denominator);
-        }
-        let p = T::select(open, T::ZERO, numerator / denominator);
-        for r in 0..M {
-            v[r] += column[r] * p;
-        }
-        impulses.sliding[0] = p;
-        let (u, bound) = (product(&row, &v) - law.target, law.bound + product(&slope, &v));
-        changed = correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true));
-    } else {
-        let inverse_d = factor(&mut factors, [&mut v]);
-        back_substitute(&factors, &inverse_d, &mut v);
-        if system.count > 0 {
-            changed =
-                slide(system, guess, impulses, condensed, &factors, &inverse_d, gather, &mut v, tolerance, single);
-        }
+        return slide(system, guess, impulses, columns, matrix, w, tolerance, single);
     }
-    for r in 0..m.min(M) {
-        w[free[r]] = v[r];
+    // The usual case of several laws, spelt out.
+    let law = &system.sliding[0];
+    let (side, open) = (guess.sliding[0], guess.open[0]);
+    let slides = not_zero(side);
+    let (mut numerator, mut denominator) = (T::ZERO, T::ONE);
+    let mut dependent = no;
+    if !slides.all() {
+        let pivot = product(&law.row, &column);
+        dependent = slides.not().and(is_dependent(pivot, scale_of(system, &law.row)));
+        let sticking = dependent.or(slides).not();
+        numerator = T::select(sticking, law.target - product(&law.row, w), impulses.sliding[0]);
+        denominator = T::select(sticking, pivot, T::ONE);
     }
-    changed
+    if slides.any() {
+        let sliding = side * (law.bound + product(&law.slope, w));
+        numerator = T::select(slides, sliding, numerator);
+        denominator = T::select(slides, T::ONE - side * product(&law.slope, &column), denominator);
+    }
+    let p = T::select(open, T::ZERO, numerator / denominator);
+    for i in 0..B {
+        w[i] += column[i] * p;
+    }
+    impulses.sliding[0] = p;
+    let (u, bound) = (product(&law.row, w) - law.target, law.bound + product(&law.slope, w));
+    correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true))
+}
+
+/// x for the joints that move (1), zero for those that stick (0).
+#[inline(always)]
+fn only<T: Real, const B: usize>(moves: &[T; B], x: &mut [T; B]) {
+    for i in 0..B {
+        x[i] = x[i] * moves[i];
+    }
 }
 
 /// Sliding laws, condensed: adds their share to the velocities `v`, and corrects their guesses.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
+fn slide<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
-    condensed: &mut Condensed<T, B, N>,
-    factors: &[[T; M]; M],
-    inverse_d: &[T; M],
-    gather: impl Fn(&[T; B]) -> [T; M],
-    v: &mut [T; M],
+    columns: &[[T; B]; N],
+    matrix: &mut [[T; N]; N],
+    v: &mut [T; B],
     tolerance: T,
     single: bool,
 ) -> T::Mask {
     let n = system.count.min(N);
-    let Condensed { columns, matrix } = condensed;
     let (mut rhs, mut p, mut diagonal) = ([T::ZERO; N], [T::ZERO; N], [T::ONE; N]);
-    for k in 0..n {
-        let column = solve_factored(factors, inverse_d, &gather(&system.sliding[k].row));
-        columns[k][..M.min(B)].copy_from_slice(&column[..M.min(B)]);
-    }
-    let along = |row: &[T; M], column: &[T; B]| {
-        let mut sum = T::ZERO;
-        for r in 0..M.min(B) {
-            sum += row[r] * column[r];
-        }
-        sum
-    };
     for k in 0..n {
         let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
         let (slides, sticks) = (closed.and(not_zero(side)), closed.and(not_zero(side).not()));
@@ -314,33 +287,31 @@ fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
         matrix[k][k] = T::select(sticks, T::ZERO, T::ONE);
         if sticks.any() {
             // Sticking: row . (w + sum columns p) = target.
-            let row = gather(&law.row);
-            rhs[k] = T::select(sticks, law.target - product(&row, v), T::ZERO);
+            rhs[k] = T::select(sticks, law.target - product(&law.row, v), T::ZERO);
             for j in 0..n {
-                matrix[k][j] += T::select(sticks, along(&row, &columns[j]), T::ZERO);
+                matrix[k][j] += T::select(sticks, product(&law.row, &columns[j]), T::ZERO);
             }
             p[k] = T::select(sticks, impulses.sliding[k], T::ZERO);
             diagonal[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
         }
         if slides.any() {
             // Sliding: p = s (bound + slope . (w + sum columns p)).
-            let slope = gather(&law.slope);
-            rhs[k] = T::select(slides, side * (law.bound + product(&slope, v)), rhs[k]);
+            rhs[k] = T::select(slides, side * (law.bound + product(&law.slope, v)), rhs[k]);
             for j in 0..n {
-                matrix[k][j] -= T::select(slides, side * along(&slope, &columns[j]), T::ZERO);
+                matrix[k][j] -= T::select(slides, side * product(&law.slope, &columns[j]), T::ZERO);
             }
         }
     }
     let dependent = eliminate(matrix, &mut rhs, &mut p, &diagonal, n);
     for k in 0..n {
-        for r in 0..M.min(B) {
+        for r in 0..B {
             v[r] += columns[k][r] * p[k];
         }
     }
     let mut changed = T::Mask::splat(false);
     for k in 0..n {
         let law = &system.sliding[k];
-        let u = product(&gather(&law.row), v) - law.target;
+        let u = product(&law.row, v) - law.target;
         impulses.sliding[k] = p[k];
         let allowed = if single { changed.not() } else { T::Mask::splat(true) };
         if law.rigid {
@@ -355,7 +326,7 @@ fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
             }
             continue;
         }
-        let bound = law.bound + product(&gather(&law.slope), v);
+        let bound = law.bound + product(&law.slope, v);
         changed = changed.or(correct(guess, k, p[k], u, bound, dependent[k], tolerance, allowed));
     }
     changed
@@ -366,7 +337,7 @@ fn slide<T: Real, const B: usize, const N: usize, const M: usize>(
 fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, row: &[T; B]) -> T {
     let mut scale = T::ZERO;
     for i in 0..B {
-        scale += row[i] * row[i] / system.a[i][i];
+        scale += row[i] * row[i] / system.a.diagonal[i];
     }
     scale
 }
@@ -395,8 +366,10 @@ fn correct<T: Real, const B: usize, const N: usize>(
     let if_sliding = T::select(tolerance.lt(side * u), T::ZERO, side);
     let next = T::select(pressed, T::select(slides, if_sliding, if_sticking), T::ZERO);
     let moved = not_zero(next - side).or(pressed.and(open)).or(pressed.or(open).not()).and(allowed);
-    guess.sliding[k] = T::select(moved, next, side);
-    guess.open[k] = open.and(moved.not()).or(pressed.not().and(moved));
+    if moved.any() {
+        guess.sliding[k] = T::select(moved, next, side);
+        guess.open[k] = open.and(moved.not()).or(pressed.not().and(moved));
+    }
     moved
 }
 
@@ -421,7 +394,7 @@ fn give_way<T: Scalar, const B: usize, const N: usize>(
     };
     for i in 0..B {
         if guess.pivot[i] == T::ZERO {
-            compare(i, row[i] / system.a[i][i], T::ONE / system.a[i][i]);
+            compare(i, row[i] / system.a.diagonal[i], T::ONE / system.a.diagonal[i]);
         }
     }
     for k in 0..system.count {
@@ -429,8 +402,8 @@ fn give_way<T: Scalar, const B: usize, const N: usize>(
         if guess.sliding[k] == T::ZERO && !law.rigid {
             let (mut coupling, mut mobility) = (T::ZERO, T::ZERO);
             for i in 0..B {
-                coupling += row[i] * law.row[i] / system.a[i][i];
-                mobility += law.row[i] * law.row[i] / system.a[i][i];
+                coupling += row[i] * law.row[i] / system.a.diagonal[i];
+                mobility += law.row[i] * law.row[i] / system.a.diagonal[i];
             }
             if T::ZERO < mobility {
                 compare(B + k, coupling, mobility);

@@ -97,9 +97,9 @@ pub(super) struct Dense<T, const B: usize, const N: usize> {
 impl<T: Scalar, const B: usize, const N: usize> Dense<T, B, N> {
     /// W = D^T A^-1 D and u_free of a system, warm-started.
     pub fn new(system: &System<T, B, N>, impulses: &Impulses<T, B, N>) -> Self {
-        let mut factors = system.a;
+        let mut factors = [[T::ZERO; B]; B];
         let mut free = system.b;
-        let inverse_d = linear::factor(&mut factors, [&mut free]);
+        let inverse_d = system.a.factor(&system.a.diagonal, &mut factors, [&mut free]);
         linear::back_substitute(&factors, &inverse_d, &mut free);
         let mut dense = Dense {
             problem: OneStepProblem::new(),

@@ -11,14 +11,15 @@ pub mod delassus;
 pub mod projected_gauss_seidel;
 pub mod relay;
 
+use crate::linear::Symmetric;
 use crate::state::Scratch;
 use crate::{Mask, Real, Settings};
 
 /// One linearised step, in relative velocities.
 #[derive(Debug, Clone)]
 pub struct System<T, const B: usize, const N: usize> {
-    /// A, symmetric positive definite; the lower triangle is in use.
-    pub a: [[T; B]; B],
+    /// A, symmetric positive definite.
+    pub a: Symmetric<T, B>,
     /// b: the impulse that would bring about the step without set-valued laws, plus A w for the iterate w.
     pub b: [T; B],
     /// h c_d of every pivot; 0 is no friction.
@@ -57,7 +58,7 @@ impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
     pub(crate) fn new() -> Self {
         let z = T::ZERO;
         let law = SlidingLaw { row: [z; B], target: z, bound: z, slope: [z; B], rigid: false };
-        System { a: [[z; B]; B], b: [z; B], pivot_bound: [z; B], sliding: [law; N], count: 0 }
+        System { a: Symmetric::zero(), b: [z; B], pivot_bound: [z; B], sliding: [law; N], count: 0 }
     }
 }
 
@@ -71,7 +72,7 @@ impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
     /// One lane's system.
     pub(crate) fn lane(&self, lane: usize) -> System<T::Lane, B, N> {
         System {
-            a: self.a.map(|row| row.map(|x| x.lane(lane))),
+            a: self.a.lane(lane),
             b: self.b.map(|x| x.lane(lane)),
             pivot_bound: self.pivot_bound.map(|x| x.lane(lane)),
             sliding: self.sliding.map(|law| SlidingLaw {

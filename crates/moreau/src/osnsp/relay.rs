@@ -166,7 +166,8 @@ pub(super) fn eliminate<T: Real, const N: usize>(
             for j in k + 1..m {
                 s -= a[k][j] * x[j];
             }
-            x[k] = T::select(dependent[k], x[k], s * inverse[k]);
+            let free = s * inverse[k];
+            x[k] = if dependent[k].any() { T::select(dependent[k], x[k], free) } else { free };
         }
     }
     dependent

@@ -1,0 +1,158 @@
+//! The kernel, compiled for each set of instructions.
+
+use moreau::{Input, Mask, Model, Outcome, Real, Scratch, Settings, State, step, step_lanes};
+
+use crate::avx2::F64x4;
+use crate::avx512::F64x8;
+
+/// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one kind.
+///
+/// # Safety
+/// The processor must have the instructions that the kernel is compiled for.
+type Kernel<T, const B: usize, const Z: usize, const N: usize> = unsafe fn(
+    &Model<T, B, Z>,
+    &Settings<T>,
+    &[Input<f64>],
+    &mut State<T, B, Z>,
+    &mut Scratch<T, B, Z, N>,
+    &mut [Outcome],
+) -> bool;
+
+/// As many mechanisms as T has lanes, side by side.
+pub struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
+    kernel: Kernel<T, B, Z, N>,
+    model: Model<T, B, Z>,
+    state: State<T, B, Z>,
+    settings: Settings<T>,
+    scratch: Scratch<T, B, Z, N>,
+    models: Vec<Model<f64, B, Z>>,
+    own_settings: Settings<f64>,
+}
+
+impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
+    fn new(
+        kernel: Kernel<T, B, Z, N>,
+        models: &[Model<f64, B, Z>],
+        states: &[State<f64, B, Z>],
+        settings: &Settings<f64>,
+    ) -> Option<Self> {
+        let (each_model, each_state): (Vec<_>, Vec<_>) = (models.iter().collect(), states.iter().collect());
+        Some(Lanes {
+            kernel,
+            model: Model::of_lanes(&each_model)?,
+            state: State::of_lanes(&each_state),
+            settings: Settings::in_lanes(settings),
+            scratch: Scratch::new(),
+            models: models.to_vec(),
+            own_settings: *settings,
+        })
+    }
+
+    /// One step; writes how each mechanism's ended.
+    #[inline]
+    pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
+        let Lanes { kernel, model, state, settings, scratch, .. } = self;
+        // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.
+        if !unsafe { kernel(model, settings, inputs, state, scratch, outcomes) } {
+            self.one_by_one(inputs, outcomes);
+        }
+    }
+
+    /// Inputs of different kinds: each lane alone.
+    #[cold]
+    fn one_by_one(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let mut scratch = Scratch::<f64, B, Z, N>::new();
+        for (i, outcome) in outcomes.iter_mut().enumerate() {
+            let mut state = self.state.lane(i);
+            *outcome = step(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut scratch).outcome;
+            self.state.set_lane(i, &state);
+        }
+    }
+
+    /// One lane's state.
+    pub fn state(&self, lane: usize) -> State<f64, B, Z> {
+        self.state.lane(lane)
+    }
+}
+
+/// Four lanes of AVX2; `None` where the processor or the models do not allow it.
+pub fn four<const B: usize, const Z: usize, const N: usize>(
+    models: &[Model<f64, B, Z>],
+    states: &[State<f64, B, Z>],
+    settings: &Settings<f64>,
+) -> Option<Lanes<F64x4, B, Z, N>> {
+    if !has_avx2() {
+        return None;
+    }
+    Lanes::new(avx2_step, models, states, settings)
+}
+
+/// Eight lanes of AVX-512; `None` where the processor or the models do not allow it.
+pub fn eight<const B: usize, const Z: usize, const N: usize>(
+    models: &[Model<f64, B, Z>],
+    states: &[State<f64, B, Z>],
+    settings: &Settings<f64>,
+) -> Option<Lanes<F64x8, B, Z, N>> {
+    if !has_avx512() {
+        return None;
+    }
+    Lanes::new(avx512_step, models, states, settings)
+}
+
+pub fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2")
+}
+
+pub fn has_avx512() -> bool {
+    is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512bw")
+}
+
+/// The kernel for any number. Inputs are joined in here, so that they are written as wide as they are read.
+#[inline(always)]
+fn step_all<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    inputs: &[Input<f64>],
+    state: &mut State<T, B, Z>,
+    scratch: &mut Scratch<T, B, Z, N>,
+    outcomes: &mut [Outcome],
+) -> bool {
+    let Some(input) = Input::of_lanes(inputs) else { return false };
+    let report = step_lanes(model, settings, &input, state, scratch);
+    for (i, outcome) in outcomes.iter_mut().enumerate() {
+        *outcome = match (report.finite.lane(i), report.converged.lane(i)) {
+            (false, _) => Outcome::NonFinite,
+            (true, true) => Outcome::Converged,
+            (true, false) => Outcome::IterationLimit,
+        };
+    }
+    true
+}
+
+#[target_feature(enable = "avx2")]
+fn avx2_step<const B: usize, const Z: usize, const N: usize>(
+    model: &Model<F64x4, B, Z>,
+    settings: &Settings<F64x4>,
+    inputs: &[Input<f64>],
+    state: &mut State<F64x4, B, Z>,
+    scratch: &mut Scratch<F64x4, B, Z, N>,
+    outcomes: &mut [Outcome],
+) -> bool {
+    step_all(model, settings, inputs, state, scratch, outcomes)
+}
+
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
+fn avx512_step<const B: usize, const Z: usize, const N: usize>(
+    model: &Model<F64x8, B, Z>,
+    settings: &Settings<F64x8>,
+    inputs: &[Input<f64>],
+    state: &mut State<F64x8, B, Z>,
+    scratch: &mut Scratch<F64x8, B, Z, N>,
+    outcomes: &mut [Outcome],
+) -> bool {
+    step_all(model, settings, inputs, state, scratch, outcomes)
+}

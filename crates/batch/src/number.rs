@@ -1,0 +1,176 @@
+//! What vector numbers have in common, written once for every width and precision.
+//!
+//! A module that uses these macros gives the lane type, the width, and the intrinsics. Its numbers are private to this crate and exist
+//! only inside the kernels of `kernels.rs`, which are entered after the processor has been asked for their instructions. That is what
+//! makes the intrinsics sound.
+
+/// An intrinsic, in code that only a kernel compiled for it reaches.
+macro_rules! simd {
+    ($e:expr) => {
+        // SAFETY: the instructions have been detected, see the documentation of `number.rs`.
+        unsafe { $e }
+    };
+}
+
+macro_rules! operator {
+    ($number:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl core::ops::$trait for $number {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                $number(simd!($intrinsic(self.0, other.0)))
+            }
+        }
+    };
+}
+
+/// A number of `$width` lanes of `$lane` in a `$register`, and all of `moreau::Real`. Comparisons are the module's `less` and
+/// `at_most`, choices its `choose`, absolute value and sign its `magnitude` and `negated`.
+macro_rules! vector_number {
+    (
+        $number:ident, $mask:ident, $register:ident, $lane:ident, $width:literal,
+        add: $add:ident, sub: $sub:ident, mul: $mul:ident, div: $div:ident,
+        sqrt: $sqrt:ident, max: $max:ident, min: $min:ident, splat: $splat:ident,
+        pow: $pow:path, tanh: $tanh:path, sincos: $sincos:path $(,)?
+    ) => {
+        #[derive(Clone, Copy)]
+        #[repr(transparent)]
+        pub(crate) struct $number($register);
+
+        impl From<[$lane; $width]> for $number {
+            #[inline(always)]
+            fn from(x: [$lane; $width]) -> Self {
+                // SAFETY: both are the same number of bytes of plain numbers.
+                $number(unsafe { core::mem::transmute::<[$lane; $width], $register>(x) })
+            }
+        }
+
+        impl From<$number> for [$lane; $width] {
+            #[inline(always)]
+            fn from(x: $number) -> Self {
+                // SAFETY: both are the same number of bytes of plain numbers.
+                unsafe { core::mem::transmute::<$register, [$lane; $width]>(x.0) }
+            }
+        }
+
+        impl core::fmt::Debug for $number {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                <[$lane; $width]>::from(*self).fmt(f)
+            }
+        }
+
+        operator!($number, Add, add, $add);
+        operator!($number, Sub, sub, $sub);
+        operator!($number, Mul, mul, $mul);
+        operator!($number, Div, div, $div);
+
+        impl core::ops::Neg for $number {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                negated(self)
+            }
+        }
+
+        impl core::ops::AddAssign for $number {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
+
+        impl core::ops::SubAssign for $number {
+            #[inline(always)]
+            fn sub_assign(&mut self, other: Self) {
+                *self = *self - other;
+            }
+        }
+
+        impl $number {
+            fn map(self, f: impl Fn($lane) -> $lane) -> Self {
+                <[$lane; $width]>::from(self).map(f).into()
+            }
+
+            const fn constant(x: $lane) -> Self {
+                // SAFETY: both are the same number of bytes of plain numbers.
+                $number(unsafe { core::mem::transmute::<[$lane; $width], $register>([x; $width]) })
+            }
+        }
+
+        impl moreau::Real for $number {
+            type Mask = $mask;
+            type Lane = $lane;
+            const LANES: usize = $width;
+            const ZERO: Self = $number::constant(0.0);
+            const ONE: Self = $number::constant(1.0);
+            const EPSILON: Self = $number::constant($lane::EPSILON);
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                $number(simd!($splat(x as $lane)))
+            }
+            #[inline(always)]
+            fn join(x: impl Fn(usize) -> $lane) -> Self {
+                core::array::from_fn::<$lane, $width, _>(x).into()
+            }
+            #[inline(always)]
+            fn lane(self, lane: usize) -> $lane {
+                <[$lane; $width]>::from(self)[lane]
+            }
+            #[inline(always)]
+            fn with_lane(self, lane: usize, x: $lane) -> Self {
+                let mut all = <[$lane; $width]>::from(self);
+                all[lane] = x;
+                all.into()
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $number(simd!($sqrt(self.0)))
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                magnitude(self)
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // Of two numbers of which one is not a number, the intrinsic takes its second: here as in the scalar's `if self < other`.
+                $number(simd!($max(other.0, self.0)))
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                $number(simd!($min(other.0, self.0)))
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> $mask {
+                less(self, other)
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> $mask {
+                at_most(self, other)
+            }
+            #[inline(always)]
+            fn finite(self) -> $mask {
+                less(magnitude(self), Self::constant($lane::INFINITY))
+            }
+            #[inline(always)]
+            fn select(mask: $mask, yes: Self, no: Self) -> Self {
+                choose(mask, yes, no)
+            }
+            #[inline(never)]
+            fn powf(self, exponent: Self) -> Self {
+                let (x, r) = (<[$lane; $width]>::from(self), <[$lane; $width]>::from(exponent));
+                core::array::from_fn::<$lane, $width, _>(|i| $pow(x[i], r[i])).into()
+            }
+            #[inline(never)]
+            fn tanh(self) -> Self {
+                self.map($tanh)
+            }
+            #[inline(never)]
+            fn sin_cos_any(self) -> (Self, Self) {
+                let both = <[$lane; $width]>::from(self).map($sincos);
+                (both.map(|(s, _)| s).into(), both.map(|(_, c)| c).into())
+            }
+        }
+    };
+}
+
+pub(crate) use {operator, simd, vector_number};

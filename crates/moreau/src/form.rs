@@ -1,0 +1,114 @@
+//! A contact zone in the form in which the step reads it: what does not change is worked out once, and what is read together lies
+//! together.
+
+use crate::Real;
+use crate::model::{Curve, Exponent, Felt, Zone};
+use crate::pose::Pose;
+use crate::vector::{Vector, add, dot, scale, sub};
+
+/// What distances are measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Core {
+    /// A line; `axis` is its outward unit normal.
+    Line,
+    /// A segment from `from` along the unit vector `axis`.
+    Segment,
+    /// The point `from`.
+    Point,
+}
+
+/// A disc against a curve: compression = `level` - distance of the disc's centre from the curve's core (for a line, from its carrier's
+/// pivot along the normal).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Form<T> {
+    disc_body: usize,
+    curve_body: usize,
+    core: Core,
+    /// Whether there is Coulomb friction.
+    pub slides: bool,
+    center: Vector<T>,
+    axis: Vector<T>,
+    level: T,
+    pub felt: Felt<T>,
+    from: Vector<T>,
+    length: T,
+    /// The disc's radius: from its centre to the contact point, apart from the compression.
+    radius: T,
+}
+
+impl<T: Real> Form<T> {
+    pub fn of(zone: &Zone<T>) -> Self {
+        let o = [T::ZERO; 2];
+        let (core, axis, from, length, size) = match zone.curve {
+            Curve::Line { point, normal } => (Core::Line, normal, o, T::ZERO, dot(point, normal)),
+            Curve::Segment { from, direction, length, rounding } => (Core::Segment, direction, from, length, rounding),
+            Curve::Disc { center, radius } => (Core::Point, o, center, T::ZERO, radius),
+        };
+        Form {
+            disc_body: zone.disc_body,
+            curve_body: zone.curve_body,
+            core,
+            slides: zone.friction.is_some(),
+            center: zone.center,
+            axis,
+            level: zone.radius + size,
+            felt: zone.felt,
+            from,
+            length,
+            radius: zone.radius,
+        }
+    }
+
+    /// Whether the felt's exponent is 2, so that its mean over a step has a closed form.
+    #[inline(always)]
+    pub fn is_square(&self) -> bool {
+        matches!(self.felt.exponent, Exponent::Two)
+    }
+
+    /// The disc's centre in the world.
+    #[inline(always)]
+    pub fn center<const B: usize>(&self, pose: &Pose<T, B>) -> Vector<T> {
+        pose.point(self.disc_body, self.center)
+    }
+
+    /// Compression at a pose (negative apart), given the disc's centre, and the curve's outward unit normal there.
+    #[inline(always)]
+    pub fn gap_and_normal<const B: usize>(&self, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
+        match self.core {
+            Core::Line if self.curve_body >= B => (self.level - dot(center, self.axis), self.axis),
+            Core::Line => {
+                let n = pose.rotate(self.curve_body, self.axis);
+                (self.level - dot(sub(center, pose.pivot(self.curve_body)), n), n)
+            }
+            Core::Segment => {
+                let t = pose.rotate(self.curve_body, self.axis);
+                let from = pose.point(self.curve_body, self.from);
+                let along = dot(sub(center, from), t).max(T::ZERO).min(self.length);
+                let (d, n) = length_and_direction(sub(center, add(from, scale(t, along))), [-t[1], t[0]]);
+                (self.level - d, n)
+            }
+            Core::Point => {
+                let other = pose.point(self.curve_body, self.from);
+                let (d, n) = length_and_direction(sub(center, other), [T::ZERO, T::ONE]);
+                (self.level - d, n)
+            }
+        }
+    }
+
+    /// The contact point, on the curve.
+    #[inline(always)]
+    pub fn contact_point<const B: usize>(&self, pose: &Pose<T, B>, gap: T, normal: Vector<T>) -> Vector<T> {
+        sub(self.center(pose), scale(normal, self.radius - gap))
+    }
+}
+
+/// |a| and a/|a|; `fallback` (a unit vector) where a vanishes, so that no division by zero can start a NaN.
+#[inline(always)]
+fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vector<T>) {
+    let squared = dot(a, a);
+    let usable = T::from_f64(1e-30).lt(squared);
+    let length = T::select(usable, squared, T::ONE).sqrt();
+    let inverse = T::ONE / length;
+    let n = [T::select(usable, a[0] * inverse, fallback[0]), T::select(usable, a[1] * inverse, fallback[1])];
+    (T::select(usable, length, T::ZERO), n)
+}
