@@ -10,6 +10,7 @@ pub mod command;
 pub mod drawing;
 pub mod failure;
 pub mod figure;
+pub mod keyboard;
 pub mod kinematics;
 pub mod measure;
 pub mod output;

@@ -7,6 +7,7 @@ pub mod compare;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;
+pub mod keyboard;
 pub mod kinematics;
 pub mod measure;
 pub mod mechanism;

@@ -65,15 +65,16 @@ struct Engine<const B: usize, const Z: usize, const N: usize> {
     bodies: usize,
 }
 
-impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
-    fn boxed(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
-        let model: Model<f64, B, Z> = assembly::assemble(instrument)?;
-        let state = State::at_rest(assembly::drawn_angles(instrument));
-        let ledger = Ledger::open(&model, &state);
-        let pose = Pose::of(&model, &state.angle);
-        let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
-        Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, pose, ledger, bodies }))
-    }
+fn boxed<const B: usize, const Z: usize, const N: usize>(
+    instrument: &Instrument,
+    settings: Settings<f64>,
+) -> Result<Box<dyn Mechanism>, ModelError> {
+    let model: Model<f64, B, Z> = assembly::assemble(instrument)?;
+    let state = State::at_rest(assembly::drawn_angles(instrument));
+    let ledger = Ledger::open(&model, &state);
+    let pose = Pose::of(&model, &state.angle);
+    let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
+    Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, pose, ledger, bodies }))
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
@@ -175,19 +176,49 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 }
 
+/// The sizes that the engine is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Size {
+    /// One body: the one-degree-of-freedom model.
+    One,
+    /// A grand action.
+    Grand,
+    /// As much as an instrument file may hold.
+    Most,
+}
+
+/// `with_size!(size, f, arguments)` calls `f::<B, Z, N>(arguments)` with the numbers of bodies, zones and laws of that size.
+macro_rules! with_size {
+    ($size:expr, $f:ident, $($argument:expr),*) => {
+        match $size {
+            $crate::mechanism::Size::One => $f::<1, 4, 6>($($argument),*),
+            $crate::mechanism::Size::Grand => $f::<6, 14, 10>($($argument),*),
+            $crate::mechanism::Size::Most => $f::<12, 32, 45>($($argument),*),
+        }
+    };
+}
+pub(crate) use with_size;
+
+impl Size {
+    /// The smallest that holds an instrument.
+    pub(crate) fn of(instrument: &Instrument, settings: &Settings<f64>) -> Self {
+        let (bodies, zones) = (instrument.bodies.len(), instrument.zones.len());
+        let pivots = instrument.bodies.iter().filter(|b| b.friction_torque_n_m > 0.0).count();
+        let sliding = instrument.zones.iter().filter(|z| z.friction_coefficient > 0.0).count();
+        // One law more for a rigid drive.
+        let laws = if settings.friction == FrictionLaw::SetValued { pivots + sliding + 1 } else { 1 };
+        match (bodies, zones, laws) {
+            (..=1, ..=4, ..=6) => Size::One,
+            (..=6, ..=14, ..=10) => Size::Grand,
+            _ => Size::Most,
+        }
+    }
+}
+
 /// Assembles an instrument into the smallest engine size that holds it, at the angles as drawn.
 ///
 /// # Errors
 /// [`ModelError`] if no size holds it.
 pub fn mechanism(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
-    let (bodies, zones) = (instrument.bodies.len(), instrument.zones.len());
-    let pivots = instrument.bodies.iter().filter(|b| b.friction_torque_n_m > 0.0).count();
-    let sliding = instrument.zones.iter().filter(|z| z.friction_coefficient > 0.0).count();
-    // One law more for a rigid drive.
-    let laws = if settings.friction == FrictionLaw::SetValued { pivots + sliding + 1 } else { 1 };
-    match (bodies, zones, laws) {
-        (..=1, ..=4, ..=6) => Engine::<1, 4, 6>::boxed(instrument, settings),
-        (..=6, ..=14, ..=10) => Engine::<6, 14, 10>::boxed(instrument, settings),
-        _ => Engine::<12, 32, 45>::boxed(instrument, settings),
-    }
+    with_size!(Size::of(instrument, &settings), boxed, instrument, settings)
 }

@@ -2,7 +2,10 @@
 //!
 //! The damage is deterministic, so that a failure repeats; `fuzz/` holds the same targets for a coverage-guided fuzzer.
 
+use std::path::Path;
+
 use erard::instrument::{Curve, FileError, Instrument, InstrumentFile};
+use erard::keyboard::Keyboard;
 use erard::kinematics::LinkageFile;
 use erard::stroke::{Cursor, MAX_FORCE_N, MAX_POSITION_M, Series, StrokeError};
 
@@ -233,6 +236,58 @@ fn damaged_linkages() {
         assert!(case.digest().start.leverage.is_finite());
     }
     assert!((200..19_000).contains(&read) && moved > 100, "{read} of 20000 read, {moved} moved");
+}
+
+/// A keyboard of clocks: every kind of grading, on an instrument that is read quickly.
+const KEYBOARD: &str = r#"format = "erard-keyboard/1"
+name = "Clocks"
+instrument = "escapement.toml"
+instrument_key = 40
+[sources.mine]
+title = "made up"
+[[added_mass]]
+name = "bob"
+body = "pendulum"
+at_mm = { value = [0, -190], source = "mine", certainty = "estimate" }
+mass_g = [{ key = 1, value = 20, source = "mine", certainty = "estimate" }, { key = 40, value = 0 }, { key = 88, value = -5 }]
+[[factor]]
+name = "felt"
+numbers = ["zone.bench.felt.stiffness_N_per_m_r", "zone.pallet_lever.disc.radius_mm"]
+factor = [{ key = 40, value = 1 }, { key = 88, value = 2.5, source = "mine", certainty = "read", note = "so" }]
+[[shift]]
+name = "bench"
+points = ["zone.bench.line.point_mm"]
+direction = [0, 1]
+by_mm = [{ key = 1, value = -1.5 }, { key = 40, value = 0 }]
+"#;
+
+/// What still reads has curves that are finite at every key, and gives sound instruments or says what is wrong with them.
+#[test]
+fn damaged_keyboards() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/instruments");
+    assert!(Keyboard::parse(KEYBOARD, "good.toml", &folder).is_ok_and(|k| k.instruments().is_ok()));
+    let mut chance = Chance(0x0f1e_2d3c_4b5a_6978);
+    let (mut read, mut sound) = (0, 0);
+    for _ in 0..20_000 {
+        let bytes = damaged(KEYBOARD, &mut chance);
+        match Keyboard::parse_bytes(&bytes, "mutant.toml", &folder) {
+            Ok(keyboard) => {
+                read += 1;
+                for key in [1, keyboard.base_key, 88] {
+                    assert!(keyboard.gradings.iter().all(|grading| grading.curve.at(key).is_finite()));
+                    match keyboard.key(key) {
+                        Ok(instrument) => {
+                            assert_sound(&instrument);
+                            sound += 1;
+                        }
+                        Err(error) => assert_helpful(&error),
+                    }
+                }
+            }
+            Err(error) => assert_helpful(&error),
+        }
+    }
+    assert!((100..19_000).contains(&read) && sound > 100, "{read} of 20000 read, {sound} keys are sound");
 }
 
 #[test]

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
+use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
 use erard::stroke::Series;
 
 use crate::failure::Failure;
 use crate::say;
 
-/// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
+/// Checks an instrument or keyboard (TOML) or stroke (CSV) file and says what it holds.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The file: an instrument ends in `.toml`, a stroke in `.csv`
+    /// The file: an instrument or keyboard ends in `.toml`, a stroke in `.csv`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
@@ -22,10 +23,11 @@ impl Check {
     pub fn run(&self) -> Result<(), Failure> {
         let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
+            "toml" if self.is_keyboard() => self.keyboard(),
             "toml" => self.instrument(),
             "csv" => self.stroke(),
             _ => Err(Failure::Usage(format!(
-                "{}: cannot tell what this is from its name: an instrument ends in .toml, a stroke in .csv",
+                "{}: cannot tell what this is from its name: an instrument or keyboard ends in .toml, a stroke in .csv",
                 self.file.display()
             ))),
         }
@@ -77,6 +79,36 @@ impl Check {
             i.parts.len(),
             file.provenance.numbers.len(),
             file.provenance.bare().count()
+        );
+        Ok(())
+    }
+
+    fn is_keyboard(&self) -> bool {
+        std::fs::read_to_string(&self.file).is_ok_and(|text| is_keyboard(&text))
+    }
+
+    /// Every key's instrument is read, so that a file that is called sound has none that is not.
+    fn keyboard(&self) -> Result<(), Failure> {
+        let keyboard = Keyboard::load(&self.file)?;
+        keyboard.instruments()?;
+        say!("{}: a keyboard, \"{}\", around key {}", self.file.display(), keyboard.name, keyboard.base_key);
+        say!();
+        let points = || keyboard.gradings.iter().flat_map(|grading| &grading.curve.points);
+        for Grading { name, graded, curve } in &keyboard.gradings {
+            let (kind, unit) = match graded {
+                Graded::AddedMass { .. } => ("mass", " g"),
+                Graded::Factor { .. } => ("factor", ""),
+                Graded::Shift { .. } => ("shift", " mm"),
+            };
+            let [low, high] = [1, KEYS].map(|key| curve.at(key));
+            say!("  {kind:<8}{name:<40} {low}{unit} in the bass, {high}{unit} in the treble");
+        }
+        say!();
+        say!(
+            "  {} gradings of {} points, {} of them without a source; the instruments of all {KEYS} keys are sound",
+            keyboard.gradings.len(),
+            points().count(),
+            points().filter(|point| point.citation.is_none()).count()
         );
         Ok(())
     }

@@ -30,7 +30,7 @@ range, timing and a drawing of each action at rest.";
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub struct Measure {
-    /// Instruments: TOML files, or names of built-in ones [default: concert-grand]
+    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88) [default: concert-grand]
     #[arg(value_name = "INSTRUMENT")]
     instruments: Vec<String>,
     /// One more instrument; may be repeated

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod draw;
+mod keyboard;
 mod kinematics;
 mod measure;
 mod options;
@@ -35,11 +36,13 @@ enum Sub {
     Kinematics(Box<kinematics::Kinematics>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
+    /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
+    Keyboard(keyboard::Keyboard),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
     Regulate(Box<regulate::Regulate>),
     /// Holds an instrument against what has been measured on real pianos.
     Validate(validate::Validate),
-    /// Checks an instrument (TOML) or stroke (CSV) file and says what it holds.
+    /// Checks an instrument or keyboard (TOML) or stroke (CSV) file and says what it holds.
     Check(check::Check),
     /// Holds a measured stroke against the models
     Compare(compare::Compare),
@@ -57,6 +60,7 @@ pub fn run() -> ExitCode {
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
         Sub::Measure(measure) => measure.run(),
+        Sub::Keyboard(keyboard) => keyboard.run(),
         Sub::Regulate(regulate) => regulate.run(),
         Sub::Validate(validate) => validate.run(),
         Sub::Check(check) => check.run(),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use erard::instrument::Instrument;
+use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::simulation::{Setup, SimulationError};
 use erard::stroke::{ForceSeries, PositionSeries, Series, Touch};
@@ -14,7 +15,7 @@ use crate::failure::Failure;
 /// Which instrument.
 #[derive(Debug, Args)]
 pub struct InstrumentOption {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
     /// Which model of it
@@ -52,21 +53,36 @@ impl InstrumentOption {
     }
 }
 
-/// An instrument by file or by name.
-pub fn load_instrument(file_or_name: &str) -> Result<Instrument, Failure> {
-    match instrument_path(file_or_name) {
-        Some(path) => Ok(Instrument::load(path)?),
-        None => Ok(builtin_instrument(file_or_name)?.0),
+/// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
+pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
+    if let Some(one) = KeyboardKey::asked(asked)? {
+        return Ok(one.keyboard.key(one.key)?);
+    }
+    match instrument_path(asked) {
+        Some(path) => Ok(load_file(path)?),
+        None => Ok(builtin_instrument(asked)?.0),
     }
 }
 
-/// An instrument by file or by name, with the text it was read from.
-pub fn load_instrument_and_text(file_or_name: &str) -> Result<(Instrument, String), Failure> {
-    let Some(path) = instrument_path(file_or_name) else {
-        let (instrument, text) = builtin_instrument(file_or_name)?;
+fn load_file(path: &Path) -> Result<Instrument, Failure> {
+    // What cannot be read is told by the instrument's reader.
+    if std::fs::read_to_string(path).is_ok_and(|text| is_keyboard(&text)) {
+        let path = path.display();
+        return Err(Failure::Usage(format!("{path}: this is a keyboard; name one of its keys, as in {path}{KEY}40")));
+    }
+    Ok(Instrument::load(path)?)
+}
+
+/// The same, with the text it was read from.
+pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
+    if let Some(one) = KeyboardKey::asked(asked)? {
+        return Ok((one.keyboard.key(one.key)?, one.text()?));
+    }
+    let Some(path) = instrument_path(asked) else {
+        let (instrument, text) = builtin_instrument(asked)?;
         return Ok((instrument, text.to_owned()));
     };
-    let instrument = Instrument::load(path)?;
+    let instrument = load_file(path)?;
     // It has just been read as UTF-8.
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", path.display())))?;
@@ -74,8 +90,11 @@ pub fn load_instrument_and_text(file_or_name: &str) -> Result<(Instrument, Strin
 }
 
 /// The path of an instrument file; `None` where a name is meant.
-pub fn instrument_path(file_or_name: &str) -> Option<&Path> {
-    let path = Path::new(file_or_name);
+pub fn instrument_path(asked: &str) -> Option<&Path> {
+    if asked.contains(KEY) {
+        return None;
+    }
+    let path = Path::new(asked);
     (path.exists() || path.extension().is_some() || path.components().count() > 1).then_some(path)
 }
 
@@ -83,6 +102,47 @@ fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure>
     Instrument::builtin(name).zip(Instrument::builtin_text(name)).ok_or_else(|| {
         let names: Vec<&str> = Instrument::builtin_names().collect();
         Failure::Usage(format!("there is no file and no built-in instrument `{name}` (built in: {})", names.join(", ")))
+    })
+}
+
+/// What stands between a keyboard and the number of a key.
+const KEY: &str = ":key=";
+
+/// A key of a keyboard.
+#[derive(Debug)]
+pub struct KeyboardKey {
+    /// The keyboard.
+    pub keyboard: Keyboard,
+    /// The key, from 1.
+    pub key: usize,
+}
+
+impl KeyboardKey {
+    /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a keyboard.
+    fn asked(asked: &str) -> Result<Option<Self>, Failure> {
+        let Some((keyboard, key)) = asked.rsplit_once(KEY) else { return Ok(None) };
+        let number = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
+        let key = number
+            .ok_or_else(|| Failure::Usage(format!("{asked}: `{key}` is no key; expected a number from 1 to {KEYS}")))?;
+        Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key }))
+    }
+
+    /// The text of its instrument file, which is sound.
+    pub fn text(&self) -> Result<String, Failure> {
+        self.keyboard.key(self.key)?;
+        Ok(self.keyboard.key_text(self.key))
+    }
+}
+
+/// A keyboard by file or by name.
+pub fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
+    if let Some(path) = instrument_path(file_or_name) {
+        return Ok(Keyboard::load(path)?);
+    }
+    Keyboard::builtin(file_or_name).ok_or_else(|| {
+        let names: Vec<&str> = Keyboard::builtin_names().collect();
+        let names = names.join(", ");
+        Failure::Usage(format!("there is no file and no built-in keyboard `{file_or_name}` (built in: {names})"))
     })
 }
 

@@ -172,6 +172,8 @@ impl Regulate {
         let input = instrument_path(&self.instrument);
         let file = self.out.clone().unwrap_or_else(|| {
             let stem = Path::new(&self.instrument).file_stem().unwrap_or_default().to_string_lossy();
+            // A key of a keyboard, `concert-grand:key=88`, is named by signs that file names do without.
+            let stem = stem.replace([':', '='], "-");
             PathBuf::from(format!("{stem}-regulated.toml"))
         });
         let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", file.display())));

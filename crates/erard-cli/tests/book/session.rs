@@ -21,7 +21,7 @@ impl Session {
     pub fn new(page: &str) -> Self {
         let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        for data in ["instruments", "linkages", "strokes"] {
+        for data in ["instruments", "keyboards", "linkages", "strokes"] {
             fs::create_dir(folder.0.join(data)).unwrap();
             for entry in fs::read_dir(root.join(data)).unwrap() {
                 let from = entry.unwrap().path();

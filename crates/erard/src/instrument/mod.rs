@@ -5,10 +5,11 @@
 //! in that frame, all geometry on the ground in the world frame.
 //!
 //! `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
-//! `provenance` keeps where every number comes from, `screws` turns the regulating screws, and `rewrite` puts their settings
-//! back into the file.
+//! `provenance` keeps where every number comes from, `screws` turns the regulating screws, `rewrite` puts their settings
+//! back into the file, and `edit` is how numbers in its text are changed.
 
 mod convert;
+pub(crate) mod edit;
 pub(crate) mod error;
 pub(crate) mod file;
 mod format;

@@ -1,13 +1,14 @@
 //! An instrument file with its screws turned: the same text, comments and layout, but for the settings.
 
-use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
+use toml_edit::DocumentMut;
 
+use super::edit::{cite, find, numbers, set, source_name};
 use super::{Instrument, ScrewAction};
 
 /// Who the source of the new settings is, in the file's own list of sources.
 const AUTHOR: &str = "erard regulate";
-/// Certainty of what a search found in a simulation.
-const CERTAINTY: &str = "estimate";
+/// The source's name, where nobody else has taken it.
+const SOURCE: &str = "regulated";
 
 /// Why a file cannot be rewritten. The text was read before, so that neither is the user's fault.
 #[derive(Debug, thiserror::Error)]
@@ -30,7 +31,7 @@ impl Instrument {
     /// See [`RewriteError`].
     pub fn rewrite(&self, text: &str, title: &str, note: &str) -> Result<String, RewriteError> {
         let mut document: DocumentMut = text.parse()?;
-        let source = source_name(&document);
+        let source = source_name(&document, SOURCE, AUTHOR);
         let mut changed = false;
         for screw in &self.screws {
             let (key, setting) = match screw.action {
@@ -41,14 +42,15 @@ impl Instrument {
                 ScrewAction::Spring { .. } => ("setting_N_m", to_digits(screw.setting, 1e6)),
             };
             let missing = || RewriteError::NoSetting(screw.name.clone());
-            let item = find_screw(&mut document, &screw.name).and_then(|t| t.get_mut(key)).ok_or_else(missing)?;
-            if number(item) != Some(setting) {
+            let path = ["screw", screw.name.as_str(), key];
+            let item = find(document.as_table_mut(), &path).ok_or_else(missing)?;
+            if numbers(item).as_deref() != Some(&[setting]) {
                 set(item, setting, &source, note);
                 changed = true;
             }
         }
         if changed {
-            cite(&mut document, &source, title);
+            cite(&mut document, &source, title, AUTHOR);
         }
         Ok(document.to_string())
     }
@@ -57,83 +59,6 @@ impl Instrument {
 /// Rounded to a multiple of 1/`per`.
 fn to_digits(x: f64, per: f64) -> f64 {
     (x * per).round() / per
-}
-
-/// The table of a screw, in `[[screw]]` or in a list of inline tables.
-fn find_screw<'d>(document: &'d mut DocumentMut, name: &str) -> Option<&'d mut dyn TableLike> {
-    let is_it = |table: &dyn TableLike| table.get("name").and_then(Item::as_str) == Some(name);
-    match document.get_mut("screw")? {
-        Item::ArrayOfTables(tables) => tables.iter_mut().find(|t| is_it(*t)).map(|t| t as &mut dyn TableLike),
-        Item::Value(Value::Array(tables)) => tables
-            .iter_mut()
-            .filter_map(Value::as_inline_table_mut)
-            .find(|t| is_it(*t))
-            .map(|t| t as &mut dyn TableLike),
-        _ => None,
-    }
-}
-
-/// The number of a setting, bare or cited.
-fn number(item: &Item) -> Option<f64> {
-    let item = item.as_table_like().map_or(Some(item), |cited| cited.get("value"))?;
-    item.as_float().or_else(|| item.as_integer().map(|n| n as f64))
-}
-
-/// Puts a cited number in the place of a setting. What stood about it (a comment behind it) stays.
-fn set(item: &mut Item, setting: f64, source: &str, note: &str) {
-    if let Some(cited) = item.as_table_like_mut() {
-        cited.insert("value", value(setting));
-        cited.insert("source", value(source));
-        cited.insert("certainty", value(CERTAINTY));
-        cited.insert("note", value(note));
-        // How far the old setting may have been off.
-        cited.remove("spread");
-        cited.remove("spread_factor");
-        return;
-    }
-    let mut cited = InlineTable::new();
-    cited.insert("value", setting.into());
-    cited.insert("source", source.into());
-    cited.insert("certainty", CERTAINTY.into());
-    cited.insert("note", note.into());
-    let mut cited = Value::InlineTable(cited);
-    if let Some(old) = item.as_value() {
-        *cited.decor_mut() = old.decor().clone();
-    }
-    *item = Item::Value(cited);
-}
-
-/// A name for the source that no other source has.
-fn source_name(document: &DocumentMut) -> String {
-    let taken = |name: &str| {
-        let source = document.get("sources").and_then(|sources| sources.get(name));
-        source.is_some_and(|source| source.get("author").and_then(Item::as_str) != Some(AUTHOR))
-    };
-    let others = (2..).map(|n| format!("regulated-{n}"));
-    std::iter::once("regulated".to_owned()).chain(others).find(|name| !taken(name)).unwrap_or_default()
-}
-
-/// Lists the source, or gives it a new title.
-fn cite(document: &mut DocumentMut, name: &str, title: &str) {
-    let sources = document.entry("sources").or_insert_with(|| {
-        let mut sources = Table::new();
-        sources.set_implicit(true);
-        Item::Table(sources)
-    });
-    let Some(sources) = sources.as_table_like_mut() else { return };
-    if let Some(source) = sources.get_mut(name).and_then(Item::as_table_like_mut) {
-        source.insert("title", value(title));
-        return;
-    }
-    let mut source = Table::new();
-    source.insert("title", value(title));
-    source.insert("author", value(AUTHOR));
-    if sources.iter().all(|(_, other)| other.is_table()) {
-        source.decor_mut().set_prefix("\n");
-        sources.insert(name, Item::Table(source));
-    } else {
-        sources.insert(name, value(source.into_inline_table()));
-    }
 }
 
 #[cfg(test)]

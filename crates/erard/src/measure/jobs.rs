@@ -11,10 +11,10 @@ use crate::simulation::SimulationError;
 const TELL_EVERY: Duration = Duration::from_millis(20);
 
 /// One measurement; it keeps its own result.
-pub(super) type Job<'a> = Box<dyn FnOnce(Interrupt<'_>) -> Result<(), MeasureError> + Send + 'a>;
+pub(crate) type Job<'a> = Box<dyn FnOnce(Interrupt<'_>) -> Result<(), MeasureError> + Send + 'a>;
 
 /// A measurement that leaves its result in `place`.
-pub(super) fn job<'a, T: Send>(
+pub(crate) fn job<'a, T: Send>(
     place: &'a mut Option<T>,
     measure: impl FnOnce(Interrupt<'_>) -> Result<T, MeasureError> + Send + 'a,
 ) -> Job<'a> {
@@ -29,7 +29,7 @@ pub(super) fn job<'a, T: Send>(
 ///
 /// # Errors
 /// The first job's, in their order, that failed; [`SimulationError::Interrupted`].
-pub(super) fn do_all(jobs: Vec<Job<'_>>, progress: &mut dyn FnMut(f64) -> bool) -> Result<(), MeasureError> {
+pub(crate) fn do_all(jobs: Vec<Job<'_>>, progress: &mut dyn FnMut(f64) -> bool) -> Result<(), MeasureError> {
     let count = jobs.len();
     let queue: Vec<Mutex<Option<Job<'_>>>> = jobs.into_iter().map(|job| Mutex::new(Some(job))).collect();
     let failures: Mutex<Vec<(usize, MeasureError)>> = Mutex::new(Vec::new());

@@ -7,7 +7,7 @@
 //! rest, down positive.
 
 pub mod inertia;
-mod jobs;
+pub(crate) mod jobs;
 pub mod norms;
 mod parts;
 pub mod range;

@@ -183,27 +183,49 @@ pub fn free_way(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) ->
     }
 }
 
+/// Down-weight and up-weight from a slow loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopWeights {
+    /// Largest force of the way down, smallest of the way up.
+    pub touch: Touch,
+    /// Key travel at which the way down is hardest, and the way up weakest, m.
+    pub decided_m: [f64; 2],
+    /// The loop between rest and just before let-off.
+    pub slow: SlowLoop,
+}
+
+/// Down-weight and up-weight of an action as it stands from a slow loop alone: a tenth of the work of trials with weights.
+///
+/// # Errors
+/// Where there is no gravity, and those of the run.
+pub fn by_loop(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<LoopWeights, MeasureError> {
+    if instrument.gravity_m_s2 <= 0.0 {
+        return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
+    }
+    let turn_m = way_m - BEFORE_LET_OFF_M;
+    let grams = |force: f64| force / instrument.gravity_m_s2 * G_PER_KG;
+    // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
+    let slow = slow_loop(instrument, way_m, going)?;
+    let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
+    let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
+    let touch = Touch {
+        down_weight_g: hardest.map(|(_, force)| grams(force)),
+        up_weight_g: weakest.map(|(_, force)| grams(force)),
+    };
+    let decided_m = [hardest.map_or(0.0, |(key, _)| key), weakest.map_or(turn_m, |(key, _)| key)];
+    Ok(LoopWeights { touch, decided_m, slow })
+}
+
 /// Down-weight and up-weight of an action as it stands, its damper as it hangs.
 ///
 /// # Errors
 /// Where there is no gravity, and those of the runs.
 pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<KeyWeights, MeasureError> {
-    if instrument.gravity_m_s2 <= 0.0 {
-        return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
-    }
+    let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(instrument, way_m, going)?;
     let turn_m = way_m - BEFORE_LET_OFF_M;
     let gram_n = instrument.gravity_m_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
-    // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
-    let slow = slow_loop(instrument, way_m, going)?;
-    let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
-    let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
-    let by_loop = Touch {
-        down_weight_g: grams(hardest.map(|(_, force)| force)),
-        up_weight_g: grams(weakest.map(|(_, force)| force)),
-    };
-    let decided_m = [hardest.map_or(0.0, |(key, _)| key), weakest.map_or(turn_m, |(key, _)| key)];
-    let [down_n, up_n] = [hardest, weakest].map(|place| place.map(|(_, force)| force));
+    let [down_n, up_n] = [by_loop.down_weight_g, by_loop.up_weight_g].map(|weight| weight.map(|g| g * gram_n));
     let by_weights = Touch {
         down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, going)?),
         up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, going)?),

@@ -1,0 +1,76 @@
+//! `erard keyboard`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard::keyboard::{KEYS, weigh};
+
+use super::options::{KeyboardKey, load_keyboard};
+use crate::failure::Failure;
+use crate::figure::png_from_svg;
+use crate::keyboard::{figure_svg, text, write_csv};
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::say;
+
+/// What stands below the options.
+const AFTER: &str = "\
+Writes keyboard.csv, and keyboard.svg and keyboard.png: hammers, leads and touch weights over the number of the key. The touch
+weights are measured, key by key, in a slow loop with the dampers lifted. Every command takes a key of a keyboard as its
+instrument: erard measure concert-grand:key=1 concert-grand:key=88";
+
+/// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub struct Keyboard {
+    /// Keyboard: a TOML file, or the name of a built-in one
+    #[arg(value_name = "KEYBOARD", default_value = "concert-grand")]
+    keyboard: String,
+    /// Weigh every so many keys, from the first to the last
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), conflicts_with = "key")]
+    every: u8,
+    /// Only print the instrument file of this key, 1 (A0) to 88 (C8), on standard output
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88))]
+    key: Option<u8>,
+    /// Output folder
+    #[arg(long, value_name = "DIR", default_value = "erard-out", conflicts_with = "key")]
+    out: PathBuf,
+}
+
+impl Keyboard {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let keyboard = load_keyboard(&self.keyboard)?;
+        if let Some(key) = self.key {
+            let one = KeyboardKey { keyboard, key: usize::from(key) };
+            say!("{}", one.text()?.trim_end_matches('\n'));
+            return Ok(());
+        }
+        let mut numbers: Vec<usize> = (1..=KEYS).step_by(usize::from(self.every)).collect();
+        if numbers.last() != Some(&KEYS) {
+            numbers.push(KEYS);
+        }
+        let keys: Vec<(usize, Instrument)> =
+            numbers.into_iter().map(|key| Ok((key, keyboard.key(key)?))).collect::<Result<_, Failure>>()?;
+        let mut output = Output::prepare(&self.out)?;
+        let mut progress = Progress::new("weighing");
+        let weighed = weigh(&keys, &mut |share| progress.tell(share))
+            .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
+        drop(progress);
+        let svg = figure_svg(&keyboard.name, &weighed);
+        let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+        output.stage("keyboard.csv", |w| write_csv(&weighed, w))?;
+        output.stage("keyboard.svg", |w| w.write_all(svg.as_bytes()))?;
+        output.stage("keyboard.png", |w| w.write_all(&png))?;
+        let written = output.commit()?;
+        say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
+        say!();
+        say!("{}", text(&weighed).trim_end_matches('\n'));
+        say!();
+        for path in written {
+            say!("{}", path.display());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,131 @@
+//! What `erard keyboard` makes of the keys that it has weighed: text, table, figure.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::io::Write;
+
+use erard::keyboard::{KEYS, WeighedKey};
+
+use crate::figure::{self, Curve, Dash, Figure, Layout, PALETTE, Panel, Window};
+use crate::table::shortest;
+
+/// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
+/// weighed stand in the text.
+const SAMPLES: [usize; 8] = [1, 16, 17, 40, 41, 64, 65, 88];
+
+/// The columns.
+const COLUMNS: [&str; 9] = [
+    "key",
+    "note",
+    "hammer_mass_g",
+    "strike_weight_g",
+    "front_weight_g",
+    "down_weight_g",
+    "up_weight_g",
+    "balance_weight_g",
+    "friction_weight_g",
+];
+
+/// The numbers of a row, in the order of the columns after the note; not a number where there is none.
+fn numbers(weighed: &WeighedKey) -> [f64; 7] {
+    let number = |weight: Option<f64>| weight.unwrap_or(f64::NAN);
+    [
+        weighed.hammer_mass_g,
+        weighed.strike_weight_g,
+        weighed.front_weight_g,
+        number(weighed.touch.down_weight_g),
+        number(weighed.touch.up_weight_g),
+        number(weighed.touch.balance_weight_g()),
+        number(weighed.touch.friction_weight_g()),
+    ]
+}
+
+/// Sample notes as text, grams to a tenth.
+pub fn text(weighed: &[WeighedKey]) -> String {
+    let mut samples: Vec<&WeighedKey> =
+        SAMPLES.iter().filter_map(|&key| weighed.iter().min_by_key(|w| w.key.abs_diff(key))).collect();
+    samples.dedup_by_key(|w| w.key);
+    let mut out = String::new();
+    let mut row = |name: &str, unit: &str, cells: Vec<String>| {
+        let cells: String = cells.iter().map(|cell| format!("{cell:>8}")).collect();
+        let _ = writeln!(out, "  {name:<18}{cells}  {unit}");
+    };
+    row("key", "", samples.iter().map(|w| w.key.to_string()).collect());
+    row("note", "", samples.iter().map(|w| w.note.clone()).collect());
+    for (column, name) in COLUMNS[2..].iter().enumerate() {
+        let name = name.trim_end_matches("_g").replace('_', " ");
+        row(&name, "g", samples.iter().map(|w| format!("{:.1}", numbers(w)[column])).collect());
+    }
+    out
+}
+
+/// Writes the table; a weight that no trial found is an empty field.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_csv(weighed: &[WeighedKey], writer: &mut dyn Write) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(COLUMNS)?;
+    for one in weighed {
+        csv.write_field(one.key.to_string())?;
+        csv.write_field(&one.note)?;
+        for number in numbers(one) {
+            let mut text = String::new();
+            if number.is_finite() {
+                shortest(number, &mut text);
+            }
+            csv.write_field(&text)?;
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}
+
+/// Hammers and leads, and the touch weights, over the number of the key.
+pub fn figure_svg(name: &str, weighed: &[WeighedKey]) -> String {
+    let keys: Vec<f64> = weighed.iter().map(|w| w.key as f64).collect();
+    let column = |index: usize| Cow::Owned(weighed.iter().map(|w| numbers(w)[index]).collect());
+    let curve = |label: &str, index: usize, style: usize, dash| Curve {
+        label: label.into(),
+        x: &keys,
+        y: column(index),
+        colour: PALETTE[style],
+        dash,
+    };
+    let panel = |quantity: &str, height_px, curves| Panel {
+        quantity: quantity.into(),
+        unit: "g",
+        height_px,
+        layout: Layout::Together,
+        y_range: None,
+        curves,
+    };
+    let panels = vec![
+        panel(
+            "hammer",
+            150.0,
+            vec![curve("mass, with shank", 0, 0, Dash::Solid), curve("strike weight", 1, 1, Dash::Dashed)],
+        ),
+        panel("key", 130.0, vec![curve("front weight", 2, 2, Dash::Solid)]),
+        panel(
+            "touch",
+            220.0,
+            vec![
+                curve("down-weight", 3, 0, Dash::Solid),
+                curve("balance weight", 5, 6, Dash::Dashed),
+                curve("up-weight", 4, 1, Dash::Solid),
+                curve("friction weight", 6, 3, Dash::Dotted),
+            ],
+        ),
+    ];
+    figure::figure_svg(&Figure {
+        title: format!("{name}: hammers, leads and touch weights over the keyboard"),
+        subtitle: "touch weights as measured in a slow loop, dampers lifted".into(),
+        width_px: 860.0,
+        x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
+        x_unit: 1.0,
+        windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
+        panels,
+        markers: Vec::new(),
+    })
+}

@@ -1,0 +1,242 @@
+//! Reading keyboard files: from text, from disk, or built in.
+
+use std::path::Path;
+
+use toml_edit::DocumentMut;
+
+use super::curve::{Between, Curve, Point};
+use super::format::{AddedMassToml, FORMAT, FactorToml, KeyboardToml, PointToml, ShiftToml};
+use super::grading::{Graded, Grading, MASS_KEYS};
+use super::{KEYS, Keyboard};
+use crate::instrument::edit::{find, numbers};
+use crate::instrument::error::Fault;
+use crate::instrument::file::{check_size, read_bytes, utf8, whole_file};
+use crate::instrument::locate::dress;
+use crate::instrument::quantity::{At, Kind};
+use crate::instrument::reader::{LENGTH_MM, Reader};
+use crate::instrument::schema::schema_of;
+use crate::instrument::serde_fault::serde_fault;
+use crate::instrument::{FileError, Instrument, InstrumentFile};
+
+/// The keyboards that come with the program, by name.
+const BUILTIN: [(&str, &str); 1] = [("concert-grand", include_str!("../../../../keyboards/concert-grand.toml"))];
+
+impl Keyboard {
+    /// Reads the text of a keyboard file. `file_name` appears in errors only; an instrument that is not built in is looked for
+    /// in `folder`.
+    ///
+    /// # Errors
+    /// The first thing that is wrong in it or in the instrument's file, with line, key, what was found and what was expected.
+    pub fn parse(text: &str, file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
+        check_size(text, file_name, "a keyboard, starting with its `format`")?;
+        let file: KeyboardToml =
+            toml::from_str(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))?;
+        let base = file.instrument.as_str();
+        let (base_name, base_text) = match Instrument::builtin_text(base) {
+            Some(text) => (base.to_owned(), text.to_owned()),
+            None => {
+                let (name, bytes) = read_bytes(&folder.join(base)).map_err(|error| {
+                    let fault = Fault::at(file.instrument.span(), error.message.clone(), instruments());
+                    dress(file_name, text, fault)
+                })?;
+                let text = utf8(&bytes, &name)?.to_owned();
+                (name, text)
+            }
+        };
+        // A base that is no instrument is that file's own fault.
+        InstrumentFile::parse(&base_text, &base_name)?;
+        let mut base: DocumentMut =
+            base_text.parse().map_err(|error| whole_file(&base_name, format!("cannot be edited: {error}"), ""))?;
+        let (base_key, gradings) = convert(&file, &mut base).map_err(|fault| dress(file_name, text, fault))?;
+        Ok(Keyboard {
+            name: file.name.trim().to_owned(),
+            description: file.description.unwrap_or_default(),
+            file_name: file_name.to_owned(),
+            base_text,
+            base_key,
+            gradings,
+            sources: file.sources,
+        })
+    }
+
+    /// Reads a keyboard file from disk.
+    ///
+    /// # Errors
+    /// As [`Keyboard::parse`], and where the file cannot be read or is not UTF-8.
+    pub fn load(path: &Path) -> Result<Self, Box<FileError>> {
+        let (name, bytes) = read_bytes(path)?;
+        Self::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads the bytes of a keyboard file, which must be UTF-8 (a byte order mark is allowed).
+    ///
+    /// # Errors
+    /// As [`Keyboard::parse`], and where the bytes are not UTF-8.
+    pub fn parse_bytes(bytes: &[u8], file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
+        Self::parse(utf8(bytes, file_name)?, file_name, folder)
+    }
+
+    /// A built-in keyboard, e.g. `concert-grand`, or `None` when there is none of that name.
+    #[must_use]
+    pub fn builtin(name: &str) -> Option<Self> {
+        let (name, text) = BUILTIN.iter().find(|(known, _)| *known == name)?;
+        // A test reads every one of them.
+        Self::parse(text, name, Path::new("")).ok()
+    }
+
+    /// The names that [`Keyboard::builtin`] knows.
+    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+        BUILTIN.iter().map(|(name, _)| *name)
+    }
+}
+
+/// Whether the text of a TOML file says that it is a keyboard, of whatever version.
+#[must_use]
+pub fn is_keyboard(text: &str) -> bool {
+    format_of(text).is_some_and(|format| format.starts_with("erard-keyboard"))
+}
+
+fn format_of(text: &str) -> Option<String> {
+    text.parse::<DocumentMut>().ok().and_then(|d| Some(d.get("format")?.as_str()?.to_owned()))
+}
+
+/// What serde says, in the words of a keyboard file.
+fn reworded(mut fault: Fault, text: &str) -> Fault {
+    if format_of(text).is_some_and(|format| format.starts_with("erard-instrument")) {
+        fault.message = "this key belongs to an instrument, and a keyboard is expected here".to_owned();
+        fault.expected = format!("`format = \"{FORMAT}\"`, or the file given as an instrument");
+    }
+    fault
+}
+
+/// The JSON Schema of keyboard files: what `keyboards/keyboard.schema.json` holds.
+#[must_use]
+pub fn json_schema() -> String {
+    schema_of::<KeyboardToml>()
+}
+
+fn instruments() -> String {
+    let names: Vec<&str> = Instrument::builtin_names().collect();
+    format!("an instrument file beside this one, or one of {}", names.join(", "))
+}
+
+/// The key of the base instrument, and the gradings.
+fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Grading>), Fault> {
+    if file.format.as_str() != FORMAT {
+        return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
+    }
+    if file.name.trim().is_empty() {
+        return Err(Fault::at(file.name.span(), "a keyboard needs a name", "a name"));
+    }
+    let base_key = key_number(&file.instrument_key)?;
+    let mut reader = Reader::new(&file.sources);
+    let mut gradings = Vec::new();
+    for grading in &file.added_mass {
+        gradings.push(added_mass(grading, &mut reader, base, base_key)?);
+    }
+    for grading in &file.factor {
+        gradings.push(factor(grading, &reader, base, base_key)?);
+    }
+    for grading in &file.shift {
+        gradings.push(shift(grading, &mut reader, base, base_key)?);
+    }
+    Ok((base_key, gradings))
+}
+
+fn added_mass(
+    file: &AddedMassToml,
+    reader: &mut Reader,
+    base: &mut DocumentMut,
+    base_key: usize,
+) -> Result<Grading, Fault> {
+    for key in MASS_KEYS {
+        if find(base.as_table_mut(), &["body", file.body.as_str(), key]).is_none() {
+            return Err(Fault::at(file.body.span(), "no such body", "the name of a body of the instrument"));
+        }
+    }
+    let at_mm = reader.pair(&file.at_mm, LENGTH_MM)?;
+    let curve = curve(&file.mass_g, reader, base_key, 0.0, Between::Linear)?;
+    Ok(Grading { name: name(&file.name)?, graded: Graded::AddedMass { body: file.body.to_string(), at_mm }, curve })
+}
+
+fn factor(file: &FactorToml, reader: &Reader, base: &mut DocumentMut, base_key: usize) -> Result<Grading, Fault> {
+    let numbers = file.numbers.iter().map(|path| path_of(path, base, 1)).collect::<Result<_, _>>()?;
+    let curve = curve(&file.factor, reader, base_key, 1.0, Between::Logarithmic)?;
+    Ok(Grading { name: name(&file.name)?, graded: Graded::Factor { numbers }, curve })
+}
+
+fn shift(file: &ShiftToml, reader: &mut Reader, base: &mut DocumentMut, base_key: usize) -> Result<Grading, Fault> {
+    let points = file.points.iter().map(|path| path_of(path, base, 2)).collect::<Result<_, _>>()?;
+    let direction = reader.direction(&file.direction)?;
+    let curve = curve(&file.by_mm, reader, base_key, 0.0, Between::Linear)?;
+    Ok(Grading { name: name(&file.name)?, graded: Graded::Shift { points, direction }, curve })
+}
+
+fn name(name: &At<String>) -> Result<String, Fault> {
+    let trimmed = name.trim();
+    if trimmed.is_empty() {
+        return Err(Fault::at(name.span(), "a grading needs a name", "a name"));
+    }
+    Ok(trimmed.to_owned())
+}
+
+/// A path in the instrument at which so many numbers stand.
+fn path_of(path: &At<String>, base: &mut DocumentMut, count: usize) -> Result<String, Fault> {
+    let what = if count == 1 { "a number" } else { "a point" };
+    let segments: Vec<&str> = path.split('.').collect();
+    match find(base.as_table_mut(), &segments).and_then(|item| numbers(item)) {
+        Some(found) if found.len() == count => Ok(path.to_string()),
+        _ => Err(Fault::at(
+            path.span(),
+            format!("the instrument has no {} there", &what[2..]),
+            format!("the dotted path of {what} in the instrument's file, as in `zone.string.felt.exponent`"),
+        )),
+    }
+}
+
+fn key_number(key: &At<i64>) -> Result<usize, Fault> {
+    usize::try_from(**key)
+        .ok()
+        .filter(|key| (1..=KEYS).contains(key))
+        .ok_or_else(|| Fault::at(key.span(), "no key of a piano", format!("a number from 1 to {KEYS}")))
+}
+
+/// A curve that is `neutral` at the base instrument's own key.
+fn curve<T: Kind>(
+    file: &At<Vec<PointToml<T>>>,
+    reader: &Reader,
+    base_key: usize,
+    neutral: f64,
+    between: Between,
+) -> Result<Curve, Fault> {
+    let mut points: Vec<Point> = Vec::new();
+    for point in file.iter() {
+        let key = key_number(&point.key)?;
+        if points.last().is_some_and(|last| last.key >= key) {
+            return Err(Fault::at(point.key.span(), "the points stand out of order", "keys that ascend"));
+        }
+        let value = point.value.numbers()[0];
+        if !value.is_finite() {
+            return Err(Fault::at(point.value.span(), "not a finite number", T::EXPECTED));
+        }
+        if between == Between::Logarithmic && value <= 0.0 {
+            return Err(Fault::at(point.value.span(), "a factor must be greater than 0", T::EXPECTED));
+        }
+        let citation = match (&point.source, point.certainty) {
+            (Some(source), Some(certainty)) => Some(reader.citation(source, certainty, None, point.note.as_deref())?),
+            (Some(source), None) => {
+                return Err(Fault::at(source.span(), "a source without a certainty", "`certainty = ...` beside it"));
+            }
+            (None, _) => None,
+        };
+        points.push(Point { key, value, citation });
+    }
+    let curve = Curve { points, between };
+    if curve.at(base_key) == neutral {
+        return Ok(curve);
+    }
+    // Not a number, too, where there are no points.
+    let expected = format!("{neutral} at key {base_key}, the `instrument_key`");
+    Err(Fault::at(file.span(), "the instrument's own key would differ from the instrument", expected)
+        .found(format!("{} at key {base_key}", curve.at(base_key))))
+}

@@ -1,0 +1,170 @@
+//! From the instrument of one key to the instruments of all: what a grading does to the text of an instrument file.
+//!
+//! The text and not the numbers in SI units, because a key's instrument is then a file like any other: it is checked by the same
+//! reader, every number says where it comes from, and it can be written down, measured and regulated.
+
+use std::collections::BTreeMap;
+
+use toml_edit::{Array, DocumentMut, value};
+
+use super::curve::Curve;
+use super::{Keyboard, note_name};
+use crate::instrument::edit::{cite, find, numbers, set, source_name};
+
+/// Who the source of graded numbers is, in the instrument's own list of sources.
+const AUTHOR: &str = "erard keyboard";
+/// The source's name, where nobody else has taken it.
+const SOURCE: &str = "graded";
+/// Digits to which graded numbers are written: a part in a million.
+const DIGITS: usize = 6;
+/// The numbers of a body that an added mass changes.
+pub(super) const MASS_KEYS: [&str; 3] = ["mass_g", "inertia_kg_m2", "center_of_mass_mm"];
+
+/// A quantity that differs from key to key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grading {
+    /// What it is, for people.
+    pub name: String,
+    /// What it changes.
+    pub graded: Graded,
+    /// By how much over the keyboard.
+    pub curve: Curve,
+}
+
+/// What a grading changes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Graded {
+    /// A point mass, g, is added to a body.
+    AddedMass {
+        /// The body.
+        body: String,
+        /// Where, in the body's own frame, mm.
+        at_mm: [f64; 2],
+    },
+    /// Numbers are multiplied.
+    Factor {
+        /// Their dotted paths in the instrument file.
+        numbers: Vec<String>,
+    },
+    /// Points are moved, mm.
+    Shift {
+        /// Their dotted paths in the instrument file.
+        points: Vec<String>,
+        /// The unit direction of a positive shift.
+        direction: [f64; 2],
+    },
+}
+
+/// The text of a key's instrument file. Numbers that the key does not change keep their bits and their sources. `None` if a number
+/// that is graded is not there.
+pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
+    let mut document: DocumentMut = keyboard.base_text.parse().ok()?;
+    document["name"] = value(format!("{}, key {key} ({})", keyboard.name, note_name(key)));
+    let mut changed = Changed::default();
+    for Grading { name, graded, curve } in &keyboard.gradings {
+        let by = curve.at(key);
+        match graded {
+            Graded::AddedMass { body, at_mm } if by != 0.0 => {
+                add_mass(&mut document, body, by, *at_mm, &mut changed, name)?;
+            }
+            Graded::Factor { numbers } if by != 1.0 => {
+                for path in numbers {
+                    changed.number(&mut document, path, name, |old| vec![old[0] * by])?;
+                }
+            }
+            Graded::Shift { points, direction } if by != 0.0 => {
+                for path in points {
+                    let moved = |old: &[f64]| vec![old[0] + by * direction[0], old[1] + by * direction[1]];
+                    changed.number(&mut document, path, name, moved)?;
+                }
+            }
+            _ => {}
+        }
+    }
+    let title =
+        format!("Graded for key {key} from the instrument of key {}, by {}", keyboard.base_key, keyboard.file_name);
+    changed.write(&mut document, key, &title)?;
+    Some(document.to_string())
+}
+
+/// Mass, centre of mass and inertia about the pivot (the frame's origin) of a body with a point mass more.
+fn add_mass(
+    document: &mut DocumentMut,
+    body: &str,
+    added_g: f64,
+    at_mm: [f64; 2],
+    changed: &mut Changed,
+    name: &str,
+) -> Option<()> {
+    let [mass, inertia, center] = MASS_KEYS.map(|key| format!("body.{body}.{key}"));
+    let old_g = changed.value(document, &mass)?[0];
+    let new_g = old_g + added_g;
+    changed.number(document, &mass, name, |_| vec![new_g])?;
+    changed.number(document, &center, name, |old| {
+        old.iter().zip(at_mm).map(|(old, at)| (old_g * old + added_g * at) / new_g).collect()
+    })?;
+    let square_m2 = 1e-6 * (at_mm[0] * at_mm[0] + at_mm[1] * at_mm[1]);
+    changed.number(document, &inertia, name, |old| vec![old[0] + 1e-3 * added_g * square_m2])
+}
+
+/// The numbers that a key changes, by path, with what they were and which gradings changed them.
+#[derive(Default)]
+struct Changed(BTreeMap<String, Change>);
+
+struct Change {
+    old: Vec<f64>,
+    new: Vec<f64>,
+    by: Vec<String>,
+}
+
+impl Changed {
+    fn value(&self, document: &mut DocumentMut, path: &str) -> Option<Vec<f64>> {
+        match self.0.get(path) {
+            Some(change) => Some(change.new.clone()),
+            None => numbers(find(document.as_table_mut(), &segments(path))?),
+        }
+    }
+
+    fn number(
+        &mut self,
+        document: &mut DocumentMut,
+        path: &str,
+        name: &str,
+        change: impl FnOnce(&[f64]) -> Vec<f64>,
+    ) -> Option<()> {
+        let before = self.value(document, path)?;
+        let entry =
+            self.0.entry(path.to_owned()).or_insert(Change { old: before.clone(), new: Vec::new(), by: Vec::new() });
+        entry.new = change(&before);
+        entry.by.push(name.to_owned());
+        Some(())
+    }
+
+    fn write(&self, document: &mut DocumentMut, key: usize, title: &str) -> Option<()> {
+        if self.0.is_empty() {
+            return Some(());
+        }
+        let source = source_name(document, SOURCE, AUTHOR);
+        for (path, Change { old, new, by }) in &self.0 {
+            let old: Vec<String> = old.iter().map(f64::to_string).collect();
+            let note = format!("{} in the file it is graded from; key {key}: {}", old.join(", "), by.join(", "));
+            let item = find(document.as_table_mut(), &segments(path))?;
+            let new: Vec<f64> = new.iter().map(|&x| significant(x)).collect();
+            match new[..] {
+                [single] => set(item, single, &source, &note),
+                _ => set(item, Array::from_iter(new), &source, &note),
+            }
+        }
+        cite(document, &source, title, AUTHOR);
+        Some(())
+    }
+}
+
+fn segments(path: &str) -> Vec<&str> {
+    path.split('.').collect()
+}
+
+/// Rounded to six digits: the result does not depend on the last bits of a logarithm.
+fn significant(x: f64) -> f64 {
+    format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x)
+}

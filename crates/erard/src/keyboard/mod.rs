@@ -1,0 +1,96 @@
+//! The keyboard: 88 actions, graded from bass to treble, and played together.
+//!
+//! A [`Keyboard`] is what a keyboard *is*: the instrument file of one key and what differs from it from key to key (hammers, leads,
+//! strings, pins). Every key's [`Instrument`] comes of it, for every command that takes one. [`Keys`] are the assembled actions, stepped
+//! together, in which a key at rest costs nothing; [`tremolo`] plays them.
+
+mod curve;
+pub(crate) mod file;
+mod format;
+mod grading;
+mod keys;
+pub mod tremolo;
+mod weighing;
+
+use std::collections::BTreeMap;
+
+pub use curve::{Between, Curve, Point};
+pub use file::{is_keyboard, json_schema};
+pub use grading::{Graded, Grading};
+pub use keys::{Blow, Keys, KeysError, Tick};
+pub use weighing::{WeighedKey, weigh};
+
+use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
+
+/// Keys of a piano. They count from 1, the lowest A.
+pub const KEYS: usize = 88;
+
+/// A keyboard: the instrument of one key, and how the others differ from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Keyboard {
+    /// Name shown in summaries, e.g. `Concert grand`.
+    pub name: String,
+    /// What the file says it is; empty when it says nothing.
+    pub description: String,
+    /// Which key the base instrument belongs to, 1 to 88.
+    pub base_key: usize,
+    /// What differs from key to key.
+    pub gradings: Vec<Grading>,
+    /// The sources that the gradings cite, by name.
+    pub sources: BTreeMap<String, Source>,
+    file_name: String,
+    base_text: String,
+}
+
+impl Keyboard {
+    /// The text of a key's instrument file: the base instrument's with its gradings, every graded number cited. Its name is the
+    /// keyboard's with number and note of the key.
+    #[must_use]
+    pub fn key_text(&self, key: usize) -> String {
+        // Every path was looked up when the file was read.
+        grading::graded_text(self, key).unwrap_or_default()
+    }
+
+    /// A key's instrument with its provenance.
+    ///
+    /// # Errors
+    /// Where a grading leads to what cannot be: a mass below zero, say.
+    pub fn key_file(&self, key: usize) -> Result<InstrumentFile, Box<FileError>> {
+        InstrumentFile::parse(&self.key_text(key), &format!("{}, key {key}", self.file_name))
+    }
+
+    /// A key's instrument, 1 to 88.
+    ///
+    /// # Errors
+    /// As [`Keyboard::key_file`].
+    pub fn key(&self, key: usize) -> Result<Instrument, Box<FileError>> {
+        self.key_file(key).map(|file| file.instrument)
+    }
+
+    /// The instruments of all keys, from the bass.
+    ///
+    /// # Errors
+    /// As [`Keyboard::key_file`].
+    pub fn instruments(&self) -> Result<Vec<Instrument>, Box<FileError>> {
+        (1..=KEYS).map(|key| self.key(key)).collect()
+    }
+}
+
+/// The note of a key, e.g. `C4` for key 40 and `A0` for key 1.
+#[must_use]
+pub fn note_name(key: usize) -> String {
+    const NAMES: [&str; 12] = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
+    let from_c0 = key + 8;
+    format!("{}{}", NAMES[from_c0 % 12], from_c0 / 12)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes() {
+        let names = [1, 3, 4, 16, 40, 41, 49, 64, 88].map(note_name);
+        assert_eq!(names, ["A0", "B0", "C1", "C2", "C4", "C#4", "A4", "C6", "C8"]);
+    }
+}
