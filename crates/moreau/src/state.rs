@@ -96,6 +96,12 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) slip: [[T; 2]; Z],
     pub(crate) slip_row: [[T; B]; Z],
     pub(crate) has_slip_row: [T::Mask; Z],
+    /// How fast each slip row turns, for steps that allow for it: the velocity of slip at the start along the last step's row, and the
+    /// time from where that row was taken to the start, s. Zero: not known.
+    pub(crate) slip_before: [T; Z],
+    pub(crate) slip_span: T,
+    /// What the slip row's turning until the step's end adds to each slip velocity, m/s.
+    pub(crate) turn: [T; Z],
     /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
     pub(crate) coupling: [T; B],
     pub(crate) deep_coupling: [[T; B]; B],
@@ -134,6 +140,9 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             slip: [[z; 2]; Z],
             slip_row: [[z; B]; Z],
             has_slip_row: [T::Mask::splat(false); Z],
+            slip_before: [z; Z],
+            slip_span: z,
+            turn: [z; Z],
             coupling: [z; B],
             deep_coupling: [[z; B]; B],
             site_row: [z; B],

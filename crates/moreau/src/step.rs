@@ -221,7 +221,8 @@ fn finish<T: Real, const B: usize, const Z: usize, const N: usize>(
     for &z in &model.sliding_zones[..model.sliding_count] {
         if scratch.has_slip_row[z].any() {
             let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
-            scratch.slip[z] = [path.product(row, w0), path.product(row, w)];
+            let turn = scratch.turn[z];
+            scratch.slip[z] = [path.product(row, w0) - turn, path.product(row, w) + turn];
         }
     }
     lanes
