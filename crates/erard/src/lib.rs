@@ -4,6 +4,7 @@
 
 pub mod assembly;
 pub mod compare;
+mod course;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;
