@@ -56,7 +56,8 @@ impl Number for f64 {
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        f64::tanh(self)
+        // A third of the library's time; its relative precision near zero is not needed.
+        1.0 - 2.0 / ((2.0 * self).exp() + 1.0)
     }
 }
 
@@ -162,7 +163,7 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        let t = self.value.tanh();
+        let t = Number::tanh(self.value);
         self.through(t, 1.0 - t * t)
     }
 }

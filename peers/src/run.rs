@@ -2,9 +2,7 @@
 
 use std::time::Instant;
 
-use diffsol::{
-    DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverStopReason,
-};
+use diffsol::{DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverStopReason};
 
 use crate::equations::{BODIES, Equations, STATES, Widths};
 use crate::mechanism::Mechanism;
@@ -93,7 +91,6 @@ pub fn run(mechanism: &Mechanism, setup: &Setup, force: &dyn Fn(f64) -> f64, ins
     // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it takes.
     problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
     problem.ode_options.max_error_test_failures = usize::MAX;
-    if let Ok(n) = std::env::var("JAC") { problem.ode_options.update_rhs_jacobian_after_steps = n.parse().unwrap(); problem.ode_options.update_jacobian_after_steps = 20.min(n.parse().unwrap()); }
     let solved = match setup.method {
         Method::Bdf => problem.bdf::<Solver>().and_then(|s| follow(s, &equations, instants)),
         Method::Esdirk34 => problem.esdirk34::<Solver>().and_then(|s| follow(s, &equations, instants)),

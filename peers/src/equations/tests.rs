@@ -44,7 +44,13 @@ fn mechanism() -> Mechanism {
         ],
         finger: Finger { body: 1, point_m: [0.1, 0.1], direction: [0.0, -1.0] },
         strike: Strike { body: 4, radius_m: 0.1, angle_rad: 0.5 },
-        blow: Blow { until_s: 1.0, scales: vec![1.0], times_s: vec![0.0, 1.0, 3.0], forces: vec![1.0, 2.0, 0.0], slopes: vec![0.5, -1.0, 0.0] },
+        blow: Blow {
+            until_s: 1.0,
+            scales: vec![1.0],
+            times_s: vec![0.0, 1.0, 3.0],
+            forces: vec![1.0, 2.0, 0.0],
+            slopes: vec![0.5, -1.0, 0.0],
+        },
         hold: Hold { force: 1.0, from_s: 0.0, until_s: 1.0 },
     }
 }
