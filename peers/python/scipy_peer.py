@@ -1,4 +1,4 @@
-"""The same action in SciPy: `scipy_peer.py MECHANISM.json agreement SAMPLES.json | blow [--quick] | hold [--quick]`.
+"""The same action in SciPy: `scipy_peer.py MECHANISM.json agreement|blow|hold SAMPLES.json [--quick]`.
 
 `solve_ivp` with right-hand side, Jacobian (forward differences) and event compiled by numba; one JSON object a line.
 """

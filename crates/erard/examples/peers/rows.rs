@@ -6,15 +6,15 @@ use serde_json::json;
 use super::play::{Action, BLOW_S, HOLD_N, HOLD_S, SCALES};
 
 /// Steps of the rows, s.
-const STEPS_S: [f64; 7] = [200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6, 3.125e-6];
-/// Step of the converged reference, s: a 64th of the finest row.
-const REFERENCE_STEP_S: f64 = 3.125e-6 / 64.0;
+const STEPS_S: [f64; 9] = [200e-6, 150e-6, 125e-6, 100e-6, 75e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6];
+/// Step of the converged reference, s: a 128th of the finest row.
+const REFERENCE_STEP_S: f64 = 6.25e-6 / 128.0;
 const HOLD_STEPS_S: [f64; 3] = [100e-6, 50e-6, 25e-6];
 
 /// Prints a row for every step, and the reference, which is the same engine at a far finer step.
 pub fn blows(action: &Action, quick: bool) {
     row(action, "reference", REFERENCE_STEP_S, 1);
-    let (steps, repetitions) = if quick { (&STEPS_S[..4], 3) } else { (&STEPS_S[..], 9) };
+    let (steps, repetitions) = if quick { (&STEPS_S[..7], 3) } else { (&STEPS_S[..], 9) };
     for &step in steps {
         row(action, "blow", step, repetitions);
     }
