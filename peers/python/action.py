@@ -234,9 +234,7 @@ def compiled(mechanism):
 
     rest = np.zeros(2 * count)
     rest[:count] = column("rest_angle_rad")
-    return SimpleNamespace(
-        count=count, parent=parent, rest=rest, place=place, push=push, felts=felts, force=force, rates=rates
-    )
+    return SimpleNamespace(count=count, parent=parent, rest=rest, place=place, push=push, felts=felts, force=force, rates=rates)
 
 
 def instants(hold):

@@ -5,10 +5,10 @@ from html import escape
 
 from comparison import TARGET_ERROR
 
-WIDTH, HEIGHT = 920, 560
-LEFT, RIGHT, TOP, BOTTOM = 78, 236, 40, 64
+WIDTH, HEIGHT = 960, 560
+LEFT, RIGHT, TOP, BOTTOM = 78, 276, 40, 64
 # Okabe and Ito's colours, told apart by everybody; a peer has one, its methods differ by dashes and marks.
-COLORS = {"erard": "#000000", "diffsol": "#0072b2", "MuJoCo": "#d55e00", "SciPy": "#009e73"}
+COLORS = {"Erard": "#000000", "diffsol": "#0072b2", "MuJoCo": "#d55e00", "SciPy": "#009e73"}
 DASHES = ["", "7 3", "2 3", "9 3 2 3"]
 FONT = "DejaVu Sans, Verdana, sans-serif"
 
@@ -45,7 +45,12 @@ def svg(comparison, title):
         out.append(text(LEFT - 8, at + 4, f"1e{k}", 'text-anchor="end"'))
     out.append(text((LEFT + edge) / 2, floor + 42, "time for one blow on one core", 'text-anchor="middle"'))
     out.append(
-        text(0, 0, "hammer speed: relative error, rms of all blows", f'text-anchor="middle" transform="translate(20 {(TOP + floor) / 2:.0f}) rotate(-90)"')
+        text(
+            0,
+            0,
+            "hammer speed: relative error, rms of all blows",
+            f'text-anchor="middle" transform="translate(20 {(TOP + floor) / 2:.0f}) rotate(-90)"',
+        )
     )
     real = x(comparison.until_s)
     out.append(f'<line x1="{real:.1f}" y1="{TOP}" x2="{real:.1f}" y2="{floor}" stroke="#888" stroke-dasharray="4 4"/>')
@@ -59,10 +64,12 @@ def svg(comparison, title):
         color, dash = COLORS.get(family, "#555"), DASHES[rank % len(DASHES)]
         for p in all_points:
             if p["error"] <= 10.0**y_high:
-                out.append(f'<circle cx="{x(p["seconds"]):.1f}" cy="{y(p["error"]):.1f}" r="2" fill="{color}" fill-opacity="0.25"/>')
+                out.append(
+                    f'<circle cx="{x(p["seconds"]):.1f}" cy="{y(p["error"]):.1f}" r="2" fill="{color}" fill-opacity="0.25"/>'
+                )
         shown = [p for p in front if p["error"] <= 10.0**y_high]
         path = " ".join(f"{x(p['seconds']):.1f},{y(p['error']):.1f}" for p in shown)
-        thick = 3 if family == "erard" else 1.8
+        thick = 3 if family == "Erard" else 1.8
         stroke = f'stroke="{color}" stroke-width="{thick}"' + (f' stroke-dasharray="{dash}"' if dash else "")
         out.append(f'<polyline points="{path}" fill="none" {stroke} stroke-linejoin="round"/>')
         out += [mark(rank, x(p["seconds"]), y(p["error"]), color) for p in shown]

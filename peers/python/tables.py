@@ -19,16 +19,25 @@ def seconds(value):
 def markdown(comparison, machine, batch_speedup):
     """The report that people read."""
     blows, speeds = len(comparison.reference), list(comparison.reference.values())
-    text = ["# The same action in other programs", "", "Written by `peers/run`; what is compared and how stands in `peers/README.md`.", ""]
+    text = [
+        "# The same action in other programs",
+        "",
+        "Written by `peers/run`; what is compared and how stands in `peers/README.md`.",
+        "",
+    ]
     text += [f"- {key}: {value}" for key, value in machine.items()]
     text += [
         f"- the blows: mf, its force times {blows} factors; hammer speeds {min(speeds):.4f} to {max(speeds):.4f} m/s; "
-        f"{comparison.until_s * 1e3:g} ms each",
-        f"- the reference: Erard's engine at a step of {comparison.reference_step_s * 1e6:.3g} us", "",
-        "## That it is the same action", "",
-        "Accelerations of the same states by separately written equations, largest relative difference to diffsol's:", "",
+        f"{comparison.until_s * 1e3:g} ms each; times are the least of some repetitions of each blow, the median of the blows",
+        f"- the reference: Erard's engine at a step of {comparison.reference_step_s * 1e6:.3g} us",
+        "",
+        "## That it is the same action",
+        "",
+        "Accelerations of the same states by separately written equations, largest relative difference to diffsol's:",
+        "",
         table(["program", "difference"], [[peer, f"{found:.1e}"] for peer, found in comparison.agreement.items()]),
-        "Mean relative difference of diffsol's hammer speeds to the reference as its friction law gets sharper:", "",
+        "Mean relative difference of diffsol's hammer speeds to the reference as its friction law gets sharper:",
+        "",
         table(
             ["width, rad/s", "tolerance", "difference"],
             [
@@ -38,18 +47,36 @@ def markdown(comparison, machine, batch_speedup):
         ),
     ]
     for error in EQUAL_ERRORS:
-        text += [f"## At a hammer-speed error of at most {error:g}", "", "Each with its fastest setting of those tried.", ""]
+        text += [
+            f"## At a hammer-speed error of at most {error:g}",
+            "",
+            "Each with its fastest setting of those tried.",
+            "",
+        ]
         rows = []
         for peer, (point, ratio) in comparison.at_error(error).items():
             if point is None:
                 rows.append([peer, "not reached", "", "", "", ""])
             else:
-                rows.append([
-                    peer, point["setting"], f"{point['error']:.1e}", seconds(point["seconds"]),
-                    f"{point['real_time_factor']:.3g}", f"{ratio:.3g}" if ratio else "",
-                ])
-        text.append(table(["program", "setting", "error", "median time", "times real time", "time over Erard's"], rows))
-    text += ["## Targets", "", targets(comparison.targets(batch_speedup)), "## A hammer held in check", "", held(comparison)]
+                rows.append(
+                    [
+                        peer,
+                        point["setting"],
+                        f"{point['error']:.1e}",
+                        seconds(point["seconds"]),
+                        f"{point['real_time_factor']:.3g}",
+                        f"{ratio:.3g}" if ratio else "",
+                    ]
+                )
+        text.append(table(["program", "setting", "error", "time", "times real time", "time over Erard's"], rows))
+    text += [
+        "## Targets",
+        "",
+        targets(comparison.targets(batch_speedup)),
+        "## A hammer held in check",
+        "",
+        held(comparison),
+    ]
     text += ["## Every setting", "", everything(comparison)]
     return "\n".join(text)
 
@@ -79,14 +106,21 @@ def held(comparison):
         if "failed" in h:
             rows.append([h["name"], h["setting"], h["failed"], "", "", "", ""])
         else:
-            rows.append([
-                h["name"], h["setting"], f"{h['drift_rad']:.1e}", f"{h['drift_mm']:.2g}", f"{h['off_caught_rad']:+.1e}",
-                seconds(h["seconds"]), f"{h['real_time_factor']:.3g}",
-            ])
+            rows.append(
+                [
+                    h["name"],
+                    h["setting"],
+                    f"{h['drift_rad']:.1e}",
+                    f"{h['drift_mm']:.2g}",
+                    f"{h['off_caught_rad']:+.1e}",
+                    seconds(h["seconds"]),
+                    f"{h['real_time_factor']:.3g}",
+                ]
+            )
     return (
         f"A constant {hold['force_N']:g} N from rest. Drift: the largest departure of the hammer's angle between {hold['from_s']:g} and "
         f"{hold['until_s']:g} s, and what that is at the strike point. Off: its angle at the end minus the angle in which Erard's engine, at "
-        "its finest step here, holds it: an eighth of a radian off is a hammer that has left the check.\n\n"
+        "its finest step here, holds it; a hammer that has slipped out of the check stands about a centimetre higher, under the string.\n\n"
     ) + table(["program", "setting", "drift, rad", "drift, mm", "off, rad", "time", "times real time"], rows)
 
 
@@ -97,17 +131,34 @@ def everything(comparison):
             rows.append([p["name"], p["setting"], p["failed"], "", "", "", ""])
         else:
             own = f"{p['callback_seconds'] / p['seconds']:.0%}" if "callback_seconds" in p else ""
-            rows.append([
-                p["name"], p["setting"], f"{p['error']:.1e}", f"{p['worst_error']:.1e}", seconds(p["seconds"]),
-                f"{p['real_time_factor']:.3g}", own,
-            ])
-    head = ["program", "setting", "error, rms", "error, worst", "median time", "times real time", "of it in the callback"]
+            rows.append(
+                [
+                    p["name"],
+                    p["setting"],
+                    f"{p['error']:.1e}",
+                    f"{p['worst_error']:.1e}",
+                    seconds(p["seconds"]),
+                    f"{p['real_time_factor']:.3g}",
+                    own,
+                ]
+            )
+    head = ["program", "setting", "error, rms", "error, worst", "time", "times real time", "of it in the callback"]
     return table(head, rows)
 
 
 COLUMNS = [
-    "name", "step_s", "tolerance", "width_rad_per_s", "error", "worst_error", "seconds", "callback_seconds", "real_time_factor",
-    "steps", "evaluations", "failed",
+    "name",
+    "step_s",
+    "tolerance",
+    "width_rad_per_s",
+    "error",
+    "worst_error",
+    "seconds",
+    "callback_seconds",
+    "real_time_factor",
+    "steps",
+    "evaluations",
+    "failed",
 ]
 
 

@@ -17,7 +17,7 @@ use mechanism::Mechanism;
 use run::{Method, Run, Setup, run};
 use serde_json::{Value, json};
 
-/// What is run. Widths in rad/s at the pivots; at sliding contacts a tenth of the number in m/s.
+/// What is run, and how often: the least time of the repetitions counts. Widths in rad/s at the pivots; at sliding contacts a tenth of the number in m/s.
 struct Plan {
     methods: &'static [Method],
     tolerances: &'static [f64],
@@ -29,7 +29,7 @@ const BLOW: Plan = Plan {
     methods: &[Method::Bdf, Method::TrBdf2, Method::Esdirk34],
     tolerances: &[1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-8],
     widths: &[0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4],
-    repetitions: 5,
+    repetitions: 7,
 };
 const QUICK_BLOW: Plan = Plan {
     methods: &[Method::Bdf, Method::TrBdf2],
@@ -112,13 +112,13 @@ fn blows(mechanism: &Mechanism, task: &str, plan: &Plan) {
                 .map(|_| run(mechanism, setup, &|t| scale * blow.force(t), &[blow.until_s]))
                 .collect::<Result<Vec<Run>, String>>()?;
             runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-            let median = &runs[plan.repetitions / 2];
+            let best = &runs[0];
             Ok(json!({
                 "scale": scale,
-                "speed_m_s": median.strike.map(|s| s[0]),
-                "contact_s": median.strike.map(|s| s[1]),
-                "seconds": median.seconds,
-                "steps": median.steps,
+                "speed_m_s": best.strike.map(|s| s[0]),
+                "contact_s": best.strike.map(|s| s[1]),
+                "seconds": best.seconds,
+                "steps": best.steps,
             }))
         };
         match blow.scales.iter().map(play).collect::<Result<Vec<Value>, String>>() {

