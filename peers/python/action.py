@@ -7,6 +7,7 @@ SI units; x toward the back of the piano, y up, angles absolute and counter-cloc
 
 import json
 import math
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,7 +21,8 @@ def read(path):
     with open(path, encoding="utf-8") as file:
         mechanism = json.load(file)
     if mechanism.get("format") != "erard-mechanism/1":
-        raise SystemExit(f"error: {path}: format is {mechanism.get('format')!r}; expected 'erard-mechanism/1'")
+        say(f"error: {path}: format is {mechanism.get('format')!r}; expected 'erard-mechanism/1'")
+        sys.exit(2)
     return mechanism
 
 
@@ -244,8 +246,6 @@ def instants(hold):
 
 def say(text):
     """Progress."""
-    import sys
-
     print(text, file=sys.stderr, flush=True)
 
 

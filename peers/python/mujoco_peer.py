@@ -124,7 +124,8 @@ class Peer:
         time_at, shared_at = data.energy.ctypes.data - 8, self.shared.ctypes.data
         data.time = 0.123
         if ctypes.c_double.from_address(time_at).value != 0.123:
-            raise SystemExit("error: this MuJoCo keeps its time elsewhere; the pinned version is in peers/requirements.txt")
+            action.say("error: this MuJoCo keeps its time elsewhere; the pinned version is in peers/requirements.txt")
+            sys.exit(2)
         data.time = 0.0
         strike, dry = self.mechanism["strike"], self.dry
         hammer, angle, radius = strike["body"], strike["angle_rad"], strike["radius_m"]

@@ -117,11 +117,17 @@ def held(comparison):
                     f"{h['real_time_factor']:.3g}",
                 ]
             )
+    about = [
+        f"A constant {hold['force_N']:g} N from rest. Drift: the largest departure of the hammer's angle between {hold['from_s']:g} and",
+        f"{hold['until_s']:g} s, and what that is at the strike point. Off: its angle at the end minus the angle in which Erard's engine,",
+        "at its finest step here, holds it. A hammer that slipped out of the check before the first second drifts little more, and",
+        "is far off.",
+    ]
     return (
-        f"A constant {hold['force_N']:g} N from rest. Drift: the largest departure of the hammer's angle between {hold['from_s']:g} and "
-        f"{hold['until_s']:g} s, and what that is at the strike point. Off: its angle at the end minus the angle in which Erard's engine, at "
-        "its finest step here, holds it. A hammer that slipped out of the check before the first second drifts little more, and is far off.\n\n"
-    ) + table(["program", "setting", "drift, rad", "drift, mm", "off, rad", "time", "times real time"], rows)
+        "\n".join(about)
+        + "\n\n"
+        + table(["program", "setting", "drift, rad", "drift, mm", "off, rad", "time", "times real time"], rows)
+    )
 
 
 def everything(comparison):
