@@ -102,13 +102,14 @@ class Comparison:
             peer: min((p for p in self.of(peer) if p["error"] <= error), key=lambda p: p["seconds"], default=None)
             for peer in self.names()
         }
-        own = fastest.get("Erard")
+        own = min((p for p in fastest.values() if p and p["peer"] == "Erard"), key=lambda p: p["seconds"], default=None)
         ratio = lambda point: point["seconds"] / own["seconds"] if own and point else None
         return {peer: (point, ratio(point)) for peer, point in fastest.items()}
 
     def held(self, rows):
         """The held notes: how far the hammer turns while it should stand still, and where it is at the end."""
-        caught = next((row["angles_rad"][-1] for row in reversed(rows) if row["peer"] == "Erard"), None)
+        finest = min((row for row in rows if row["peer"] == "Erard" and "step_s" in row), key=lambda row: row["step_s"])
+        caught = finest["angles_rad"][-1]
         holds = []
         for row in rows:
             hold = {"name": name(row), "setting": setting(row)} | {
@@ -125,8 +126,8 @@ class Comparison:
 
     def targets(self, batch_speedup):
         """The fastest peer at the target's error, and the ratios: measured, wanted, met."""
-        others = {peer: found for peer, found in self.at_error(TARGET_ERROR).items() if peer != "Erard"}
-        reached = {peer: ratio for peer, (point, ratio) in others.items() if ratio is not None}
+        found = self.at_error(TARGET_ERROR).items()
+        reached = {peer: ratio for peer, (point, ratio) in found if ratio is not None and point["peer"] != "Erard"}
         if not reached:
             return None
         peer = min(reached, key=reached.get)
