@@ -126,8 +126,8 @@ class Comparison:
 
     def targets(self, batch_speedup):
         """The fastest peer at the target's error, and the ratios: measured, wanted, met."""
-        found = self.at_error(TARGET_ERROR).items()
-        reached = {peer: ratio for peer, (point, ratio) in found if ratio is not None and point["peer"] != "Erard"}
+        found = self.at_error(TARGET_ERROR)
+        reached = {peer: ratio for peer, (point, ratio) in found.items() if ratio is not None and point["peer"] != "Erard"}
         if not reached:
             return None
         peer = min(reached, key=reached.get)
@@ -138,8 +138,10 @@ class Comparison:
             "ratio_wanted": TARGET_RATIO,
             "ratio_met": reached[peer] >= TARGET_RATIO,
         }
-        if batch_speedup is not None:
-            ratio = reached[peer] * batch_speedup
+        fixed_step = found["Erard"][0]
+        if batch_speedup is not None and fixed_step is not None:
+            # What is batched is the fixed step.
+            ratio = found[peer][0]["seconds"] / fixed_step["seconds"] * batch_speedup
             targets |= {
                 "batch_speedup_per_core": batch_speedup,
                 "batch_ratio": ratio,
