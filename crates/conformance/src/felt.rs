@@ -7,7 +7,7 @@ use crate::row::{Order, Row};
 
 /// A mass at the end of an arm so long that its path is straight: x = L sin(angle), L = 100 m, so that over the felt's 1 mm
 /// of compression the arm turns by 1e-5 rad and the path deviates from a line by 1e-10 of itself.
-const ARM: f64 = 100.0;
+pub(crate) const ARM: f64 = 100.0;
 const MASS: f64 = 0.010;
 
 struct Throw {
@@ -17,23 +17,27 @@ struct Throw {
     residual: f64,
 }
 
-fn throw(k: f64, r: f64, b: f64, h: f64) -> Throw {
+/// The mass on its way at 1 m/s, the felt so far ahead, m.
+pub(crate) fn thrown(k: f64, r: f64, b: f64, h: f64, ahead: f64) -> Mechanism<1, 1, 1> {
     let body = Body { mass: MASS, center_of_mass: [0.0, -ARM], inertia: MASS * ARM * ARM, ..Body::inert() };
     let felt = Felt { stiffness: k, exponent: Exponent::new(r), damping: b };
-    // The mass starts a whole number of steps away, plus a third: a generic phase.
-    let start = 20.0 * h + h / 3.0;
     let zone = Zone {
         disc_body: 0,
         center: [0.0, -ARM],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [start, 0.0], normal: [-1.0, 0.0] },
+        curve: Curve::Line { point: [ahead, 0.0], normal: [-1.0, 0.0] },
         felt,
         friction: None,
     };
     let model = Model::<f64, 1, 1>::new(&[body], &[], &[zone], None, 0.0).expect("sound");
     let settings = Settings { tolerance: 1e-12, ..Settings::new(h) };
-    let mut m = Mechanism::<1, 1, 1>::new(model, [0.0], [1.0 / ARM], settings);
+    Mechanism::new(model, [0.0], [1.0 / ARM], settings)
+}
+
+fn throw(k: f64, r: f64, b: f64, h: f64) -> Throw {
+    // The mass starts a whole number of steps away, plus a third: a generic phase.
+    let mut m = thrown(k, r, b, h, 20.0 * h + h / 3.0);
     let mut ledger = Ledger::open(&m.model, &m.state);
     let mut compression: f64 = 0.0;
     let (mut touch, mut part) = (None, None);
@@ -93,7 +97,7 @@ pub(crate) fn elastic() -> Vec<Row> {
 /// r = 2 it integrates to l v0 - ln(1 + l v0) = -(l v1 + ln(1 - l v1)), l = b/k. For the others the values are from a quadrature of
 /// that equation outside this project, the force clamped at zero (unclamped, as published, it pulls before separation when r > 2
 /// and would give 0.43121981 and 0.53364008).
-const DAMPED: [(f64, f64, f64, f64, f64); 3] = [
+pub(crate) const DAMPED: [(f64, f64, f64, f64, f64); 3] = [
     (2.0, 5e7, 3e7, 0.711_950_179_6, 6.006_110_607_3e-4),
     (2.5, 3e9, 1e8, 0.435_620_80, 4.993_564_099e-4),
     (3.0, 1e11, 5e7, 0.541_844_41, 5.807_980_575e-4),

@@ -37,7 +37,7 @@ pub(crate) fn pivot() -> Vec<Row> {
     rows
 }
 
-fn dry_oscillator_at(h: f64) -> Mechanism<1, 0, 1> {
+pub(crate) fn dry_oscillator_at(h: f64) -> Mechanism<1, 0, 1> {
     let body = Body { dry: 1.0, ..hinge(1.0) };
     let spring = Spring { body: 0, torque: 0.0, stiffness: 1.0, reference: 0.0 };
     let model = Model::new(&[body], &[spring], &[], None, 0.0).expect("sound");

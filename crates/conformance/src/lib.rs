@@ -8,6 +8,7 @@
 
 mod ball;
 mod belt;
+mod control;
 mod disc;
 mod felt;
 mod hinge;
@@ -51,5 +52,6 @@ pub fn problems() -> Vec<Problem> {
         problem(12, "Bouncing ball", ball::rows),
         problem(13, "Painleve's rod", rod::rows),
         problem(14, "Closed loops", loops::rows),
+        problem(15, "Steps with controlled error", control::rows),
     ]
 }

@@ -39,6 +39,7 @@ problems_hold! {
     bouncing_ball 12
     painleves_rod 13
     closed_loops 14
+    steps_with_controlled_error 15
 }
 
 /// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.

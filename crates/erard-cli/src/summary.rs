@@ -29,6 +29,8 @@ pub struct Summary {
     pub steps: u64,
     /// Steps that did not converge.
     pub unconverged_steps: u64,
+    /// Where the error was controlled: how, and with what work.
+    pub control: Option<Control>,
     /// Newton iterations per step.
     pub newton_iterations_per_step: f64,
     /// Simulated over elapsed time.
@@ -65,6 +67,27 @@ pub struct Summary {
     pub strikes: Vec<Blow>,
 }
 
+/// Control of the error.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Control {
+    /// Error allowed in a step, relative to 1 rad/s + |velocity|.
+    pub tolerance: f64,
+    /// Steps taken, of two halves each.
+    pub accepted_steps: u64,
+    /// Attempts rejected.
+    pub rejected_steps: u64,
+    /// Inner steps of all attempts.
+    pub inner_steps: u64,
+    /// Steps taken in which no friction law changed, and whole and halves were combined.
+    pub extrapolated_steps: u64,
+    /// Steps whose error is beyond the tolerance because they are the smallest.
+    pub steps_beyond_tolerance: u64,
+    /// Shortest step, s, but for those that a row's instant cut off.
+    pub smallest_step_s: f64,
+    /// Longest step, s.
+    pub largest_step_s: f64,
+}
+
 /// Where energy went.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Dissipated {
@@ -91,6 +114,16 @@ impl Summary {
     /// The numbers of a run.
     pub fn new(run: &Run, setup: &Setup, model: &str, drive: &str, solver: &str) -> Self {
         let (e, l, w) = (&run.events, &run.ledger, &run.work);
+        let control = setup.tolerance.zip(w.control).map(|(tolerance, c)| Control {
+            tolerance,
+            accepted_steps: c.accepted,
+            rejected_steps: c.rejected,
+            inner_steps: c.inner_steps,
+            extrapolated_steps: c.extrapolated,
+            steps_beyond_tolerance: c.beyond_tolerance,
+            smallest_step_s: c.shortest_s.min(c.longest_s),
+            largest_step_s: c.longest_s,
+        });
         Summary {
             instrument: run.instrument.clone(),
             model: model.into(),
@@ -101,7 +134,8 @@ impl Summary {
             duration_s: setup.duration_s,
             steps: w.steps,
             unconverged_steps: w.unconverged_steps,
-            newton_iterations_per_step: w.newton_iterations as f64 / w.steps as f64,
+            control,
+            newton_iterations_per_step: w.newton_iterations as f64 / control.map_or(w.steps, |c| c.inner_steps) as f64,
             real_time_factor: w.real_time_factor,
             hammer_speed_m_s: e.hammer_speed_m_s,
             key_start_s: e.key_start_s,
@@ -143,7 +177,7 @@ impl Summary {
             ("check", ms(self.check_s)),
             ("peak finger force", format!("{:.2} N", self.peak_force_N)),
             ("energy residual", format!("{:.1e} of the work put in", self.energy_residual_relative)),
-            ("steps", format!("{} of {} us", self.steps, (self.dt_s * 1e9).round() / 1e3)),
+            ("steps", self.steps_line()),
             ("unconverged steps", format!("{}", self.unconverged_steps)),
             ("real-time factor", format!("{:.0}", self.real_time_factor)),
         ];
@@ -157,6 +191,19 @@ impl Summary {
             });
         }
         lines.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    fn steps_line(&self) -> String {
+        match &self.control {
+            None => format!("{} of {} us", self.steps, (self.dt_s * 1e9).round() / 1e3),
+            Some(c) => format!(
+                "{} of {:.3} to {:.0} us, in halves; {} more rejected",
+                c.accepted_steps,
+                c.smallest_step_s * 1e6,
+                c.largest_step_s * 1e6,
+                c.rejected_steps
+            ),
+        }
     }
 
     /// Writes the JSON.

@@ -70,6 +70,26 @@ fn with_no_argument_the_grand_plays() {
     assert!((largest / at("peak_force_N") - 1.0).abs() < 0.02);
 }
 
+/// With a tolerance rows stand where they stand without, and the summary says how many steps there were.
+#[test]
+fn a_tolerance_leaves_the_rows_where_they_are() {
+    let folder = Folder::new("tolerance");
+    let common = ["press", "--duration", "0.08", "--record-every", "10"];
+    folder.good(&[&common[..], &["--out", "fixed"]].concat());
+    folder.good(&[&common[..], &["--tolerance", "1e-4", "--out", "controlled"]].concat());
+    let times = |out: &str| {
+        let table = folder.read(&format!("{out}/run.csv"));
+        table.lines().map(|l| l.split(',').next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(times("fixed"), times("controlled"));
+    assert!(json(&folder, "fixed/summary.json")["control"].is_null());
+    let summary = json(&folder, "controlled/summary.json");
+    let (control, number) = (&summary["control"], |v: &Value| v.as_f64().unwrap_or(f64::NAN));
+    assert_eq!((number(&control["tolerance"]), &control["steps_beyond_tolerance"]), (1e-4, &Value::from(0)));
+    assert_eq!(number(&summary["steps"]), 2.0 * number(&control["accepted_steps"]));
+    assert!(number(&control["smallest_step_s"]) < 1e-5 && number(&control["largest_step_s"]) > 1e-4, "{control}");
+}
+
 /// The same bytes for the same input, but for how long it took.
 #[test]
 fn twice_the_same() {

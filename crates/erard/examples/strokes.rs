@@ -47,7 +47,13 @@ fn struck(t: f64, level: f64, blow: f64, scale: f64) -> f64 {
 }
 
 fn run(grand: &Instrument, force: &dyn Fn(f64) -> f64) -> Run {
-    let setup = Setup { settings: Settings::new(10e-6), start_s: 0.0, duration_s: END_S, record_every: Some(50) };
+    let setup = Setup {
+        settings: Settings::new(10e-6),
+        start_s: 0.0,
+        duration_s: END_S,
+        record_every: Some(50),
+        tolerance: None,
+    };
     simulate(grand, &Drive::Force(force), &setup, &mut |_| true).expect("the concert grand runs")
 }
 

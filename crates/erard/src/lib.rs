@@ -6,6 +6,7 @@ pub mod assembly;
 pub mod bench;
 pub mod compare;
 pub mod cores;
+mod course;
 pub mod equilibrium;
 pub mod events;
 pub mod instrument;

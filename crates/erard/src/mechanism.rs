@@ -4,17 +4,33 @@
 //! dynamic call is per step, outside the inner step.
 
 use moreau::{
-    Energies, FrictionLaw, Input, Ledger, Model, ModelError, Outcome, Pose, Scratch, Settings, State, StepReport, step,
+    Accuracy, ControlledStep, Controller, Energies, FrictionLaw, Halves, Input, Ledger, Model, ModelError, Outcome,
+    Pose, Scratch, Settings, State, StepReport, controlled_step, step,
 };
 
 use crate::assembly;
 use crate::instrument::Instrument;
 use crate::sight::{Sight, Visible};
 
+/// What drives an inner step that begins so many s after the controlled step and lasts so long, s; the last argument says where the
+/// driven point is then, as [`Mechanism::site_position`] does.
+pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
+
 /// What can be asked of an assembled mechanism. Indices follow the instrument's bodies and zones.
 pub trait Mechanism: Visible + Send {
     /// Advances by one step of the current settings.
     fn step(&mut self, input: &Input<f64>) -> StepReport;
+    /// Advances by one step that is as long as its error allows, and at most `limit` s. `look` is called after each of its two halves,
+    /// with the time since the step's start, s.
+    fn controlled_step(
+        &mut self,
+        accuracy: &Accuracy<f64>,
+        limit: f64,
+        input: &mut InputDuring,
+        look: &mut dyn FnMut(f64, &dyn Mechanism),
+    ) -> ControlledStep<f64>;
+    /// Length of the last step, or half of a controlled one, s.
+    fn last_step(&self) -> f64;
     /// The settings in force.
     fn settings(&self) -> &Settings<f64>;
     /// Changes the settings from the next step on.
@@ -53,6 +69,8 @@ struct Engine<const B: usize, const Z: usize, const N: usize> {
     state: State<f64, B, Z>,
     before: State<f64, B, Z>,
     scratch: Scratch<f64, B, Z, N>,
+    /// While steps are controlled.
+    control: Option<Box<Control<B, Z, N>>>,
     pose: Pose<f64, B>,
     ledger: Ledger,
     bodies: usize,
@@ -67,7 +85,40 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     let ledger = Ledger::open(&model, &state);
     let pose = Pose::of(&model, &state.angle);
     let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
-    Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, pose, ledger, bodies }))
+    Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, control: None, pose, ledger, bodies }))
+}
+
+struct Control<const B: usize, const Z: usize, const N: usize> {
+    controller: Controller<f64, Z>,
+    halves: Halves<f64, B, Z, N>,
+    /// The half that was last.
+    half: usize,
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
+    /// What acted in the last step, and how it was taken.
+    fn last(&self) -> (&Settings<f64>, &Scratch<f64, B, Z, N>) {
+        last(self.control.as_deref(), &self.settings, &self.scratch)
+    }
+
+    /// Books the step from `self.before` to `self.state`.
+    fn book(&mut self) {
+        let (settings, scratch) = last(self.control.as_deref(), &self.settings, &self.scratch);
+        self.ledger.record(&self.model, settings, &self.before, &self.state, scratch);
+        self.pose = Pose::of(&self.model, &self.state.angle);
+    }
+}
+
+/// Of a controlled step its last half, else the step itself.
+fn last<'a, const B: usize, const Z: usize, const N: usize>(
+    control: Option<&'a Control<B, Z, N>>,
+    settings: &'a Settings<f64>,
+    scratch: &'a Scratch<f64, B, Z, N>,
+) -> (&'a Settings<f64>, &'a Scratch<f64, B, Z, N>) {
+    match control {
+        Some(control) => (&control.halves.settings, &control.halves.scratch[control.half]),
+        None => (settings, scratch),
+    }
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
@@ -96,13 +147,49 @@ impl<const B: usize, const Z: usize, const N: usize> Visible for Engine<B, Z, N>
 
 impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
     fn step(&mut self, input: &Input<f64>) -> StepReport {
+        self.control = None;
         self.before.clone_from(&self.state);
         let report = step(&self.model, &self.settings, input, &mut self.state, &mut self.scratch);
         if report.outcome != Outcome::NonFinite {
-            self.ledger.record(&self.model, &self.settings, &self.before, &self.state, &self.scratch);
-            self.pose = Pose::of(&self.model, &self.state.angle);
+            self.book();
         }
         report
+    }
+
+    fn controlled_step(
+        &mut self,
+        accuracy: &Accuracy<f64>,
+        limit: f64,
+        input: &mut InputDuring,
+        look: &mut dyn FnMut(f64, &dyn Mechanism),
+    ) -> ControlledStep<f64> {
+        let Engine { model, settings, state, before, control, .. } = self;
+        let control = control.get_or_insert_with(|| {
+            let controller = Controller::new(settings.step);
+            Box::new(Control { controller, halves: Halves::new(settings), half: 1 })
+        });
+        before.clone_from(state);
+        let input = |from: f64, h: f64, state: &State<f64, B, Z>| input(from, h, &|| model.site_position(&state.angle));
+        let Control { controller, halves, half } = control.as_mut();
+        let report = controlled_step(model, settings, accuracy, controller, limit, input, state, halves);
+        if report.outcome == Outcome::NonFinite {
+            return report;
+        }
+        *half = 0;
+        let end = std::mem::replace(state, halves.middle.clone());
+        self.book();
+        look(0.5 * report.step, self);
+        self.before = std::mem::replace(&mut self.state, end);
+        if let Some(control) = &mut self.control {
+            control.half = 1;
+        }
+        self.book();
+        look(report.step, self);
+        report
+    }
+
+    fn last_step(&self) -> f64 {
+        self.last().0.step
     }
 
     fn settings(&self) -> &Settings<f64> {
@@ -110,6 +197,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn set_settings(&mut self, settings: Settings<f64>) {
+        self.control = None;
         self.settings = settings;
     }
 
@@ -126,11 +214,13 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn stop(&mut self) {
+        self.control = None;
         self.state.velocity = [0.0; B];
     }
 
     fn normal_force(&self, zone: usize) -> f64 {
-        self.scratch.contact(&self.model, &self.settings, zone).map_or(0.0, |c| c.force)
+        let (settings, scratch) = self.last();
+        scratch.contact(&self.model, settings, zone).map_or(0.0, |c| c.force)
     }
 
     fn tangential_force(&self, zone: usize) -> f64 {
@@ -138,12 +228,13 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn contact(&self, zone: usize) -> [f32; 4] {
-        let contact = self.scratch.contact(&self.model, &self.settings, zone);
+        let (settings, scratch) = self.last();
+        let contact = scratch.contact(&self.model, settings, zone);
         contact.map_or([0.0; 4], |c| [c.point[0] as f32, c.point[1] as f32, c.normal[0] as f32, c.normal[1] as f32])
     }
 
     fn drive_force(&self) -> f64 {
-        self.scratch.drive_force
+        self.last().1.drive_force
     }
 
     fn gap_row(&self, zone: usize) -> Vec<f64> {

@@ -14,8 +14,8 @@ pub(crate) struct Recorder {
     pub bodies: Vec<BodySeries>,
     pub zones: Vec<ZoneSeries>,
     has_hammer: bool,
-    /// The last row's forces still wait for those of the step after it.
-    pending: bool,
+    /// The last row's forces are those of a step of this length, s, and still wait for those of the step after it.
+    pending: Option<f64>,
 }
 
 impl Recorder {
@@ -44,19 +44,18 @@ impl Recorder {
                 })
                 .collect(),
             has_hammer: instrument.roles.hammer.is_some(),
-            pending: false,
+            pending: None,
         }
     }
 
     /// After every step, before [`Recorder::row`]: centres the last row's forces on its instant.
     pub fn step(&mut self, m: &dyn Mechanism) {
-        if !self.pending {
-            return;
-        }
-        self.pending = false;
+        let Some(before) = self.pending.take() else { return };
+        // Forces belong to the middles of their steps: the mean, where the steps are equal.
+        let share = before / (before + m.last_step());
         let mean = |series: &mut Vec<f64>, next: f64| {
             if let Some(last) = series.last_mut() {
-                *last = 0.5 * (*last + next);
+                *last = (1.0 - share) * *last + share * next;
             }
         };
         mean(&mut self.force_n, m.drive_force());
@@ -75,7 +74,7 @@ impl Recorder {
     }
 
     pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
-        self.pending = true;
+        self.pending = Some(m.last_step());
         self.time_s.push(time_s);
         self.force_n.push(m.drive_force());
         self.key_m.push(key_m);

@@ -102,16 +102,37 @@ pub struct Strike {
 /// How a run was made and what it cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Work {
-    /// Steps taken.
+    /// Steps taken; of controlled steps, their halves.
     pub steps: u64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
-    /// Newton iterations, all steps.
+    /// Newton iterations, all steps and all attempts.
     pub newton_iterations: u64,
-    /// Sweeps or active sets, all steps.
+    /// Sweeps or active sets likewise.
     pub solver_iterations: u64,
     /// Simulated over elapsed time.
     pub real_time_factor: f64,
-    /// Every how many steps a row was recorded.
+    /// Every how many steps of the settings a row was recorded.
     pub record_every: u64,
+    /// What the control of the error did, where there was one.
+    pub control: Option<ControlWork>,
+}
+
+/// Steps whose error was controlled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlWork {
+    /// Controlled steps taken, of two halves each.
+    pub accepted: u64,
+    /// Attempts rejected.
+    pub rejected: u64,
+    /// Inner steps of all attempts, three each.
+    pub inner_steps: u64,
+    /// Controlled steps in which whole and halves were combined to a higher order.
+    pub extrapolated: u64,
+    /// Steps at the smallest length whose error is beyond the tolerance.
+    pub beyond_tolerance: u64,
+    /// Shortest controlled step, s; not where a row's instant cut it off.
+    pub shortest_s: f64,
+    /// Longest one, s.
+    pub longest_s: f64,
 }

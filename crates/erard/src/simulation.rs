@@ -1,17 +1,13 @@
 //! One key press: from rest, driven, to the end of its duration.
 
-use std::time::Instant;
-
-use moreau::{Input, ModelError, Outcome, Settings};
+use moreau::{Input, ModelError, Settings};
 use thiserror::Error;
 
+use crate::course::{Course, Rest};
 use crate::equilibrium::{self, EquilibriumError};
-use crate::events::Watch;
 use crate::instrument::Instrument;
-use crate::mechanism::{Mechanism, mechanism};
-use crate::recorder::Recorder;
-use crate::run::{Run, Work};
-use crate::sight::{Visible, head_height};
+use crate::mechanism::mechanism;
+use crate::run::Run;
 
 /// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
 pub const SMALLEST_STEP_S: f64 = 1e-8;
@@ -19,9 +15,8 @@ pub const SMALLEST_STEP_S: f64 = 1e-8;
 pub const LARGEST_STEP_S: f64 = 1e-3;
 /// Most rows that a run keeps unless told otherwise; longer runs keep every n-th step.
 pub const MOST_ROWS: u64 = 200_000;
-/// How much of a rigid drive's position error is taken back per step.
-const RIGID_CORRECTION: f64 = 0.1;
-
+/// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits the error.
+pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// What drives the key. Times in s from the stroke's start; forces in N, positions in m from the key front's rest, both
 /// positive downward.
 pub enum Drive<'a> {
@@ -46,6 +41,9 @@ pub struct Setup {
     pub duration_s: f64,
     /// Keep a row every so many steps; `None`: every step, or so many that [`MOST_ROWS`] are not exceeded.
     pub record_every: Option<u64>,
+    /// Error that a step may have (see [`moreau::Accuracy::tolerance`]); `None`: all steps are as long as the settings say. With a tolerance,
+    /// rows stand where they would without, and steps between two of them are as long as their error allows.
+    pub tolerance: Option<f64>,
 }
 
 /// Why a run could not be made.
@@ -60,6 +58,12 @@ pub enum SimulationError {
     /// Theta is out of range.
     #[error("theta is {found}; expected a number from 0.5 (second order) to 1 (damped)")]
     Theta {
+        /// Dimensionless.
+        found: f64,
+    },
+    /// The tolerance is out of range.
+    #[error("the tolerance is {found}; expected a number from {:e} to {:e}", TOLERANCES[0], TOLERANCES[1])]
+    Tolerance {
         /// Dimensionless.
         found: f64,
     },
@@ -112,6 +116,11 @@ impl Setup {
         if !(0.5..=1.0).contains(&theta) {
             return Err(SimulationError::Theta { found: theta });
         }
+        if let Some(found) = self.tolerance
+            && !(TOLERANCES[0]..=TOLERANCES[1]).contains(&found)
+        {
+            return Err(SimulationError::Tolerance { found });
+        }
         if !(-1e9..=1e9).contains(&self.start_s) {
             return Err(SimulationError::Start { found: self.start_s });
         }
@@ -129,7 +138,7 @@ impl Setup {
 /// motion.
 ///
 /// # Errors
-/// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`Work`].
+/// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`crate::run::Work`].
 pub fn simulate(
     instrument: &Instrument,
     drive: &Drive,
@@ -142,7 +151,7 @@ pub fn simulate(
     }
     let mut m = mechanism(instrument, setup.settings)?;
     equilibrium::settle(m.as_mut(), &Input::Free)?;
-    let rest = Rest { site_m: m.site_position(), head_m: head_height(instrument, m.as_ref()) };
+    let rest = Rest::of(instrument, m.as_ref());
     if let Drive::Motion(position) | Drive::Rigid(position) = drive {
         let at = position(setup.start_s)[0];
         if at > 0.0 {
@@ -151,86 +160,11 @@ pub fn simulate(
     }
     m.open_ledger();
 
-    let every = setup.record_every.unwrap_or(1 + (steps - 1) / MOST_ROWS).max(1);
-    let mut recorder = Recorder::new(instrument, (steps / every) as usize + 2);
-    let mut watch = Watch::new(instrument);
-    let mut work = Work {
-        steps,
-        unconverged_steps: 0,
-        newton_iterations: 0,
-        solver_iterations: 0,
-        real_time_factor: 0.0,
-        record_every: every,
-    };
-    let Settings { step: h, theta, .. } = setup.settings;
-    let mut peak_force_n = 0.0_f64;
-    let mut observe = |time_s: f64, record: bool, m: &dyn Mechanism| {
-        let key_m = m.site_position() - rest.site_m;
-        let hammer_m = head_height(instrument, m) - rest.head_m;
-        watch.look(time_s, key_m, hammer_m, m);
-        recorder.step(m);
-        if record {
-            recorder.row(time_s, key_m, hammer_m, m);
-        }
-    };
-    observe(setup.start_s, true, m.as_ref());
-    let start = Instant::now();
-    for n in 0..steps {
-        if n % 8192 == 0 && !progress(n as f64 / steps as f64) {
-            return Err(SimulationError::Interrupted);
-        }
-        let t0 = setup.start_s + n as f64 * h;
-        let input = rest.input(drive, t0, h, theta, m.as_ref());
-        let report = m.step(&input);
-        match report.outcome {
-            Outcome::Converged => {}
-            Outcome::IterationLimit => work.unconverged_steps += 1,
-            Outcome::NonFinite => return Err(SimulationError::NonFinite { time_s: t0 }),
-        }
-        work.newton_iterations += u64::from(report.newton);
-        work.solver_iterations += u64::from(report.solver);
-        peak_force_n = peak_force_n.max(m.drive_force());
-        observe(setup.start_s + (n + 1) as f64 * h, (n + 1) % every == 0 || n + 1 == steps, m.as_ref());
+    let mut course = Course::new(instrument, drive, setup, steps, rest, m);
+    match setup.tolerance {
+        None => course.fixed(progress)?,
+        Some(tolerance) => course.controlled(tolerance, progress)?,
     }
-    work.real_time_factor = steps as f64 * h / start.elapsed().as_secs_f64().max(1e-9);
     progress(1.0);
-    Ok(Run {
-        instrument: instrument.name.clone(),
-        time_s: recorder.time_s,
-        force_n: recorder.force_n,
-        key_m: recorder.key_m,
-        hammer_head_m: recorder.hammer_head_m,
-        bodies: recorder.bodies,
-        zones: recorder.zones,
-        events: watch.finish(),
-        peak_force_n,
-        final_pivot_friction_n_m: m.pivot_friction().to_vec(),
-        ledger: m.ledger(),
-        work,
-    })
-}
-
-/// What travels are measured from.
-pub(crate) struct Rest {
-    pub site_m: f64,
-    pub head_m: f64,
-}
-
-impl Rest {
-    /// The engine's input for the step from t0, each number at the instant that the engine expects.
-    pub fn input(&self, drive: &Drive, t0: f64, h: f64, theta: f64, m: &dyn Visible) -> Input<f64> {
-        let t_theta = t0 + theta * h;
-        match drive {
-            Drive::Free => Input::Free,
-            Drive::Force(force) => Input::Force(force(t_theta)),
-            Drive::Motion(position) => {
-                let [y, velocity] = position(t_theta);
-                Input::Motion { position: self.site_m + y, velocity }
-            }
-            Drive::Rigid(position) => {
-                let behind = self.site_m + position(t0)[0] - m.site_position();
-                Input::Rigid { velocity: position(t0 + h)[1] + RIGID_CORRECTION * behind / h }
-            }
-        }
-    }
+    Ok(course.finish())
 }

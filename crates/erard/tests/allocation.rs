@@ -6,7 +6,7 @@ use batch::Lanes;
 use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use moreau::{FrictionLaw, Input, Outcome, Settings, Solver};
+use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
 
 /// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step occurs.
 fn input(n: u64) -> Input<f64> {
@@ -72,6 +72,25 @@ fn a_group_step_never_allocates() {
             assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{lanes:?} {settings:?}: {counted:?}");
         }
     }
+}
+
+/// A controlled step takes none either, once its working memory is there: that is taken with the first one.
+#[test]
+fn a_controlled_step_never_allocates() {
+    let grand = Instrument::builtin("concert-grand").expect("built in");
+    let mut m = mechanism(&grand, Settings::new(50e-6)).expect("assembles");
+    let accuracy = Accuracy::new(1e-5, 1e-11, 1e-3);
+    let mut rejected = 0;
+    let mut play = |steps: u64| {
+        for n in 0..steps {
+            let report = m.controlled_step(&accuracy, 1e-3, &mut |_, _, _| input(n), &mut |_, _| {});
+            rejected += report.rejected;
+        }
+    };
+    play(1);
+    let counted = allocation_counter::measure(|| play(20_000));
+    assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
+    assert!(rejected > 100, "{rejected}");
 }
 
 /// The counter counts: what does allocate is seen.

@@ -18,7 +18,8 @@ fn force(t: f64) -> f64 {
 const BEFORE_THE_STOPS_S: f64 = 0.046;
 
 fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
-    let setup = Setup { settings: Settings::new(5e-6), start_s: 0.0, duration_s, record_every: Some(100) };
+    let setup =
+        Setup { settings: Settings::new(5e-6), start_s: 0.0, duration_s, record_every: Some(100), tolerance: None };
     let run = simulate(grand, &Drive::Force(&force), &setup, &mut |_| true).unwrap();
     let mut x = 1u64;
     let mut noise = || {
@@ -35,7 +36,7 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
 }
 
 fn setup() -> Setup {
-    Setup { settings: Settings::new(50e-6), start_s: 0.0, duration_s: 1.0, record_every: None }
+    Setup { settings: Settings::new(50e-6), start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None }
 }
 
 /// Force driven, the only error of the action is the noise (its standard deviation within a tenth: 300 samples, and the

@@ -74,8 +74,13 @@ fn every_key_escapes_checks_and_repeats() {
         let within = if t < 0.22 { t } else { t - 0.22 };
         if within < 0.12 { force(within) } else { 0.0 }
     };
-    let setup =
-        Setup { settings: Settings::new(USUAL_STEP_S), start_s: 0.0, duration_s: 0.36, record_every: Some(u64::MAX) };
+    let setup = Setup {
+        settings: Settings::new(USUAL_STEP_S),
+        start_s: 0.0,
+        duration_s: 0.36,
+        record_every: Some(u64::MAX),
+        tolerance: None,
+    };
     let mut before = 0.0;
     for instrument in &concert_grand().1 {
         let run = simulate(instrument, &Drive::Force(&twice), &setup, &mut |_| true).expect("runs");
@@ -157,7 +162,13 @@ fn the_top_keys_have_no_damper() {
     for key in [68, 69, 88] {
         let instrument = &instruments[key - 1];
         let damper = common::body(instrument, "damper");
-        let setup = Setup { settings: Settings::new(USUAL_STEP_S), start_s: 0.0, duration_s: 0.4, record_every: None };
+        let setup = Setup {
+            settings: Settings::new(USUAL_STEP_S),
+            start_s: 0.0,
+            duration_s: 0.4,
+            record_every: None,
+            tolerance: None,
+        };
         let run = simulate(instrument, &Drive::Force(&|_| 5.0), &setup, &mut |_| true).expect("runs");
         let moved = common::largest(run.bodies[damper].angle_rad.iter().map(|q| q - run.bodies[damper].angle_rad[0]));
         assert_eq!(moved > 0.0, key == 68, "key {key}: {moved}");

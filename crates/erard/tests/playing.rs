@@ -193,7 +193,13 @@ fn a_second_press_from_half_way_sounds() {
             })
         };
         let duration_s = 0.5 + wait;
-        let setup = Setup { settings: Settings::new(USUAL_STEP_S), start_s: 0.0, duration_s, record_every: None };
+        let setup = Setup {
+            settings: Settings::new(USUAL_STEP_S),
+            start_s: 0.0,
+            duration_s,
+            record_every: None,
+            tolerance: None,
+        };
         let run = simulate(&grand, &Drive::Motion(&motion), &setup, &mut |_| true).unwrap();
         let blows = &run.events.strikes;
         assert_eq!(blows.len(), 2, "{wait}: {blows:?}");

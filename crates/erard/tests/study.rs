@@ -60,8 +60,13 @@ fn jobs(plan: &[(usize, usize, f64)]) -> Vec<Job<'static>> {
     plan.iter().map(|&(instrument, kind, strength)| Job { instrument, stroke: stroke(kind, strength) }).collect()
 }
 
-const SETUP: fn() -> Setup =
-    || Setup { settings: Settings::new(50e-6), start_s: 0.0, duration_s: 0.25, record_every: Some(u64::MAX) };
+const SETUP: fn() -> Setup = || Setup {
+    settings: Settings::new(50e-6),
+    start_s: 0.0,
+    duration_s: 0.25,
+    record_every: Some(u64::MAX),
+    tolerance: None,
+};
 
 fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {
     play_all(&instruments(), jobs(plan), &SETUP(), workers, &mut |_| true).expect("nobody interrupts")

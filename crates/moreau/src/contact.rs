@@ -129,59 +129,23 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// The felt's mean force over the step and its tangent, at a compression and rate.
     #[inline(always)]
     fn press(&mut self, form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
-        let (felt, offset) = (&form.felt, (timing.node * rate).abs());
-        let partly = active.and(gap.le(offset));
-        if form.is_square() && !partly.any() {
-            self.press_square(felt, gap, rate, timing, active);
+        let felt = &form.felt;
+        let pressed = if form.is_square() {
+            let whole = press_square(felt, gap, rate, timing, active);
+            let partly = active.and(gap.le((timing.node * rate).abs()));
+            if partly.any() {
+                // Each lane by the formula that it would take alone.
+                whole.or(partly, press_points(felt, gap, rate, timing, active))
+            } else {
+                whole
+            }
         } else {
-            self.press_points(felt, gap, rate, timing, active);
-        }
-    }
-
-    /// [`Contact::press`] for r = 2 with both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is
-    /// (k + b dg/dt) (g^2 + o^2), o being the points' distance from the middle.
-    #[inline(always)]
-    fn press_square(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
-        let (h_theta, node) = (timing.h_theta, timing.node);
-        let (offset, reach) = (node * rate, h_theta + node);
-        let (bv, deepest) = (felt.damping * rate, self.bend.deepest);
-        let (factor, square) = (felt.stiffness + bv, gap * gap + offset * offset);
-        // One factor for both points: the clamp takes both or none.
-        let pushing = active.and(T::ZERO.lt(factor));
-        let only_pushing = |x: T| T::select(pushing, x, T::ZERO);
-        let shallowest = gap - offset.abs();
-        let twice = factor + factor;
-        let tangent = h_theta * (felt.damping * square + twice * (h_theta * gap + node * offset));
-        self.force = only_pushing(factor * square);
-        self.tangent = only_pushing(tangent.max(T::ZERO));
-        // What the clamp leaves of the damping undoes the stiffness.
-        self.damping_force = T::select(pushing, bv, -felt.stiffness) * square;
-        self.bend.quadratic = reach * (reach * (felt.stiffness + bv.abs()) + T::from_f64(2.0) * felt.damping * deepest);
-        self.bend.linear = deepest * (reach * twice.abs() + felt.damping * deepest);
-        self.bend.slack = only_pushing(factor * shallowest * shallowest);
-    }
-
-    /// [`Contact::press`] for any exponent, point by point.
-    #[inline(always)]
-    fn press_points(&mut self, felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
-        let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
-        let offset = timing.node * rate;
-        let (first, second) = ((gap + offset).max(T::ZERO), (gap - offset).max(T::ZERO));
-        let ((ea, sa, ca), (eb, sb, cb)) = (felt.elastic(first), felt.elastic(second));
-        let a = felt.law([ea, sa], first, rate).clamped(first);
-        let b = felt.law([eb, sb], second, rate).clamped(second);
-        let only_active = |x: T| T::select(active, x, T::ZERO);
-        let (h_theta, node) = (timing.h_theta, timing.node);
-        let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
-        self.force = only_active(half * (a.force + b.force));
-        self.tangent = only_active((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO));
-        self.damping_force = half * (a.damping_force + b.damping_force);
-        // The gap's change by a change of the rate.
-        let reach = h_theta + node;
-        let bend = half * ca.max(cb) + felt.damping * rate.abs();
-        self.bend.quadratic = reach * (reach * bend + two * felt.damping * self.bend.deepest);
-        self.bend.linear = reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping);
-        self.bend.slack = a.slack.min(b.slack);
+            press_points(felt, gap, rate, timing, active)
+        };
+        self.force = pressed.force;
+        self.damping_force = pressed.damping_force;
+        self.tangent = pressed.tangent;
+        self.bend = pressed.bend;
     }
 
     /// Completes what a caller may read, at the pose of the last evaluation: takes the force along with the last change of the
@@ -259,6 +223,91 @@ impl<T: Real, const B: usize> Contact<T, B> {
                 row[k] = T::select(lanes, row[k], before[k]);
             }
         }
+    }
+}
+
+/// What a felt does during a step.
+#[derive(Debug, Clone, Copy)]
+struct Pressed<T> {
+    force: T,
+    damping_force: T,
+    tangent: T,
+    bend: Bend<T>,
+}
+
+impl<T: Real> Pressed<T> {
+    /// The other in some lanes.
+    #[inline(always)]
+    fn or(self, lanes: T::Mask, other: Self) -> Self {
+        let choose = |a: T, b: T| T::select(lanes, b, a);
+        Pressed {
+            force: choose(self.force, other.force),
+            damping_force: choose(self.damping_force, other.damping_force),
+            tangent: choose(self.tangent, other.tangent),
+            bend: Bend {
+                deepest: choose(self.bend.deepest, other.bend.deepest),
+                linear: choose(self.bend.linear, other.bend.linear),
+                quadratic: choose(self.bend.quadratic, other.bend.quadratic),
+                slack: choose(self.bend.slack, other.bend.slack),
+            },
+        }
+    }
+}
+
+/// The mean force over a step of a felt with r = 2, both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is
+/// (k + b dg/dt) (g^2 + o^2), o being the points' distance from the middle.
+#[inline(always)]
+fn press_square<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) -> Pressed<T> {
+    let (h_theta, node) = (timing.h_theta, timing.node);
+    let (offset, reach) = (node * rate, h_theta + node);
+    let (deepest, shallowest) = (gap + offset.abs(), gap - offset.abs());
+    let bv = felt.damping * rate;
+    let (factor, square) = (felt.stiffness + bv, gap * gap + offset * offset);
+    // One factor for both points: the clamp takes both or none.
+    let pushing = active.and(T::ZERO.lt(factor));
+    let only_pushing = |x: T| T::select(pushing, x, T::ZERO);
+    let twice = factor + factor;
+    let tangent = h_theta * (felt.damping * square + twice * (h_theta * gap + node * offset));
+    Pressed {
+        force: only_pushing(factor * square),
+        // What the clamp leaves of the damping undoes the stiffness.
+        damping_force: T::select(pushing, bv, -felt.stiffness) * square,
+        tangent: only_pushing(tangent.max(T::ZERO)),
+        bend: Bend {
+            deepest,
+            linear: deepest * (reach * twice.abs() + felt.damping * deepest),
+            quadratic: reach * (reach * (felt.stiffness + bv.abs()) + T::from_f64(2.0) * felt.damping * deepest),
+            slack: only_pushing(factor * shallowest * shallowest),
+        },
+    }
+}
+
+/// The same for any exponent and any path, point by point.
+#[inline(always)]
+fn press_points<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) -> Pressed<T> {
+    let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
+    let offset = timing.node * rate;
+    let deepest = gap + offset.abs();
+    let (first, second) = ((gap + offset).max(T::ZERO), (gap - offset).max(T::ZERO));
+    let ((ea, sa, ca), (eb, sb, cb)) = (felt.elastic(first), felt.elastic(second));
+    let a = felt.law([ea, sa], first, rate).clamped(first);
+    let b = felt.law([eb, sb], second, rate).clamped(second);
+    let only_active = |x: T| T::select(active, x, T::ZERO);
+    let (h_theta, node) = (timing.h_theta, timing.node);
+    let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
+    // The gap's change by a change of the rate.
+    let reach = h_theta + node;
+    let bend = half * ca.max(cb) + felt.damping * rate.abs();
+    Pressed {
+        force: only_active(half * (a.force + b.force)),
+        damping_force: half * (a.damping_force + b.damping_force),
+        tangent: only_active((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO)),
+        bend: Bend {
+            deepest,
+            linear: reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping),
+            quadratic: reach * (reach * bend + two * felt.damping * deepest),
+            slack: a.slack.min(b.slack),
+        },
     }
 }
 

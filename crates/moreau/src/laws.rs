@@ -31,6 +31,7 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     for &z in &model.sliding_zones[..model.sliding_count] {
         scratch.tangential[z] = state.tangential[z];
         scratch.side[z] = state.side[z];
+        scratch.turn[z] = T::ZERO;
         scratch.has_slip_row[z] = T::Mask::splat(false);
     }
     for i in 0..B {
@@ -54,7 +55,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
 ) {
     let h = settings.step;
     let Scratch { system, impulses, guess, laws, contacts, active, slip_row, site_row, .. } = scratch;
-    let Scratch { pivot_friction, tangential, side, rigid_force, .. } = scratch;
+    let Scratch { pivot_friction, tangential, side, rigid_force, slip_before, slip_span, turn, .. } = scratch;
     if settings.friction.is_regularised() {
         system.pivot_bound = [T::ZERO; B];
         impulses.pivot = [T::ZERO; B];
@@ -79,7 +80,14 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             laws[n] = Law::Zone(z);
             let law = &mut system.sliding[n];
             path.spread(&slip_row[z], T::ONE, &mut law.row);
-            law.target = T::ZERO;
+            if T::ZERO.lt(*slip_span).any() {
+                // The law speaks of the step's end, until where the row goes on turning as it did since the last step's.
+                let pressed_before = T::ZERO.lt(warm.abs()).or(T::ZERO.lt(side[z].abs()));
+                let turned = path.product(&slip_row[z], w0) - slip_before[z];
+                let rest = (T::ONE - settings.theta) * h / (*slip_span + settings.theta * h);
+                turn[z] = T::select(pressed_before, rest * turned, T::ZERO);
+            }
+            law.target = -turn[z];
             // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
             let gradient = mu * contact.tangent;
             law.bound = mu * h * contact.force - gradient * path.product(&contact.row, w);

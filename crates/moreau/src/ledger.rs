@@ -6,7 +6,6 @@ use crate::Scalar;
 use crate::contact::{felt_energy, gap_of};
 use crate::joints::relative;
 use crate::model::Model;
-use crate::path::Path;
 use crate::pose::Pose;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Scratch, State};
@@ -115,9 +114,7 @@ impl Ledger {
         let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
         let at_theta = |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1];
         let joints = [&before.velocity, &after.velocity].map(|v| relative(model, v));
-        // What a row sees before and after the step.
-        let seen = |path: &Path<T, B>, row: &[T; B]| joints.map(|w| path.product(row, &w).to_f64());
-        let drive_velocity = at_theta(seen(&model.site_path, &scratch.site_row));
+        let drive_velocity = at_theta(joints.map(|w| model.site_path.product(&scratch.site_row, &w).to_f64()));
         let work = scratch.drive_force.to_f64() * drive_velocity * h;
         self.drive_work += work;
         self.drive_work_in += work.max(0.0);
@@ -144,7 +141,7 @@ impl Ledger {
             let Some(contact) = scratch.contact(model, settings, z) else { continue };
             lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
             let Some(mu) = zone.friction else { continue };
-            let u = seen(&model.paths[z], &scratch.slip_row[z]);
+            let u = scratch.slip(model, z, &joints).map(T::to_f64);
             match settings.friction {
                 FrictionLaw::SetValued => {
                     lose(&mut self.coulomb, after.tangential[z].to_f64().abs() * path(u) * h);

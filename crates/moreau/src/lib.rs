@@ -14,6 +14,7 @@
 // Kernels index several arrays by one body number; iterators over one of them hide that.
 #![allow(clippy::needless_range_loop)]
 
+mod adaptive;
 mod batch;
 mod contact;
 mod forces;
@@ -35,6 +36,7 @@ mod survey;
 mod vector;
 mod zones;
 
+pub use adaptive::{Accuracy, ControlledStep, Controller, Halves, controlled_step};
 pub use contact::Contact;
 pub use ledger::{Energies, Ledger};
 pub use model::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Spring, Zone};

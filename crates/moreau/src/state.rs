@@ -130,6 +130,12 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) drive_tangent: T,
     pub(crate) slip_row: [[T; B]; Z],
     pub(crate) has_slip_row: [T::Mask; Z],
+    /// How fast each slip row turns, for steps that allow for it: the velocity of slip at the start along the last step's row, and the
+    /// time from where that row was taken to the start, s. Zero: not known.
+    pub(crate) slip_before: [T; Z],
+    pub(crate) slip_span: T,
+    /// What the slip row's turning until the step's end adds to each slip velocity, m/s.
+    pub(crate) turn: [T; Z],
     /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
     pub(crate) coupling: [T; B],
     pub(crate) deep_coupling: [[T; B]; B],
@@ -166,6 +172,9 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             drive_tangent: z,
             slip_row: [[z; B]; Z],
             has_slip_row: [T::Mask::splat(false); Z],
+            slip_before: [z; Z],
+            slip_span: z,
+            turn: [z; Z],
             coupling: [z; B],
             deep_coupling: [[z; B]; B],
             site_row: [z; B],
@@ -179,6 +188,16 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             side: [z; Z],
             rigid_force: z,
         }
+    }
+
+    /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative velocities, m/s; zero if
+    /// it was not touched.
+    pub(crate) fn slip(&self, model: &Model<T, B, Z>, zone: usize, joints: &[[T; B]; 2]) -> [T; 2] {
+        if !self.has_slip_row[zone].any() {
+            return [T::ZERO; 2];
+        }
+        let [u0, u1] = joints.each_ref().map(|w| model.paths[zone].product(&self.slip_row[zone], w));
+        [u0 - self.turn[zone], u1 + self.turn[zone]]
     }
 
     /// A zone as it acted during the last step; `None` if it was not touched.

@@ -95,7 +95,13 @@ fn play(size: Option<&Size>, tree: Tree, stops: Stops, work: bool) {
 /// A study of so many strokes, each on an instrument of its own.
 fn study(strokes: usize) {
     let instruments = vec![instrument(); strokes];
-    let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s: STROKE_S, record_every: None };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: STROKE_S,
+        record_every: None,
+        tolerance: None,
+    };
     let job = |i: usize| Job { instrument: i, stroke: Stroke::Force(Box::new(move |_| 4.0 + 0.01 * i as f64)) };
     // Four: whatever more the processor has, so that counts can be compared.
     let workers = Workers { threads: 1, lanes: Lanes::most().min(Lanes::Four) };

@@ -39,7 +39,7 @@ impl Compare {
         let settings = self.step.settings()?;
         let series = Series::load(&self.file)?;
         let instrument = load_instrument(&self.instrument)?;
-        let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None };
+        let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None };
         check(&setup)?;
         let mut output = Output::prepare(&self.out)?;
         let mut progress = Progress::new("comparing");

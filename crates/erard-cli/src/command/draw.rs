@@ -108,6 +108,7 @@ impl Draw {
                 At::Event(_) => stroke.duration_s,
             },
             record_every: None,
+            tolerance: None,
         };
         let mut output = Output::prepare(&self.out)?;
         let run = play(&instrument, &stroke, &setup)?;

@@ -114,7 +114,13 @@ impl Measure {
 /// A drawing of each action at rest.
 fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
     const STEP_S: f64 = 50e-6;
-    let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s: STEP_S, record_every: None };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: STEP_S,
+        record_every: None,
+        tolerance: None,
+    };
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {
         let run = simulate(&one.instrument, &Drive::Free, &setup, &mut |_| true)?;

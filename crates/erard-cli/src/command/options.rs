@@ -339,6 +339,7 @@ pub fn check(setup: &Setup) -> Result<(), Failure> {
     let option = match error {
         SimulationError::Step { .. } => "--dt",
         SimulationError::Theta { .. } => "--theta",
+        SimulationError::Tolerance { .. } => "--tolerance",
         SimulationError::Duration { .. } => "--duration",
         _ => return Err(error.into()),
     };

@@ -32,6 +32,10 @@ pub struct Press {
     /// Keep a row every so many steps [default: every step, in long runs fewer]
     #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
     record_every: Option<u64>,
+    /// Control the error: steps between two rows are as long as the error of each may be, relative to 1 rad/s + |velocity|, 1e-9 to 0.1
+    /// [default: all steps are as long as --dt says]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
     /// Output folder
     #[arg(long, value_name = "DIR", default_value = "erard-out")]
     out: PathBuf,
@@ -48,6 +52,7 @@ impl Press {
             start_s: stroke.start_s,
             duration_s: self.duration.unwrap_or(stroke.duration_s),
             record_every: self.record_every,
+            tolerance: self.tolerance,
         };
         check(&setup)?;
         let mut output = Output::prepare(&self.out)?;

@@ -9,7 +9,7 @@ use super::options::load_instrument;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::report::{Reproduced, page};
+use crate::report::{Reproduced, chart_svg, page};
 use crate::say;
 
 /// Computes the papers' figures and claims anew, and writes one page that shows which hold.
@@ -22,8 +22,11 @@ pub struct Reproduce {
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// List the subjects, and do nothing else
-    #[arg(long, conflicts_with_all = ["only", "out"])]
+    #[arg(long, conflicts_with_all = ["only", "figures", "out"])]
     list: bool,
+    /// Write every figure as a file of its own too, NAME-0.svg and so on
+    #[arg(long)]
+    figures: bool,
     /// Output folder
     #[arg(long, value_name = "DIR", default_value = "erard-out")]
     out: PathBuf,
@@ -59,11 +62,22 @@ impl Reproduce {
         }
         let html = page(&instrument.name, &reproduced);
         output.stage("report.html", |w| w.write_all(html.as_bytes()))?;
+        let mut written = vec!["report.html".to_owned()];
+        if self.figures {
+            for one in &reproduced {
+                for (index, chart) in one.section.charts.iter().enumerate() {
+                    let id = format!("{}-{index}", one.subject.name);
+                    let name = format!("{id}.svg");
+                    output.stage(&name, |w| w.write_all(chart_svg(chart, &id).as_bytes()))?;
+                    written.push(name);
+                }
+            }
+        }
         output.commit()?;
         let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
         say!();
         say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
-        say!("Written to {}: report.html", self.out.display());
+        say!("Written to {}: {}", self.out.display(), written.join(", "));
         Ok(())
     }
 

@@ -65,7 +65,7 @@ impl Study {
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None };
+        let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None };
         check(&setup)?;
         let mut output = Output::prepare(&self.out)?;
         let rows = play(&instrument, &axes, &stroke, &setup)?;

@@ -90,7 +90,13 @@ pub(crate) fn two_levers_run(frames: usize) -> Run {
 
 fn at_rest() -> Run {
     let grand = Instrument::builtin("concert-grand").unwrap();
-    let setup = Setup { settings: Settings::new(100e-6), start_s: 0.0, duration_s: 200e-6, record_every: None };
+    let setup = Setup {
+        settings: Settings::new(100e-6),
+        start_s: 0.0,
+        duration_s: 200e-6,
+        record_every: None,
+        tolerance: None,
+    };
     let mut run = simulate(&grand, &Drive::Free, &setup, &mut |_| true).unwrap();
     run.events = erard::run::Events::default();
     run

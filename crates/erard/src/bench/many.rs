@@ -144,7 +144,8 @@ pub fn load_times(load: &Load, rounds: usize, progress: &mut dyn FnMut(f64) -> b
 fn strokes(count: usize, effort: &Effort, progress: &mut dyn FnMut(f64) -> bool) -> Option<Times> {
     let instruments = vec![instrument(); count];
     let duration_s = 0.5 * effort.steps as f64 * STEP_S;
-    let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s, record_every: None };
+    let setup =
+        Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s, record_every: None, tolerance: None };
     let job = |i: usize| {
         let force = MF_N * (0.8 + 0.4 * i as f64 / count as f64);
         let held_s = 0.6 * duration_s;

@@ -46,7 +46,7 @@ impl Single {
         let instrument = instrument();
         let series = Series::builtin("mf", Touch::Pressed).expect("built in");
         let duration_s = series.end_s() - series.start_s() + AFTERWARDS_S;
-        let setup = Setup { settings, start_s: series.start_s(), duration_s, record_every: None };
+        let setup = Setup { settings, start_s: series.start_s(), duration_s, record_every: None, tolerance: None };
         let force = series.force.as_ref().expect("has a force").drive();
         let levers = ThreeLever::c7f_like().assemble().expect("built in");
         let mut poses = Vec::with_capacity(POSES);

@@ -64,6 +64,7 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
         start_s: 0.0,
         duration_s: DURATION_S,
         record_every: Some(RECORD_EVERY),
+        tolerance: None,
     };
     let run = simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| true)?;
     let angles = instrument.roles.key.map_or(&[][..], |key| &run.bodies[key].angle_rad);

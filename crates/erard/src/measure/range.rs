@@ -117,6 +117,12 @@ pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<S
 }
 
 fn press(instrument: &Instrument, force_n: f64, going: Interrupt<'_>) -> Result<Run, MeasureError> {
-    let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s: PATIENCE_S, record_every: Some(1) };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: PATIENCE_S,
+        record_every: Some(1),
+        tolerance: None,
+    };
     Ok(simulate(instrument, &Drive::Force(&|_| force_n), &setup, &mut |_| going())?)
 }

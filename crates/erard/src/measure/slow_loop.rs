@@ -63,6 +63,7 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) ->
         start_s: 0.0,
         duration_s: 2.0 * WAY_S + TURN_S,
         record_every: Some(RECORD_EVERY),
+        tolerance: None,
     };
     let run = simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| going())?;
     let way = |from: f64, to: f64| {

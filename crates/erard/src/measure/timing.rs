@@ -54,6 +54,7 @@ pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timin
                 start_s: series.start_s(),
                 duration_s: series.end_s() - series.start_s(),
                 record_every: Some(100),
+                tolerance: None,
             };
             let run = simulate(instrument, &Drive::Force(&force.drive()), &setup, &mut |_| going())?;
             sheet.push(Timing { nuance, touch, peak_force_n: run.peak_force_n, events: run.events });

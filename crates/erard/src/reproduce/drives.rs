@@ -74,7 +74,13 @@ impl Reference {
     /// What comes out of a model: the key's position (m) if the force drives it, the force (N) if the key's motion does.
     fn outcome(&self, model: &Instrument, by_force: bool) -> Result<Vec<f64>, ReproduceError> {
         let duration_s = (self.time_s.len() - 1) as f64 / RATE_HZ;
-        let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s, record_every: Some(ROW_STEPS) };
+        let setup = Setup {
+            settings: Settings::new(STEP_S),
+            start_s: 0.0,
+            duration_s,
+            record_every: Some(ROW_STEPS),
+            tolerance: None,
+        };
         let (force, position) = (self.force.drive(), self.position.drive());
         let drive = if by_force { Drive::Force(&force) } else { Drive::Rigid(&position) };
         let run = simulate(model, &drive, &setup, &mut |_| true)?;

@@ -9,6 +9,7 @@
 
 mod blow;
 mod conformance_rows;
+mod control;
 mod convergence;
 mod drives;
 mod energy;
@@ -191,6 +192,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("paper2-run-time", "Run time against real time", 2.0, friction::run_time),
         subject("paper3-levers", "Kinematics of the three levers", 0.5, levers::section),
         subject("scheme-order", "Order of the scheme", 6.0, order::section),
+        subject("scheme-control", "Fixed and error-controlled steps", 14.0, control::section),
         subject("scheme-energy", "Energy ledger", 1.5, energy::section),
         subject("scheme-solvers", "Agreement of the solvers", 1.5, solvers::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),

@@ -70,6 +70,12 @@ impl ForceSeries {
     pub fn forces_n(&self) -> &[f64] {
         &self.forces_n
     }
+
+    /// The slopes at the samples, N/s: with the forces they are the cubic pieces (in Hermite's form) for a program that is
+    /// not this one.
+    pub fn slopes_n_per_s(&self) -> &[f64] {
+        &self.slopes
+    }
 }
 
 /// Slopes that keep every piece monotone: zero where the samples turn, else the weighted harmonic mean of the two

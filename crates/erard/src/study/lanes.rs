@@ -7,12 +7,13 @@ use super::reach::{Reach, lever};
 use super::{JobResult, Played, Stroke};
 use crate::assembly::{assemble, drawn_angles};
 use crate::cores::Interrupt;
+use crate::course::Rest;
 use crate::equilibrium::{self, EquilibriumError, PATIENCE_S, Settling};
 use crate::events::Watch;
 use crate::instrument::Instrument;
 use crate::mechanism::mechanism;
 use crate::sight::{Sight, Visible, head_height};
-use crate::simulation::{Rest, Setup, SimulationError};
+use crate::simulation::{Setup, SimulationError};
 
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 1024;
@@ -193,8 +194,7 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
             idle: None,
             before: Moment { time_s: 0.0, angle: state.angle, velocity: state.velocity },
         };
-        let sight = lane.sight();
-        lane.rest = Rest { site_m: sight.site_position(), head_m: head_height(player.instrument, &sight) };
+        lane.rest = Rest::of(player.instrument, &lane.sight());
         Ok(lane)
     }
 
@@ -236,7 +236,8 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
     /// The input of the step from t0; of a mechanism that has failed, one of the same kind that does no harm.
     fn input(&self, t0: f64, settings: &Settings<f64>) -> Input<f64> {
         if self.failed.is_none() {
-            return self.rest.input(&self.player.stroke.drive(), t0, settings.step, settings.theta, &self.sight());
+            let Settings { step: h, theta, .. } = *settings;
+            return self.rest.input(&self.player.stroke.drive(), t0, h, theta, h, &|| self.sight().site_position());
         }
         match self.player.stroke {
             Stroke::Free => Input::Free,

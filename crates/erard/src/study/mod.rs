@@ -2,7 +2,8 @@
 //!
 //! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`],
 //! to rounding, and the same bits however many threads there are. Nothing is recorded but the instants of each stroke. Instruments of
-//! another size than a grand action's (six bodies, fourteen zones) go on all cores, but not in lanes.
+//! another size than a grand action's (six bodies, fourteen zones) go on all cores, but not in lanes; so do steps whose error is
+//! controlled, for lanes share their steps.
 
 mod lanes;
 mod parameter;
@@ -119,8 +120,10 @@ pub fn play_all(
     let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, &setup.settings)).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
     let count = jobs.len() as f64;
-    let (grands, others): (Vec<_>, Vec<_>) =
-        jobs.into_iter().enumerate().partition(|(_, job)| sizes[job.instrument] == Size::Grand);
+    let (grands, others): (Vec<_>, Vec<_>) = jobs
+        .into_iter()
+        .enumerate()
+        .partition(|(_, job)| sizes[job.instrument] == Size::Grand && setup.tolerance.is_none());
     let share = grands.len() as f64 / count.max(1.0);
     play_in_lanes::<6, 14, 10>(instruments, grands, setup, workers, &mut results, &mut |own| progress(share * own))?;
     play_alone(instruments, others, setup, workers, &mut results, &mut |own| progress(share + (1.0 - share) * own))?;

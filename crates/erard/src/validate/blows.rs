@@ -71,7 +71,13 @@ pub(super) struct Loudness {
 
 /// One blow of a constant force.
 fn blow(instrument: &Instrument, force_n: f64, going: &mut dyn FnMut() -> bool) -> Result<Blow, SimulationError> {
-    let setup = Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s: DURATION_S, record_every: None };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: DURATION_S,
+        record_every: None,
+        tolerance: None,
+    };
     let run = simulate(instrument, &Drive::Force(&|_| force_n), &setup, &mut |_| going())?;
     Ok(Blow::of(instrument, &run, force_n))
 }

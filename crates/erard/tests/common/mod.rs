@@ -80,7 +80,19 @@ impl Play {
         duration_s: f64,
         record_every: Option<u64>,
     ) -> Run {
-        let setup = Setup { settings, start_s: 0.0, duration_s, record_every };
+        self.run_controlled(instrument, settings, duration_s, record_every, None)
+    }
+
+    /// Runs it, with the error controlled if there is a tolerance.
+    pub fn run_controlled(
+        &self,
+        instrument: &Instrument,
+        settings: Settings<f64>,
+        duration_s: f64,
+        record_every: Option<u64>,
+        tolerance: Option<f64>,
+    ) -> Run {
+        let setup = Setup { settings, start_s: 0.0, duration_s, record_every, tolerance };
         let go = |drive: &Drive| {
             simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))
         };

@@ -1,0 +1,323 @@
+//! Steps whose error is controlled: each is taken once whole and once in two halves, and is as long as their difference allows.
+//!
+//! A driver around the inner [`step()`]; its equations stand in this crate's README, "Error control".
+
+mod changes;
+
+use crate::joints::relative;
+use crate::model::Model;
+use crate::settings::Settings;
+use crate::state::{Input, Scratch, State};
+use crate::step::{Outcome, step};
+use crate::{Real, Scalar};
+use changes::Changes;
+
+/// Part of the error allowed that Newton's method may leave in an inner step. More is seen as error and shortens the steps.
+const NEWTON_SHARE: f64 = 0.01;
+/// A step aims at this part of the length that would just be allowed. More: more are rejected. Less: all are shorter.
+const SAFETY: f64 = 0.9;
+/// A step is at most so many times as long as the last one, and an attempt at least this part of the one rejected before it.
+const GROWTH: f64 = 4.0;
+const SHRINKAGE: f64 = 0.1;
+/// Most attempts that are rejected in one step; the next one is the smallest step, and is taken.
+const REJECTIONS: u32 = 30;
+/// So many of them may aim at the instant at which a law changes.
+const AIMED: u32 = 8;
+
+/// How accurate steps are to be, and how long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy<T> {
+    /// Error allowed in a step: in each body's velocity as a part of `velocity` + |its velocity|, in its angle as a part of what
+    /// `velocity` turns it by in the largest step.
+    pub tolerance: T,
+    /// The speed that counts, rad/s: the error of what is slower is measured by it. 1 is usual, as for Newton's tolerance.
+    pub velocity: T,
+    /// Smallest step, s; it is taken whatever its error, and reported.
+    pub smallest: T,
+    /// Largest step, s.
+    pub largest: T,
+}
+
+impl<T: Real> Accuracy<T> {
+    /// A tolerance, where 1 rad/s is the speed that counts.
+    pub fn new(tolerance: T, smallest: T, largest: T) -> Self {
+        Accuracy { tolerance, velocity: T::ONE, smallest, largest }
+    }
+}
+
+/// What is carried from step to step. It belongs to one [`State`], and is new where the state is.
+#[derive(Debug, Clone, Copy)]
+pub struct Controller<T, const Z: usize> {
+    /// The length to try next, s.
+    next: T,
+    /// Length of the last inner step, s; zero before the first.
+    last: T,
+    /// Error of the last step as a part of what was allowed.
+    error: T,
+    /// Slip velocities now along the last inner step's rows, m/s, and how fast they changed in it, m/s2.
+    slip: [T; Z],
+    slip_rate: [T; Z],
+}
+
+impl<T: Real, const Z: usize> Controller<T, Z> {
+    /// Begins with an attempt of a length, s.
+    pub fn new(first: T) -> Self {
+        Controller { next: first, last: T::ZERO, error: T::ONE, slip: [T::ZERO; Z], slip_rate: [T::ZERO; Z] }
+    }
+}
+
+/// Working memory, and what happened in the two halves of the step.
+#[derive(Debug, Clone)]
+pub struct Halves<T: Real, const B: usize, const Z: usize, const N: usize> {
+    /// Settings of the halves.
+    pub settings: Settings<T>,
+    /// The state between them.
+    pub middle: State<T, B, Z>,
+    /// What acted in each.
+    pub scratch: [Scratch<T, B, Z, N>; 2],
+    end: State<T, B, Z>,
+    whole: State<T, B, Z>,
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Halves<T, B, Z, N> {
+    /// Fresh working memory; results do not depend on what it held before.
+    pub fn new(settings: &Settings<T>) -> Self {
+        let state = || State::at_rest([T::ZERO; B]);
+        let scratch = [Scratch::new(), Scratch::new()];
+        Halves { settings: *settings, middle: state(), scratch, end: state(), whole: state() }
+    }
+
+    /// Relative velocities before and after each half of a step from `start`.
+    fn joints(&self, model: &Model<T, B, Z>, start: &State<T, B, Z>) -> [[[T; B]; 2]; 2] {
+        let [w0, w1, w2] = [start, &self.middle, &self.end].map(|s| relative(model, &s.velocity));
+        [[w0, w1], [w1, w2]]
+    }
+}
+
+/// What a step did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlledStep<T> {
+    /// How it ended; [`Outcome::NonFinite`] leaves the state as it was.
+    pub outcome: Outcome,
+    /// Its length, s.
+    pub step: T,
+    /// Its error as a part of what is allowed; above one only at the smallest step.
+    pub error: T,
+    /// Whether whole and halves were combined to the higher order.
+    pub extrapolated: bool,
+    /// Attempts that were rejected.
+    pub rejected: u32,
+    /// Inner steps of all attempts.
+    pub inner: u32,
+    /// Their Newton iterations.
+    pub newton: u32,
+    /// Their sweeps or active sets.
+    pub solver: u32,
+}
+
+/// Advances `state` by one step, as long as its error allows, and at most `limit` s. Never allocates, never panics, takes a bounded
+/// number of inner steps.
+///
+/// `input` is asked for what drives an inner step: of its start in s after this one's, its length, and the state there (see [`Input`] for
+/// the instants that its numbers belong to). Between these instants nothing is known of it; where a drive jumps, a step should end.
+/// `settings.step` is not used; its Newton tolerance is, or a hundredth of the accuracy's, if that is less. theta = 1/2 is meant; at
+/// larger ones the scheme is of first order, and steps are shorter.
+#[allow(clippy::too_many_arguments)]
+pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    accuracy: &Accuracy<T>,
+    controller: &mut Controller<T, Z>,
+    limit: T,
+    mut input: impl FnMut(T, T, &State<T, B, Z>) -> Input<T>,
+    state: &mut State<T, B, Z>,
+    halves: &mut Halves<T, B, Z, N>,
+) -> ControlledStep<T> {
+    let wanted = controller.next.max(accuracy.smallest).min(accuracy.largest);
+    // No crumbs: what is left is taken at once or in two.
+    let first = if limit <= wanted { limit } else { wanted.min(T::from_f64(0.5) * limit) };
+    let newton = accuracy.tolerance * accuracy.velocity.min(T::ONE) * T::from_f64(NEWTON_SHARE);
+    let tolerance = newton.max(T::from_f64(64.0) * T::EPSILON);
+    let settings = Settings { tolerance: tolerance.min(settings.tolerance), ..*settings };
+    let mut report = ControlledStep {
+        outcome: Outcome::Converged,
+        step: first,
+        error: T::ZERO,
+        extrapolated: false,
+        rejected: 0,
+        inner: 0,
+        newton: 0,
+        solver: 0,
+    };
+    let changes = loop {
+        attempt(model, &settings, controller, &mut input, state, halves, &mut report);
+        let h = report.step;
+        let changes = if settings.friction.is_regularised() {
+            Changes::none()
+        } else {
+            Changes::find(model, settings.solver_tolerance, controller, state, halves)
+        };
+        report.error = error(accuracy, &changes, halves);
+        let sound = report.outcome == Outcome::Converged && report.error.finite();
+        if (sound && report.error <= T::ONE) || h <= accuracy.smallest {
+            break changes;
+        }
+        report.rejected += 1;
+        let factor =
+            if sound { T::from_f64(SAFETY) * report.error.powf(-exponent(&settings, &changes)) } else { T::ZERO };
+        let shorter = h * factor.max(T::from_f64(SHRINKAGE)).min(T::from_f64(0.5));
+        report.step = match changes.instant {
+            Some(at) if sound && report.rejected <= AIMED && at < h => at.max(shorter),
+            _ if report.rejected >= REJECTIONS => accuracy.smallest,
+            _ => shorter,
+        }
+        .max(accuracy.smallest.min(limit));
+    };
+    if report.outcome == Outcome::NonFinite {
+        return report;
+    }
+    let second = halves.joints(model, state)[1];
+    *state = halves.end.clone();
+    report.extrapolated = !changes.any && extrapolate(model, halves, state);
+    controller.last = halves.settings.step;
+    controller.slip = slips(model, &halves.scratch[1], state);
+    for (z, rate) in controller.slip_rate.iter_mut().enumerate() {
+        let [u0, u1] = halves.scratch[1].slip(model, z, &second);
+        *rate = (u1 - u0) / controller.last;
+    }
+    let next = report.step * growth(exponent(&settings, &changes), &report, controller.error);
+    // A step that was only cut off says little of what is possible.
+    let cut = report.rejected == 0 && first < wanted;
+    controller.next = if cut { next.max(wanted) } else { next };
+    controller.error = if report.error <= T::ONE { report.error.max(T::from_f64(1e-2)) } else { T::ONE };
+    report
+}
+
+/// The step `report.step` from `state` on, whole and in halves.
+fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    controller: &Controller<T, Z>,
+    input: &mut impl FnMut(T, T, &State<T, B, Z>) -> Input<T>,
+    state: &State<T, B, Z>,
+    halves: &mut Halves<T, B, Z, N>,
+    report: &mut ControlledStep<T>,
+) {
+    let Halves { settings: own, middle, scratch: [first, second], end, whole } = halves;
+    let h = report.step;
+    *own = Settings { step: T::from_f64(0.5) * h, ..*settings };
+    let mut worst = Outcome::Converged;
+    // From what the inner step before left: its length, and the slips along its rows.
+    let mut go = |settings: &Settings<T>,
+                  from: T,
+                  last: T,
+                  slip: &[T; Z],
+                  state: &mut State<T, B, Z>,
+                  scratch: &mut Scratch<T, B, Z, N>| {
+        let ratio = if T::ZERO < last { settings.step / last } else { T::ZERO };
+        for trend in &mut state.trend {
+            *trend = *trend * ratio;
+        }
+        scratch.slip_before = *slip;
+        scratch.slip_span = (T::ONE - settings.theta) * last;
+        let input = input(from, settings.step, state);
+        let did = step(model, settings, &input, state, scratch);
+        report.inner += 1;
+        report.newton += did.newton;
+        report.solver += did.solver;
+        worst = match (worst, did.outcome) {
+            (Outcome::NonFinite, _) | (_, Outcome::NonFinite) => Outcome::NonFinite,
+            (Outcome::IterationLimit, _) | (_, Outcome::IterationLimit) => Outcome::IterationLimit,
+            _ => Outcome::Converged,
+        };
+    };
+    whole.clone_from(state);
+    go(&Settings { step: h, ..*settings }, T::ZERO, controller.last, &controller.slip, whole, second);
+    middle.clone_from(state);
+    go(own, T::ZERO, controller.last, &controller.slip, middle, first);
+    end.clone_from(middle);
+    go(own, own.step, own.step, &slips(model, first, middle), end, second);
+    report.outcome = worst;
+}
+
+/// Slip velocities of a state along an inner step's rows.
+fn slips<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    scratch: &Scratch<T, B, Z, N>,
+    state: &State<T, B, Z>,
+) -> [T; Z] {
+    let w = relative(model, &state.velocity);
+    let mut slips = [T::ZERO; Z];
+    for &z in &model.sliding_zones[..model.sliding_count] {
+        if scratch.has_slip_row[z] {
+            slips[z] = model.paths[z].product(&scratch.slip_row[z], &w);
+        }
+    }
+    slips
+}
+
+/// The error of the halves' result as a part of what is allowed.
+fn error<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    accuracy: &Accuracy<T>,
+    changes: &Changes<T, B>,
+    halves: &Halves<T, B, Z, N>,
+) -> T {
+    // Where laws change, nothing is known of the halves' error but that it is no larger than the whole's.
+    let share = if changes.any { T::ONE } else { share(&halves.settings) };
+    let (end, whole) = (&halves.end, &halves.whole);
+    let turn = accuracy.tolerance * accuracy.velocity * accuracy.largest;
+    let mut error = T::ZERO;
+    for i in 0..B {
+        let allowed = accuracy.tolerance * (accuracy.velocity + end.velocity[i].abs());
+        let velocity = (share * (end.velocity[i] - whole.velocity[i]).abs()).max(changes.hidden[i]) / allowed;
+        let angle = share * (end.angle[i] - whole.angle[i]).abs() / turn;
+        // A sum is not a number if a part is not, a maximum may be.
+        error = if (velocity + angle).finite() { error.max(velocity).max(angle) } else { velocity + angle };
+    }
+    error
+}
+
+/// Whether the scheme is of second order, which it is at theta = 1/2 only.
+fn second_order<T: Scalar>(settings: &Settings<T>) -> bool {
+    settings.theta <= T::from_f64(0.5)
+}
+
+/// The halves' error where all is smooth, over its difference from the whole's, of which it is a quarter (at first order a half).
+fn share<T: Scalar>(settings: &Settings<T>) -> T {
+    if second_order(settings) { T::ONE / T::from_f64(3.0) } else { T::ONE }
+}
+
+/// The length's growth with the error allowed: a step's error grows with its cube where all is smooth, with its square where a law
+/// changes or the scheme is of first order.
+fn exponent<T: Scalar, const B: usize>(settings: &Settings<T>, changes: &Changes<T, B>) -> T {
+    if second_order(settings) && !changes.any { T::ONE / T::from_f64(3.0) } else { T::from_f64(0.5) }
+}
+
+/// Richardson's extrapolation of the velocities and angles: a step's error h^3 becomes h^4. Not where it would turn a joint around.
+fn extrapolate<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    halves: &Halves<T, B, Z, N>,
+    state: &mut State<T, B, Z>,
+) -> bool {
+    let share = share(&halves.settings);
+    let (mut v, mut q) = (state.velocity, state.angle);
+    for i in 0..B {
+        v[i] += share * (v[i] - halves.whole.velocity[i]);
+        q[i] += share * (q[i] - halves.whole.angle[i]);
+    }
+    let (before, after) = (relative(model, &state.velocity), relative(model, &v));
+    let sound = (0..B).all(|i| T::ZERO <= before[i] * after[i]);
+    if sound {
+        (state.velocity, state.angle) = (v, q);
+    }
+    sound
+}
+
+/// Next length over this one: Gustafsson's proportional-integral controller.
+fn growth<T: Scalar>(exponent: T, report: &ControlledStep<T>, last_error: T) -> T {
+    let error = if report.error.finite() { report.error.max(T::from_f64(1e-6)) } else { T::from_f64(1e6) };
+    let factor =
+        T::from_f64(SAFETY) * error.powf(T::from_f64(-0.7) * exponent) * last_error.powf(T::from_f64(0.4) * exponent);
+    let most = if report.rejected > 0 { T::ONE } else { T::from_f64(GROWTH) };
+    factor.max(T::from_f64(SHRINKAGE)).min(most)
+}

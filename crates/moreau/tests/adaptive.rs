@@ -1,0 +1,123 @@
+//! Steps with controlled error: what holds whatever the tolerance. That errors follow the tolerance is a conformance problem.
+
+use moreau::{
+    Accuracy, Body, ControlledStep, Controller, Halves, Input, Model, Outcome, Settings, Spring, State, controlled_step,
+};
+
+/// A body of unit inertia on a spring of unit stiffness, with dry friction.
+struct Oscillator {
+    model: Model<f64, 1, 0>,
+    state: State<f64, 1, 0>,
+    controller: Controller<f64, 0>,
+    halves: Halves<f64, 1, 0, 2>,
+}
+
+impl Oscillator {
+    fn new(dry: f64, angle: f64, velocity: f64) -> Self {
+        let body = Body { inertia: 1.0, dry, ..Body::inert() };
+        let spring = Spring { body: 0, torque: 0.0, stiffness: 1.0, reference: 0.0 };
+        let model = Model::new(&[body], &[spring], &[], None, 0.0).expect("sound");
+        let mut state = State::at_rest([angle]);
+        state.velocity = [velocity];
+        Oscillator { model, state, controller: Controller::new(1e-2), halves: Halves::new(&Settings::new(1e-3)) }
+    }
+
+    fn step(&mut self, accuracy: &Accuracy<f64>, limit: f64) -> ControlledStep<f64> {
+        let Oscillator { model, state, controller, halves } = self;
+        let free = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Free;
+        controlled_step(model, &Settings::new(1e-3), accuracy, controller, limit, free, state, halves)
+    }
+}
+
+/// Friction far larger than the spring's torque: nothing moves, to the bit, and steps become as long as they may.
+#[test]
+fn what_sticks_stays() {
+    let mut o = Oscillator::new(2.0, 1.0, 0.0);
+    let accuracy = Accuracy::new(1e-6, 1e-9, 1.0);
+    let mut longest = 0.0_f64;
+    for _ in 0..20 {
+        let did = o.step(&accuracy, 10.0);
+        assert_eq!((did.rejected, did.error), (0, 0.0));
+        longest = longest.max(did.step);
+    }
+    assert_eq!((o.state.angle, o.state.velocity, longest), ([1.0], [0.0], 1.0));
+}
+
+/// Across a reversal nothing is extrapolated; where the law's side stays, all is. A step never exceeds its limit.
+#[test]
+fn nothing_is_extrapolated_across_a_reversal() {
+    let mut o = Oscillator::new(0.1, 12.0, 0.0);
+    let accuracy = Accuracy::new(1e-4, 1e-9, 1.0);
+    let (mut time, mut smooth, mut changed) = (0.0, 0, 0);
+    while time < 20.0 {
+        let before = o.state.velocity[0];
+        let did = o.step(&accuracy, 0.37);
+        assert!(did.step <= 0.37 && did.error <= 1.0 && did.outcome == Outcome::Converged, "{did:?}");
+        let [middle, after] = [o.halves.middle.velocity[0], o.state.velocity[0]];
+        let one_side = before * middle > 0.0 && middle * after > 0.0;
+        if one_side {
+            smooth += 1;
+            assert!(did.extrapolated, "{did:?} {before} {middle} {after}");
+        } else {
+            changed += 1;
+            assert!(!did.extrapolated, "{did:?} {before} {middle} {after}");
+        }
+        time += did.step;
+    }
+    // Seven turning points in 20 s of a period of 2 pi, the first at once; each takes a step or a few.
+    assert!(smooth > 50 && (7..40).contains(&changed), "{smooth} {changed}");
+}
+
+/// A tolerance that cannot be met: every step is the smallest, says so, and has taken a bounded number of attempts.
+#[test]
+fn the_work_of_a_step_is_bounded() {
+    let mut o = Oscillator::new(0.1, 12.0, 1.0);
+    let accuracy = Accuracy::new(0.0, 1e-6, 1.0);
+    for n in 0..100 {
+        let did = o.step(&accuracy, 1.0);
+        assert!(did.step == 1e-6 && (did.error > 1.0 || did.error.is_nan()), "{did:?}");
+        assert!(did.rejected <= 30 && did.inner == 3 * (did.rejected + 1), "{did:?}");
+        assert!(n == 0 || did.rejected == 0, "{did:?}");
+    }
+    assert!(o.state.angle[0].is_finite() && o.state.angle[0] > 12.0);
+}
+
+/// What is not a number comes in, is said, and leaves the state as it was.
+#[test]
+fn a_state_outlives_an_input_that_is_no_number() {
+    let site = moreau::Site { body: 0, point: [0.1, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
+    let model =
+        Model::<f64, 1, 0>::new(&[Body { inertia: 1.0, ..Body::inert() }], &[], &[], Some(site), 0.0).expect("sound");
+    let (mut state, settings) = (State::at_rest([0.5]), Settings::new(1e-3));
+    let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
+    let accuracy = Accuracy::new(1e-6, 1e-9, 1e-3);
+    let mut controller = Controller::new(1e-4);
+    let before = state.clone();
+    let no_number = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Force(f64::NAN);
+    let did = controlled_step(&model, &settings, &accuracy, &mut controller, 1e-3, no_number, &mut state, &mut halves);
+    assert_eq!((did.outcome, &state), (Outcome::NonFinite, &before));
+}
+
+/// A force that is given as a function of time is asked for at the theta points of whole and halves: one that is linear in time moves the
+/// body as it should, v = f t^2/2 to rounding.
+#[test]
+fn the_drive_is_asked_at_the_right_instants() {
+    let site = moreau::Site { body: 0, point: [1.0, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
+    let model =
+        Model::<f64, 1, 0>::new(&[Body { inertia: 1.0, ..Body::inert() }], &[], &[], Some(site), 0.0).expect("sound");
+    let (mut state, settings) = (State::at_rest([0.0]), Settings::new(1e-3));
+    let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
+    let accuracy = Accuracy::new(1e-3, 1e-9, 1e-2);
+    let mut controller = Controller::new(1e-3);
+    let mut time = 0.0;
+    while time < 0.1 {
+        let t0 = time;
+        // Small enough that the lever arm's cosine is one to 1e-16.
+        let force = |from: f64, h: f64, _: &State<f64, 1, 0>| Input::Force(1e-6 * (t0 + from + 0.5 * h));
+        let did =
+            controlled_step(&model, &settings, &accuracy, &mut controller, 0.1 - time, force, &mut state, &mut halves);
+        time += did.step;
+    }
+    let expected = 1e-6 * time * time / 2.0;
+    assert!((state.velocity[0] / expected - 1.0).abs() < 1e-12, "{} {expected}", state.velocity[0]);
+}

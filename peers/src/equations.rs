@@ -1,0 +1,321 @@
+//! The equations of motion in absolute angles, with friction regularised by tanh: a plain stiff ordinary differential
+//! equation. Written from the exported mechanism alone; it shares nothing with Erard's engine.
+//!
+//! A point of a body is the sum of one turned arm per body of its chain (the pivots on the way, then the point itself), so
+//! that its velocity is the sum of v_a perp(arm_a) and its acceleration that of (dv_a/dt) perp(arm_a) - v_a^2 arm_a. D'Alembert's
+//! principle on every centre of mass gives M dv/dt = Q.
+
+use crate::mechanism::{Curve, Mechanism, Zone};
+use crate::number::Number;
+
+/// Bodies of the mechanism.
+pub const BODIES: usize = 6;
+/// Angles, then angular velocities.
+pub const STATES: usize = 2 * BODIES;
+
+type Vector<T> = [T; 2];
+
+/// Widths of tanh(u / width), which stands for the set-valued sign.
+#[derive(Debug, Clone, Copy)]
+pub struct Widths {
+    /// Of the pivots, rad/s.
+    pub pivot: f64,
+    /// Of the sliding contacts, m/s.
+    pub sliding: f64,
+}
+
+/// The mechanism, ready to be evaluated.
+pub struct Equations<'a> {
+    mechanism: &'a Mechanism,
+    widths: Widths,
+    parent: [Option<usize>; BODIES],
+    spring_torque: [f64; BODIES],
+    spring_stiffness: [f64; BODIES],
+}
+
+/// Where the bodies are and how they move.
+struct Pose<T> {
+    sin: [T; BODIES],
+    cos: [T; BODIES],
+    pivot: [Vector<T>; BODIES],
+    pivot_velocity: [Vector<T>; BODIES],
+    rate: [T; BODIES],
+}
+
+fn dot<T: Number>(a: Vector<T>, b: Vector<T>) -> T {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn cross<T: Number>(a: Vector<T>, b: Vector<T>) -> T {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn add<T: Number>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn sub<T: Number>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn scale<T: Number>(a: Vector<T>, s: T) -> Vector<T> {
+    [a[0] * s, a[1] * s]
+}
+
+fn fixed<T: Number>(a: [f64; 2]) -> Vector<T> {
+    a.map(T::constant)
+}
+
+impl<T: Number> Pose<T> {
+    #[inline(always)]
+    fn of(mechanism: &Mechanism, y: &[T; STATES]) -> Self {
+        let o = [T::constant(0.0); 2];
+        let zero = [T::constant(0.0); BODIES];
+        let mut pose = Pose { sin: zero, cos: zero, pivot: [o; BODIES], pivot_velocity: [o; BODIES], rate: zero };
+        for (i, body) in mechanism.bodies.iter().enumerate() {
+            (pose.sin[i], pose.cos[i]) = y[i].sin_cos();
+            pose.rate[i] = y[BODIES + i];
+            pose.pivot[i] = pose.point(body.parent, body.pivot_m);
+            pose.pivot_velocity[i] = pose.velocity(body.parent, pose.pivot[i]);
+        }
+        pose
+    }
+
+    /// A direction fixed in a body.
+    #[inline(always)]
+    fn turn(&self, body: Option<usize>, a: [f64; 2]) -> Vector<T> {
+        body.map_or(fixed(a), |i| {
+            let (s, c) = (self.sin[i], self.cos[i]);
+            [c.times(a[0]) - s.times(a[1]), s.times(a[0]) + c.times(a[1])]
+        })
+    }
+
+    /// A point fixed in a body.
+    #[inline(always)]
+    fn point(&self, body: Option<usize>, a: [f64; 2]) -> Vector<T> {
+        body.map_or(fixed(a), |i| add(self.pivot[i], self.turn(body, a)))
+    }
+
+    /// Velocity of the point of a body that is at x now.
+    #[inline(always)]
+    fn velocity(&self, body: Option<usize>, x: Vector<T>) -> Vector<T> {
+        body.map_or(fixed([0.0; 2]), |i| {
+            let [ax, ay] = sub(x, self.pivot[i]);
+            let [ux, uy] = self.pivot_velocity[i];
+            [ux - self.rate[i] * ay, uy + self.rate[i] * ax]
+        })
+    }
+}
+
+impl<'a> Equations<'a> {
+    /// The equations of a mechanism.
+    pub fn new(mechanism: &'a Mechanism, widths: Widths) -> Self {
+        let (mut spring_torque, mut spring_stiffness) = ([0.0; BODIES], [0.0; BODIES]);
+        for s in &mechanism.springs {
+            spring_torque[s.body] += s.torque + s.stiffness * s.reference_rad;
+            spring_stiffness[s.body] += s.stiffness;
+        }
+        let parent = std::array::from_fn(|i| mechanism.bodies[i].parent);
+        Equations { mechanism, widths, parent, spring_torque, spring_stiffness }
+    }
+
+    /// At rest.
+    pub fn rest(&self) -> [f64; STATES] {
+        std::array::from_fn(|i| self.mechanism.bodies.get(i).map_or(0.0, |b| b.rest_angle_rad))
+    }
+
+    /// dy/dt under a finger force, N.
+    pub fn rates<T: Number>(&self, force: f64, y: &[T; STATES]) -> [T; STATES] {
+        let pose = Pose::of(self.mechanism, y);
+        let (mut mass, mut torque) = self.inertia(&pose);
+        self.pivots(y, &mut torque);
+        let finger = &self.mechanism.finger;
+        let at = pose.point(Some(finger.body), finger.point_m);
+        self.push(&pose, Some(finger.body), at, fixed(finger.direction.map(|d| force * d)), &mut torque);
+        for zone in &self.mechanism.zones {
+            self.felt(zone, &pose, &mut torque);
+        }
+        self.divide(&mut mass, &mut torque);
+        std::array::from_fn(|i| if i < BODIES { y[BODIES + i] } else { torque[i - BODIES] })
+    }
+
+    /// The mass matrix (lower triangle), and weights with what the arms' turning asks for.
+    #[inline(always)]
+    fn inertia<T: Number>(&self, pose: &Pose<T>) -> ([[T; BODIES]; BODIES], [T; BODIES]) {
+        let mut mass = [[T::constant(0.0); BODIES]; BODIES];
+        let mut torque = [T::constant(0.0); BODIES];
+        for (i, body) in self.mechanism.bodies.iter().enumerate() {
+            let [gx, gy] = body.center_of_mass_m;
+            let about_center = body.inertia_kg_m2 - body.mass_kg * (gx * gx + gy * gy);
+            mass[i][i] += T::constant(about_center);
+            // The chain from the body down to the ground, and its arms.
+            let mut chain = [(i, pose.turn(Some(i), body.center_of_mass_m)); BODIES];
+            let (mut length, mut child) = (1, i);
+            while let Some(carrier) = self.parent[child] {
+                chain[length] = (carrier, pose.turn(Some(carrier), self.mechanism.bodies[child].pivot_m));
+                length += 1;
+                child = carrier;
+            }
+            for (k, &(a, arm)) in chain[..length].iter().enumerate() {
+                torque[a] -= arm[0].times(body.mass_kg * self.mechanism.gravity_m_s2);
+                mass[a][a] += dot(arm, arm).times(body.mass_kg);
+                for &(b, other) in &chain[k + 1..length] {
+                    // a is further out than b.
+                    mass[a][b] += dot(arm, other).times(body.mass_kg);
+                    let turn = cross(arm, other).times(body.mass_kg);
+                    torque[a] += turn * pose.rate[b] * pose.rate[b];
+                    torque[b] -= turn * pose.rate[a] * pose.rate[a];
+                }
+            }
+        }
+        (mass, torque)
+    }
+
+    /// Springs and friction of the pivots.
+    #[inline(always)]
+    fn pivots<T: Number>(&self, y: &[T; STATES], torque: &mut [T; BODIES]) {
+        for (i, body) in self.mechanism.bodies.iter().enumerate() {
+            let (mut angle, mut rate) = (y[i], y[BODIES + i]);
+            if let Some(p) = self.parent[i] {
+                angle -= y[p];
+                rate -= y[BODIES + p];
+            }
+            let spring = T::constant(self.spring_torque[i]) - angle.times(self.spring_stiffness[i]);
+            let dry = rate.times(1.0 / self.widths.pivot).tanh().times(body.dry_friction);
+            let on_body = spring - dry - rate.times(body.viscous_friction);
+            torque[i] += on_body;
+            if let Some(p) = self.parent[i] {
+                torque[p] -= on_body;
+            }
+        }
+    }
+
+    /// A force on the point of a body that is at x.
+    #[inline(always)]
+    fn push<T: Number>(
+        &self,
+        pose: &Pose<T>,
+        body: Option<usize>,
+        x: Vector<T>,
+        force: Vector<T>,
+        torque: &mut [T; BODIES],
+    ) {
+        let (mut body, mut tip) = (body, x);
+        while let Some(i) = body {
+            torque[i] += cross(sub(tip, pose.pivot[i]), force);
+            tip = pose.pivot[i];
+            body = self.parent[i];
+        }
+    }
+
+    /// Distance from a zone's disc to its curve, the curve's normal there and the disc's centre.
+    #[inline(always)]
+    fn distance<T: Number>(zone: &Zone, pose: &Pose<T>) -> (T, Vector<T>, Vector<T>) {
+        let center = pose.point(zone.disc.body, zone.disc.center_m);
+        let to_point = |on: Vector<T>, radius: f64| {
+            let away = sub(center, on);
+            let distance = dot(away, away).sqrt();
+            (distance - T::constant(radius), [away[0] / distance, away[1] / distance])
+        };
+        let (distance, normal) = match zone.curve {
+            Curve::Line { point_m, normal } => {
+                let normal = pose.turn(zone.curve_body, normal);
+                (dot(sub(center, pose.point(zone.curve_body, point_m)), normal), normal)
+            }
+            Curve::Segment { from_m, to_m, rounding_m } => {
+                let from = pose.point(zone.curve_body, from_m);
+                let along = pose.turn(zone.curve_body, [to_m[0] - from_m[0], to_m[1] - from_m[1]]);
+                let share = dot(sub(center, from), along) / dot(along, along);
+                let share = match share.value() {
+                    s if s <= 0.0 => T::constant(0.0),
+                    s if s >= 1.0 => T::constant(1.0),
+                    _ => share,
+                };
+                to_point(add(from, scale(along, share)), rounding_m)
+            }
+            Curve::Disc { center_m, radius_m } => to_point(pose.point(zone.curve_body, center_m), radius_m),
+        };
+        (distance, normal, center)
+    }
+
+    /// One felt, and Coulomb friction on it.
+    #[inline(always)]
+    fn felt<T: Number>(&self, zone: &Zone, pose: &Pose<T>, torque: &mut [T; BODIES]) {
+        let (distance, normal, center) = Self::distance(zone, pose);
+        let gap = T::constant(zone.disc.radius_m) - distance;
+        if gap.value() <= 0.0 {
+            return;
+        }
+        let closing = |x| dot(normal, sub(pose.velocity(zone.curve_body, x), pose.velocity(zone.disc.body, x)));
+        let square = gap * gap;
+        let elastic = match zone.felt.exponent {
+            2.0 => square,
+            2.5 => square * gap.sqrt(),
+            3.0 => square * gap,
+            r => gap.powf(r),
+        };
+        let pressure = elastic.times(zone.felt.stiffness) + square.times(zone.felt.damping) * closing(center);
+        if pressure.value() <= 0.0 {
+            return;
+        }
+        let at = sub(center, scale(normal, distance));
+        let mut force = scale(normal, pressure);
+        if zone.friction_coefficient > 0.0 {
+            let tangent = [normal[1], -normal[0]];
+            let slip = dot(tangent, sub(pose.velocity(zone.disc.body, at), pose.velocity(zone.curve_body, at)));
+            let drag = slip.times(1.0 / self.widths.sliding).tanh() * pressure.times(-zone.friction_coefficient);
+            force = add(force, scale(tangent, drag));
+        }
+        self.push(pose, zone.disc.body, at, force, torque);
+        self.push(pose, zone.curve_body, at, [-force[0], -force[1]], torque);
+    }
+
+    /// torque <- M^-1 torque, by the factorisation L^T D L that fills in nothing outside the tree (Featherstone, 2005).
+    #[inline(always)]
+    fn divide<T: Number>(&self, mass: &mut [[T; BODIES]; BODIES], torque: &mut [T; BODIES]) {
+        for k in (0..BODIES).rev() {
+            let mut up = self.parent[k];
+            while let Some(i) = up {
+                let share = mass[k][i] / mass[k][k];
+                let mut further = Some(i);
+                while let Some(j) = further {
+                    let product = share * mass[k][j];
+                    mass[i][j] -= product;
+                    further = self.parent[j];
+                }
+                mass[k][i] = share;
+                up = self.parent[i];
+            }
+        }
+        for k in (0..BODIES).rev() {
+            let mut up = self.parent[k];
+            while let Some(i) = up {
+                let product = mass[k][i] * torque[k];
+                torque[i] -= product;
+                up = self.parent[i];
+            }
+        }
+        for k in 0..BODIES {
+            torque[k] = torque[k] / mass[k][k];
+            let mut up = self.parent[k];
+            while let Some(i) = up {
+                let product = mass[k][i] * torque[i];
+                torque[k] -= product;
+                up = self.parent[i];
+            }
+        }
+    }
+
+    /// How far the hammer has turned beyond where it meets the string, rad.
+    pub fn beyond_string(&self, y: &[f64]) -> f64 {
+        y[self.mechanism.strike.body] - self.mechanism.strike.angle_rad
+    }
+
+    /// Speed of the strike point, m/s.
+    pub fn hammer_speed(&self, y: &[f64; STATES]) -> f64 {
+        self.mechanism.strike.radius_m * y[BODIES + self.mechanism.strike.body].abs()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick]`, one JSON object a line.
+//!
+//! - `samples`: states along a blow and their accelerations, for other programs to check theirs against.
+//! - `blow`: hammer speeds and seconds at several tolerances and widths of the regularised friction.
+//! - `limit`: the hammer speed at a tight tolerance as the friction becomes ever sharper.
+//! - `hold`: a hammer held in check.
+
+mod equations;
+mod mechanism;
+mod number;
+mod run;
+
+use std::process::ExitCode;
+
+use equations::{BODIES, Equations, Widths};
+use mechanism::Mechanism;
+use run::{Method, Run, Setup, run};
+use serde_json::{Value, json};
+
+/// What is run, and how often: the least time of the repetitions counts. Widths in rad/s at the pivots; at sliding contacts a tenth of the number in m/s.
+struct Plan {
+    methods: &'static [Method],
+    tolerances: &'static [f64],
+    widths: &'static [f64],
+    repetitions: usize,
+}
+
+const BLOW: Plan = Plan {
+    methods: &[Method::Bdf, Method::TrBdf2, Method::Esdirk34],
+    tolerances: &[1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-8],
+    widths: &[0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4],
+    repetitions: 7,
+};
+const QUICK_BLOW: Plan = Plan {
+    methods: &[Method::Bdf, Method::TrBdf2],
+    tolerances: &[1e-3, 1e-4, 1e-5],
+    widths: &[0.1, 0.01, 1e-3],
+    repetitions: 3,
+};
+/// The sharpest width is what double precision still resolves.
+const LIMIT: Plan =
+    Plan { methods: &[Method::Bdf], tolerances: &[1e-8], widths: &[1e-2, 1e-3, 1e-4, 1e-5], repetitions: 1 };
+const HOLD: Plan = Plan {
+    methods: &[Method::Bdf, Method::TrBdf2],
+    tolerances: &[1e-4, 1e-6],
+    widths: &[0.1, 0.01, 1e-3],
+    repetitions: 1,
+};
+const QUICK_HOLD: Plan =
+    Plan { methods: &[Method::Bdf], tolerances: &[1e-6], widths: &[0.1, 0.01, 1e-3], repetitions: 1 };
+
+fn main() -> ExitCode {
+    match command(std::env::args().skip(1).collect()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn command(arguments: Vec<String>) -> Result<(), String> {
+    let quick = arguments.iter().any(|a| a == "--quick");
+    let words: Vec<&str> = arguments.iter().map(String::as_str).filter(|a| *a != "--quick").collect();
+    let [path, command] = words[..] else {
+        return Err("expected MECHANISM.json and one of samples, blow, limit, hold".into());
+    };
+    let mechanism = mechanism::read(path)?;
+    match command {
+        "samples" => println!("{}", samples(&mechanism)?),
+        "blow" => blows(&mechanism, "blow", if quick { &QUICK_BLOW } else { &BLOW }),
+        "limit" => blows(&mechanism, "limit", &LIMIT),
+        "hold" => holds(&mechanism, if quick { &QUICK_HOLD } else { &HOLD }),
+        other => return Err(format!("unknown command {other}; expected samples, blow, limit or hold")),
+    }
+    Ok(())
+}
+
+fn widths(pivot: f64) -> Widths {
+    Widths { pivot, sliding: 0.1 * pivot }
+}
+
+impl Plan {
+    fn each(&self, mut row: impl FnMut(&Setup)) {
+        for &method in self.methods {
+            for &width in self.widths {
+                for &tolerance in self.tolerances {
+                    eprintln!("diffsol: {}, width {width:e} rad/s, tolerance {tolerance:e}", method.name());
+                    row(&Setup { method, tolerance, widths: widths(width) });
+                }
+            }
+        }
+    }
+}
+
+fn describe(task: &str, setup: &Setup) -> Value {
+    json!({
+        "task": task,
+        "peer": "diffsol",
+        "method": setup.method.name(),
+        "tolerance": setup.tolerance,
+        "width_rad_per_s": setup.widths.pivot,
+    })
+}
+
+fn blows(mechanism: &Mechanism, task: &str, plan: &Plan) {
+    let blow = &mechanism.blow;
+    plan.each(|setup| {
+        let mut row = describe(task, setup);
+        let play = |&scale: &f64| {
+            let mut runs = (0..plan.repetitions)
+                .map(|_| run(mechanism, setup, &|t| scale * blow.force(t), &[blow.until_s]))
+                .collect::<Result<Vec<Run>, String>>()?;
+            runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+            let best = &runs[0];
+            Ok(json!({
+                "scale": scale,
+                "speed_m_s": best.strike.map(|s| s[0]),
+                "contact_s": best.strike.map(|s| s[1]),
+                "seconds": best.seconds,
+                "steps": best.steps,
+            }))
+        };
+        match blow.scales.iter().map(play).collect::<Result<Vec<Value>, String>>() {
+            Ok(played) => row["blows"] = played.into(),
+            Err(error) => row["failed"] = error.into(),
+        }
+        println!("{row}");
+    });
+}
+
+fn holds(mechanism: &Mechanism, plan: &Plan) {
+    let hold = &mechanism.hold;
+    plan.each(|setup| {
+        let mut row = describe("hold", setup);
+        match run(mechanism, setup, &|_| hold.force, &hold.instants()) {
+            Ok(run) => {
+                row["angles_rad"] = run.states.iter().map(|y| y[mechanism.strike.body]).collect();
+                row["seconds"] = run.seconds.into();
+                row["steps"] = run.steps.into();
+            }
+            Err(error) => row["failed"] = error.into(),
+        }
+        println!("{row}");
+    });
+}
+
+/// Every millisecond of a blow.
+fn samples(mechanism: &Mechanism) -> Result<Value, String> {
+    let setup = Setup { method: Method::Bdf, tolerance: 1e-6, widths: widths(0.1) };
+    let instants: Vec<f64> = (1..=60).map(|k| mechanism.blow.until_s * f64::from(k) / 60.0).collect();
+    let played = run(mechanism, &setup, &|t| mechanism.blow.force(t), &instants)?;
+    let equations = Equations::new(mechanism, setup.widths);
+    let sample = |(y, t): (&[f64; 2 * BODIES], &f64)| {
+        let rates = equations.rates(mechanism.blow.force(*t), y);
+        json!({
+            "time_s": t,
+            "angles_rad": y[..BODIES],
+            "rates_rad_per_s": y[BODIES..],
+            "accelerations_rad_per_s2": rates[BODIES..],
+        })
+    };
+    let samples: Vec<Value> = played.states.iter().zip(&instants).map(sample).collect();
+    Ok(json!({ "width_rad_per_s": setup.widths.pivot, "samples": samples }))
+}

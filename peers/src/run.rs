@@ -1,0 +1,125 @@
+//! Runs of the mechanism by diffsol's solvers.
+
+use std::time::Instant;
+
+use diffsol::{DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverStopReason};
+
+use crate::equations::{BODIES, Equations, STATES, Widths};
+use crate::mechanism::Mechanism;
+use crate::number::Dual;
+
+type Matrix = NalgebraMat<f64>;
+type Solver = NalgebraLU<f64>;
+
+/// Which of diffsol's solvers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Variable-order backward differentiation formulas.
+    Bdf,
+    /// An explicit-first-stage diagonally implicit Runge-Kutta method of order 3(4).
+    Esdirk34,
+    /// TR-BDF2.
+    TrBdf2,
+}
+
+impl Method {
+    /// As it is called in the tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Bdf => "BDF",
+            Method::Esdirk34 => "ESDIRK34",
+            Method::TrBdf2 => "TR-BDF2",
+        }
+    }
+}
+
+/// How to run.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// The solver.
+    pub method: Method,
+    /// Relative tolerance; the absolute ones are [`ANGLE_TOLERANCE`] and [`RATE_TOLERANCE`] times it.
+    pub tolerance: f64,
+    /// Regularisation.
+    pub widths: Widths,
+}
+
+/// rad per unit of relative tolerance: a felt is compressed by 1e-4 m at an arm of 0.1 m.
+pub const ANGLE_TOLERANCE: f64 = 1e-3;
+/// rad/s per unit of relative tolerance: a twentieth of the hammer's rate at mf.
+pub const RATE_TOLERANCE: f64 = 1.0;
+
+/// What a run came to.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Speed of the strike point at the string, m/s, and the instant, s.
+    pub strike: Option<[f64; 2]>,
+    /// The state at the asked instants.
+    pub states: Vec<[f64; STATES]>,
+    /// Wall-clock time of the solution, building the problem included, s.
+    pub seconds: f64,
+    /// Accepted steps.
+    pub steps: usize,
+}
+
+/// Solves from rest to the last of `instants` under a force on the key.
+///
+/// # Errors
+/// diffsol's, in words.
+pub fn run(mechanism: &Mechanism, setup: &Setup, force: &dyn Fn(f64) -> f64, instants: &[f64]) -> Result<Run, String> {
+    let start = Instant::now();
+    let equations = Equations::new(mechanism, setup.widths);
+    let state = |y: &[f64]| -> [f64; STATES] { std::array::from_fn(|i| y[i]) };
+    let absolute = |i: usize| if i < BODIES { ANGLE_TOLERANCE } else { RATE_TOLERANCE };
+    let mut problem = OdeBuilder::<Matrix>::new()
+        .rtol(setup.tolerance)
+        .atol((0..STATES).map(|i| setup.tolerance * absolute(i)))
+        .h0(1e-5)
+        .rhs_implicit(
+            |y: &[f64], _p: &[f64], t: f64, rates: &mut [f64]| {
+                rates.copy_from_slice(&equations.rates(force(t), &state(y)));
+            },
+            |y: &[f64], _p: &[f64], t: f64, v: &[f64], out: &mut [f64]| {
+                let along = std::array::from_fn(|i| Dual { value: y[i], slope: v[i] });
+                out.copy_from_slice(&equations.rates(force(t), &along).map(|x| x.slope));
+            },
+        )
+        .init(|_p: &[f64], _t: f64, y: &mut [f64]| y.copy_from_slice(&equations.rest()), STATES)
+        .root(|y: &[f64], _p: &[f64], _t: f64, gap: &mut [f64]| gap[0] = equations.beyond_string(y), 1)
+        .build()
+        .map_err(|e| e.to_string())?;
+    // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it takes.
+    problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
+    problem.ode_options.max_error_test_failures = usize::MAX;
+    let solved = match setup.method {
+        Method::Bdf => problem.bdf::<Solver>().and_then(|s| follow(s, &equations, instants)),
+        Method::Esdirk34 => problem.esdirk34::<Solver>().and_then(|s| follow(s, &equations, instants)),
+        Method::TrBdf2 => problem.tr_bdf2::<Solver>().and_then(|s| follow(s, &equations, instants)),
+    };
+    let (strike, states, steps) = solved.map_err(|e| e.to_string())?;
+    Ok(Run { strike, states, seconds: start.elapsed().as_secs_f64(), steps })
+}
+
+type Followed = (Option<[f64; 2]>, Vec<[f64; STATES]>, usize);
+
+/// Steps on, looks for the blow, and keeps the states at the instants.
+fn follow<'a, E, S>(mut solver: S, equations: &Equations, instants: &[f64]) -> Result<Followed, DiffsolError>
+where
+    E: OdeEquations<T = f64> + 'a,
+    E::V: std::ops::Index<usize, Output = f64>,
+    S: OdeSolverMethod<'a, E>,
+{
+    let kept = |y: &E::V| -> [f64; STATES] { std::array::from_fn(|i| y[i]) };
+    let mut strike = None;
+    let mut states = Vec::with_capacity(instants.len());
+    while states.len() < instants.len() {
+        let reason = solver.step()?;
+        if let (OdeSolverStopReason::RootFound(t, _), None) = (reason, strike) {
+            strike = Some([equations.hammer_speed(&kept(&solver.interpolate(t)?)), t]);
+        }
+        while let Some(&instant) = instants.get(states.len()).filter(|&&t| t <= solver.state().t) {
+            states.push(kept(&solver.interpolate(instant)?));
+        }
+    }
+    Ok((strike, states, solver.get_statistics().number_of_steps))
+}
