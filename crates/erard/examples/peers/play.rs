@@ -6,7 +6,7 @@ use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use erard::{assembly, equilibrium};
-use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
+use moreau::{Accuracy, Controller, Halves, Input, Model, Outcome, Scratch, Settings, State, controlled_step, step};
 
 /// The stroke whose hammer speed is compared is the built-in mf, pressed, its force times each of these: a single blow may be met by
 /// luck, a row of them is not.
@@ -53,6 +53,59 @@ pub struct Played {
     pub steps: u64,
 }
 
+/// How long steps are.
+#[derive(Debug, Clone, Copy)]
+pub enum Steps {
+    /// All as long, s.
+    Fixed(f64),
+    /// As long as an error allows.
+    Controlled(f64),
+}
+
+/// Limits of controlled steps and their first attempt, s.
+const SMALLEST_STEP_S: f64 = 1e-8;
+const LARGEST_STEP_S: f64 = 1e-3;
+const FIRST_STEP_S: f64 = 50e-6;
+
+/// Looks out for the blow and for the instants at which the angle is asked for.
+struct Watch<'a> {
+    strike: Strike,
+    found: Option<[f64; 2]>,
+    instants: &'a [f64],
+    angles_rad: Vec<f64>,
+}
+
+impl Watch<'_> {
+    /// Angle and angular velocity of what strikes.
+    fn before(&self, state: &State<f64, B, Z>) -> [f64; 2] {
+        [state.angle[self.strike.body], state.velocity[self.strike.body]]
+    }
+
+    /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both ends.
+    fn look(&mut self, t: f64, h: f64, before: [f64; 2], after: &State<f64, B, Z>) {
+        let ([q0, v0], [q1, v1]) = (before, self.before(after));
+        let at = |s: f64| {
+            let (a, b) = (v0 * h - (q1 - q0), (q1 - q0) - v1 * h);
+            q0 + s * (q1 - q0) + s * (1.0 - s) * ((1.0 - s) * a + s * b)
+        };
+        let Strike { radius_m, angle_rad, .. } = self.strike;
+        if self.found.is_none() && q0 <= angle_rad && q1 > angle_rad {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if at(middle) > angle_rad { high = middle } else { low = middle }
+            }
+            let (a, b) = (v0 * h - (q1 - q0), (q1 - q0) - v1 * h);
+            let s = high;
+            let rate = ((q1 - q0) + (1.0 - 2.0 * s) * ((1.0 - s) * a + s * b) + s * (1.0 - s) * (b - a)) / h;
+            self.found = Some([radius_m * rate.abs(), t + s * h]);
+        }
+        while let Some(&instant) = self.instants.get(self.angles_rad.len()).filter(|&&instant| instant <= t + h) {
+            self.angles_rad.push(at((instant - t) / h));
+        }
+    }
+}
+
 impl Action {
     /// Lets the instrument come to rest.
     pub fn new(instrument: Instrument) -> Result<Self, Box<dyn std::error::Error>> {
@@ -66,30 +119,59 @@ impl Action {
         Ok(Action { instrument, rest, stroke, strike, model })
     }
 
-    /// Plays from rest to the last of `instants` at a fixed step, the engine only.
-    pub fn play(&self, settings: &Settings<f64>, force: impl Fn(f64) -> f64, instants: &[f64]) -> Played {
-        let Settings { step: h, theta, .. } = *settings;
-        let steps = (instants.last().copied().unwrap_or(0.0) / h).ceil() as u64;
+    /// Plays from rest to the last of `instants`, the engine only, in the given steps.
+    pub fn play(&self, steps: Steps, force: impl Fn(f64) -> f64, instants: &[f64]) -> Played {
+        let end = instants.last().copied().unwrap_or(0.0);
+        let theta = Settings::<f64>::new(1e-3).theta;
+        let input = |t: f64, h: f64| Input::Force(force(t + theta * h));
         let start = Instant::now();
         let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
-        let mut scratch = Scratch::<f64, B, Z, N>::new();
-        let (mut strike, mut angles_rad) = (None, Vec::with_capacity(instants.len()));
-        let Strike { body, radius_m, angle_rad } = self.strike;
-        for n in 0..steps {
-            let (t, angle, velocity) = (n as f64 * h, state.angle[body], state.velocity[body]);
-            let report = step(&self.model, settings, &Input::Force(force(t + theta * h)), &mut state, &mut scratch);
-            assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
-            let moved = state.angle[body] - angle;
-            if strike.is_none() && angle <= angle_rad && state.angle[body] > angle_rad {
-                let share = (angle_rad - angle) / moved;
-                let rate = velocity + share * (state.velocity[body] - velocity);
-                strike = Some([radius_m * rate.abs(), t + share * h]);
+        let mut watch =
+            Watch { strike: self.strike, found: None, instants, angles_rad: Vec::with_capacity(instants.len()) };
+        let mut taken = 0;
+        match steps {
+            Steps::Fixed(h) => {
+                let (settings, mut scratch) = (Settings::new(h), Scratch::<f64, B, Z, N>::new());
+                for n in 0..(end / h).ceil() as u64 {
+                    let (t, before) = (n as f64 * h, watch.before(&state));
+                    let report = step(&self.model, &settings, &input(t, h), &mut state, &mut scratch);
+                    assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
+                    watch.look(t, h, before, &state);
+                    taken += 1;
+                }
             }
-            while let Some(&instant) = instants.get(angles_rad.len()).filter(|&&instant| instant <= t + h) {
-                angles_rad.push(angle + moved * (instant - t) / h);
+            Steps::Controlled(tolerance) => {
+                let settings = Settings::new(LARGEST_STEP_S);
+                let accuracy = Accuracy::new(tolerance, SMALLEST_STEP_S, LARGEST_STEP_S);
+                let mut controller = Controller::<f64, Z>::new(FIRST_STEP_S);
+                let mut halves = Halves::<f64, B, Z, N>::new(&settings);
+                let mut t = 0.0;
+                while t < end - SMALLEST_STEP_S {
+                    let before = watch.before(&state);
+                    let drive = |from: f64, h: f64, _: &State<f64, B, Z>| input(t + from, h);
+                    let (model, limit) = (&self.model, end - t);
+                    let did = controlled_step(
+                        model,
+                        &settings,
+                        &accuracy,
+                        &mut controller,
+                        limit,
+                        drive,
+                        &mut state,
+                        &mut halves,
+                    );
+                    assert_ne!(did.outcome, Outcome::NonFinite, "at {t} s");
+                    watch.look(t, did.step, before, &state);
+                    t += did.step;
+                    taken += u64::from(did.inner);
+                }
             }
         }
-        Played { strike, angles_rad, seconds: start.elapsed().as_secs_f64(), steps }
+        let Watch { found, mut angles_rad, .. } = watch;
+        if angles_rad.len() < instants.len() {
+            angles_rad.push(state.angle[self.strike.body]);
+        }
+        Played { strike: found, angles_rad, seconds: start.elapsed().as_secs_f64(), steps: taken }
     }
 
     /// The stroke's force times a factor, over time.

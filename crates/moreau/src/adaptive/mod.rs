@@ -234,6 +234,8 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     whole.clone_from(state);
     go(&Settings { step: h, ..*settings }, T::ZERO, controller.last, &controller.slip, whole, second);
     middle.clone_from(state);
+    // What was found out of the whole step's reach is out of the halves', too: no survey but one.
+    middle.survey = whole.survey;
     go(own, T::ZERO, controller.last, &controller.slip, middle, first);
     end.clone_from(middle);
     go(own, own.step, own.step, &slips(model, first, middle), end, second);
