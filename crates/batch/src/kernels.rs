@@ -70,6 +70,12 @@ impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<
         }
     }
 
+    /// One lane's angles and velocities.
+    #[inline]
+    pub fn motion(&self, lane: usize) -> ([f64; B], [f64; B]) {
+        (self.state.angle.map(|x| x.lane(lane)), self.state.velocity.map(|x| x.lane(lane)))
+    }
+
     /// One lane's state.
     pub fn state(&self, lane: usize) -> State<f64, B, Z> {
         self.state.lane(lane)

@@ -132,6 +132,18 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
+    /// One mechanism's absolute angles, rad, and angular velocities, rad/s: what is looked at after every step.
+    #[inline]
+    pub fn motion(&self, index: usize) -> ([f64; B], [f64; B]) {
+        match &self.kind {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Eight(eight) => eight.motion(index),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Four(four) => four.motion(index),
+            Kind::OneByOne(one) => (one.states[index].angle, one.states[index].velocity),
+        }
+    }
+
     /// One mechanism's state.
     pub fn state(&self, index: usize) -> State<f64, B, Z> {
         match &self.kind {

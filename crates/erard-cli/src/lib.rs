@@ -18,6 +18,7 @@ pub mod page;
 pub mod progress;
 pub mod regulation;
 pub mod report;
+pub mod study;
 pub mod summary;
 pub mod svg;
 pub mod table;

@@ -50,7 +50,7 @@ pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
 }
 
 /// The factor from SI to what is shown of a screw, its unit, and digits.
-fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
+pub(crate) fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
     match action {
         ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => (1e3, "mm"),
         ScrewAction::Turn { .. } => (180.0 / std::f64::consts::PI, "degrees"),

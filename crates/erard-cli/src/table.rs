@@ -1,5 +1,6 @@
 //! A run as a table: CSV and Parquet, the same columns in the same order.
 
+use std::borrow::Cow;
 use std::io::{Error, Write};
 use std::sync::Arc;
 
@@ -66,15 +67,73 @@ pub(crate) fn shortest(x: f64, text: &mut String) {
     let _ = if x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) { write!(text, "{x:e}") } else { write!(text, "{x}") };
 }
 
+/// Three digits that count.
+pub(crate) fn three(x: f64) -> String {
+    let decimals = (2 - x.abs().max(1e-9).log10().floor() as i32).clamp(0, 3);
+    format!("{x:.*}", decimals as usize)
+}
+
+/// Writes columns in which values may be missing as CSV: empty cells.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_optional_csv(columns: &[(String, Vec<Option<f64>>)], writer: &mut dyn Write) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(columns.iter().map(|(name, _)| name))?;
+    let rows = columns.first().map_or(0, |(_, values)| values.len());
+    let mut text = String::new();
+    for row in 0..rows {
+        for (_, values) in columns {
+            text.clear();
+            if let Some(x) = values[row] {
+                shortest(x, &mut text);
+            }
+            csv.write_field(&text)?;
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}
+
 /// Writes the run as Parquet, one row group, doubles; columns without values are all null.
 ///
 /// # Errors
 /// Of the writer.
 pub fn write_parquet(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
-    let columns = columns(run);
+    let rows = run.time_s.len();
+    let columns: Vec<ParquetColumn> = columns(run)
+        .into_iter()
+        .map(|(name, values)| (name, values.into(), vec![i16::from(!values.is_empty()); rows]))
+        .collect();
+    parquet("run", &columns, writer)
+}
+
+/// The same for columns in which values may be missing: null.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_optional_parquet(
+    title: &str,
+    columns: &[(String, Vec<Option<f64>>)],
+    writer: &mut dyn Write,
+) -> std::io::Result<()> {
+    let columns: Vec<ParquetColumn> = columns
+        .iter()
+        .map(|(name, values)| {
+            let there = values.iter().map(|value| i16::from(value.is_some())).collect();
+            (name.clone(), values.iter().copied().flatten().collect::<Vec<f64>>().into(), there)
+        })
+        .collect();
+    parquet(title, &columns, writer)
+}
+
+/// Name, the values that are there, and for every row whether it has one.
+type ParquetColumn<'a> = (String, Cow<'a, [f64]>, Vec<i16>);
+
+fn parquet(title: &str, columns: &[ParquetColumn], writer: &mut dyn Write) -> std::io::Result<()> {
     let fields = columns
         .iter()
-        .map(|(name, _)| {
+        .map(|(name, ..)| {
             Type::primitive_type_builder(name, parquet::basic::Type::DOUBLE)
                 .with_repetition(parquet::basic::Repetition::OPTIONAL)
                 .build()
@@ -82,17 +141,15 @@ pub fn write_parquet(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
         })
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::other)?;
-    let schema = Type::group_type_builder("run").with_fields(fields).build().map_err(Error::other)?;
+    let schema = Type::group_type_builder(title).with_fields(fields).build().map_err(Error::other)?;
     let properties = Arc::new(WriterProperties::builder().set_dictionary_enabled(false).build());
     // The library wants a writer that can be sent to another thread; a buffer in between can.
     let mut bytes = Vec::new();
-    let rows = run.time_s.len();
     let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), properties).map_err(Error::other)?;
     let mut group = file.next_row_group().map_err(Error::other)?;
-    for (_, values) in &columns {
+    for (_, values, there) in columns {
         let Some(mut column) = group.next_column().map_err(Error::other)? else { break };
-        let defined: Vec<i16> = vec![i16::from(!values.is_empty()); rows];
-        column.typed::<DoubleType>().write_batch(values, Some(&defined), None).map_err(Error::other)?;
+        column.typed::<DoubleType>().write_batch(values, Some(there), None).map_err(Error::other)?;
         column.close().map_err(Error::other)?;
     }
     group.close().map_err(Error::other)?;

@@ -3,10 +3,8 @@
 //!
 //! `cargo bench -p erard --bench press`
 
-mod common;
-
-use common::{STEP_S, STEPS, grand, press};
 use divan::{Bencher, black_box};
+use erard::bench::{STEP_S, STEPS, grand, press};
 use moreau::{Settings, Solver};
 
 fn main() {

@@ -9,6 +9,7 @@ use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::recorder::Recorder;
 use crate::run::{ControlWork, Run, Work};
+use crate::sight::{Visible, head_height};
 use crate::simulation::{Drive, LARGEST_STEP_S, MOST_ROWS, Setup, SimulationError};
 
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
@@ -216,11 +217,6 @@ impl ControlWork {
     }
 }
 
-/// Height of the strike point, m; zero where there is no hammer.
-fn head_height(instrument: &Instrument, m: &dyn Mechanism) -> f64 {
-    instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1])
-}
-
 /// What travels are measured from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rest {
@@ -230,13 +226,13 @@ pub(crate) struct Rest {
 
 impl Rest {
     /// Where a mechanism is now.
-    pub fn of(instrument: &Instrument, m: &dyn Mechanism) -> Self {
+    pub fn of(instrument: &Instrument, m: &dyn Visible) -> Self {
         Rest { site_m: m.site_position(), head_m: head_height(instrument, m) }
     }
 
     /// The engine's input for the step from t0, each number at the instant that the engine expects.
     /// `correction_s`: in what time [`RIGID_CORRECTION`] of a rigid drive's position error is taken back; `site_m`: where the driven point is.
-    fn input(
+    pub fn input(
         &self,
         drive: &Drive,
         t0: f64,

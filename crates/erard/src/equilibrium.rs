@@ -8,7 +8,7 @@ use crate::mechanism::Mechanism;
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
 pub const STEP_S: f64 = 50e-6;
 /// A mechanism that has not come to rest by itself after this time is slowed down by force.
-const PATIENCE_S: f64 = 2.0;
+pub(crate) const PATIENCE_S: f64 = 2.0;
 /// Largest settling time in all.
 const LIMIT_S: f64 = 20.0;
 /// Rest has to last this long.
@@ -17,7 +17,7 @@ const QUIET_S: f64 = 0.05;
 const CREEP_RAD_PER_S: f64 = 1e-9;
 
 /// Why there is no rest to start from.
-#[derive(Debug, Error)]
+#[derive(Debug, Clone, Error)]
 pub enum EquilibriumError {
     /// The mechanism keeps moving.
     #[error(
@@ -37,6 +37,32 @@ pub enum EquilibriumError {
     Model(#[from] ModelError),
 }
 
+/// How a mechanism is stepped toward its rest: with true dry friction, and with theta = 1, which damps what the felts leave and does
+/// not move the rest position.
+pub(crate) fn settings() -> Settings<f64> {
+    Settings { theta: 1.0, friction: FrictionLaw::SetValued, ..Settings::new(STEP_S) }
+}
+
+/// Watches a mechanism come to rest.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Settling {
+    /// Simulated time so far, s.
+    pub time_s: f64,
+    quiet_s: f64,
+    /// Largest angular speed now, rad/s.
+    speed: f64,
+}
+
+impl Settling {
+    /// Looks after every step; true when the mechanism has come to rest.
+    pub fn rests(&mut self, velocities: &[f64]) -> bool {
+        self.time_s += STEP_S;
+        self.speed = velocities.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        self.quiet_s = if self.speed <= CREEP_RAD_PER_S { self.quiet_s + STEP_S } else { 0.0 };
+        self.quiet_s >= QUIET_S
+    }
+}
+
 /// Lets a mechanism come to rest under a constant input, with true dry friction whatever its settings say; they are
 /// restored, and the velocities are zero, at the end. Returns the simulated time it took, s.
 ///
@@ -44,23 +70,19 @@ pub enum EquilibriumError {
 /// See [`EquilibriumError`].
 pub fn settle(mechanism: &mut dyn Mechanism, input: &Input<f64>) -> Result<f64, EquilibriumError> {
     let own = *mechanism.settings();
-    // theta = 1 damps what the felts leave, and does not move the rest position.
-    mechanism.set_settings(Settings { theta: 1.0, friction: FrictionLaw::SetValued, ..Settings::new(STEP_S) });
-    let (mut time, mut quiet, mut energy) = (0.0, 0.0, 0.0_f64);
+    mechanism.set_settings(settings());
+    let (mut settling, mut energy) = (Settling::default(), 0.0_f64);
     let result = loop {
         if mechanism.step(input).outcome == Outcome::NonFinite {
             break Err(EquilibriumError::NonFinite);
         }
-        time += STEP_S;
-        let speed = mechanism.velocities().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        quiet = if speed <= CREEP_RAD_PER_S { quiet + STEP_S } else { 0.0 };
-        if quiet >= QUIET_S {
-            break Ok(time);
+        if settling.rests(mechanism.velocities()) {
+            break Ok(settling.time_s);
         }
-        if time > LIMIT_S {
-            break Err(EquilibriumError::NoRest { speed });
+        if settling.time_s > LIMIT_S {
+            break Err(EquilibriumError::NoRest { speed: settling.speed });
         }
-        if time > PATIENCE_S {
+        if settling.time_s > PATIENCE_S {
             // Kinetic damping (dynamic relaxation): at every peak of the kinetic energy, start again from standstill.
             let kinetic = mechanism.energies_at(mechanism.velocities()).kinetic;
             if kinetic < energy {

@@ -1,8 +1,8 @@
 //! The instants of a key press, found while it runs.
 
 use crate::instrument::{Instrument, Roles};
-use crate::mechanism::Mechanism;
 use crate::run::{Events, Strike};
+use crate::sight::Visible;
 
 /// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths breathe
 /// and a hundredth of its dip.
@@ -51,10 +51,13 @@ impl Watch {
     }
 
     /// Looks once: after every step, and before the first. `key_m` is the key front's travel, `hammer_m` the head's rise.
-    pub fn look(&mut self, time_s: f64, key_m: f64, hammer_m: f64, mechanism: &dyn Mechanism) {
+    pub fn look(&mut self, time_s: f64, key_m: f64, hammer_m: f64, mechanism: &dyn Visible) {
+        let (roles, events) = (&self.roles, &self.events);
         let gap = |zone: Option<usize>| zone.map_or(f64::NEG_INFINITY, |z| mechanism.gap(z));
-        let roles = &self.roles;
+        // What has happened once is not looked for again.
+        let once = |event: Option<f64>, zone: Option<usize>| if event.is_none() { gap(zone) } else { f64::INFINITY };
         let string = gap(roles.string);
+        let struck = events.hammer_contact_s.is_some();
         let now = Sample {
             time_s,
             key_m,
@@ -65,10 +68,14 @@ impl Watch {
                 Some(hammer) if string > -NEAR_M => mechanism.point_speed(hammer, roles.hammer_head_m),
                 _ => 0.0,
             },
-            key_bottom: gap(roles.key_bottom),
-            toe: gap(roles.let_off),
-            knuckle: roles.knuckle.iter().map(|&z| mechanism.gap(z)).fold(f64::NEG_INFINITY, f64::max),
-            check: gap(roles.check),
+            key_bottom: once(events.key_bottom_s, roles.key_bottom),
+            toe: once(events.toe_contact_s, roles.let_off),
+            knuckle: match struck {
+                false => roles.knuckle.iter().map(|&z| mechanism.gap(z)).fold(f64::NEG_INFINITY, f64::max),
+                true => f64::NEG_INFINITY,
+            },
+            // Only after the blow does a check count; the sample before it is the first that is needed.
+            check: if struck || string > -NEAR_M { once(events.check_s, roles.check) } else { f64::NEG_INFINITY },
         };
         if let Some(before) = self.previous {
             self.compare(&before, &now);
@@ -109,6 +116,17 @@ impl Watch {
         if events.hammer_contact_s.is_some() {
             first(&mut events.check_s, rising(before.check, now.check));
         }
+    }
+
+    /// Whether all that happens once has happened, so that nothing is left to be seen but further blows.
+    pub fn sees_blows_only(&self) -> bool {
+        let (roles, events) = (&self.roles, &self.events);
+        let over = |event: Option<f64>, zone: Option<usize>| event.is_some() || zone.is_none();
+        events.key_start_s.is_some()
+            && events.hammer_contact_s.is_some()
+            && over(events.toe_contact_s, roles.let_off)
+            && over(events.key_bottom_s, roles.key_bottom)
+            && over(events.check_s, roles.check)
     }
 
     /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.

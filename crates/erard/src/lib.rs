@@ -3,7 +3,9 @@
 //! Data flows one way: instrument file and stroke -> assembled mechanism -> steps -> run (series and events) -> measures.
 
 pub mod assembly;
+pub mod bench;
 pub mod compare;
+pub mod cores;
 mod course;
 pub mod equilibrium;
 pub mod events;
@@ -18,6 +20,8 @@ pub mod regulate;
 pub mod regulation;
 pub mod reproduce;
 pub mod run;
+pub mod sight;
 pub mod simulation;
 pub mod stroke;
+pub mod study;
 pub mod validate;

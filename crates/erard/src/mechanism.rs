@@ -10,13 +10,14 @@ use moreau::{
 
 use crate::assembly;
 use crate::instrument::Instrument;
+use crate::sight::{Sight, Visible};
 
 /// What drives an inner step that begins so many s after the controlled step and lasts so long, s; the last argument says where the
 /// driven point is then, as [`Mechanism::site_position`] does.
 pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
 
 /// What can be asked of an assembled mechanism. Indices follow the instrument's bodies and zones.
-pub trait Mechanism: Send {
+pub trait Mechanism: Visible + Send {
     /// Advances by one step of the current settings.
     fn step(&mut self, input: &Input<f64>) -> StepReport;
     /// Advances by one step that is as long as its error allows, and at most `limit` s. `look` is called after each of its two halves,
@@ -50,14 +51,6 @@ pub trait Mechanism: Send {
     fn contact(&self, zone: usize) -> [f32; 4];
     /// Force of the drive during the last step, N.
     fn drive_force(&self) -> f64;
-    /// World coordinate of the driven point along the drive's direction (down), m.
-    fn site_position(&self) -> f64;
-    /// Compression of a zone now, m.
-    fn gap(&self, zone: usize) -> f64;
-    /// Speed of a point of a body now, m/s.
-    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64;
-    /// A point of a body in the world now, m.
-    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
     /// dg/dt per unit angular velocity of every body, m.
     fn gap_row(&self, zone: usize) -> Vec<f64>;
     /// Velocity of a point along `n` per unit angular velocity of every body, m.
@@ -125,6 +118,30 @@ fn last<'a, const B: usize, const Z: usize, const N: usize>(
     match control {
         Some(control) => (&control.halves.settings, &control.halves.scratch[control.half]),
         None => (settings, scratch),
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
+    fn sight(&self) -> Sight<'_, B, Z> {
+        Sight { model: &self.model, pose: &self.pose, velocity: &self.state.velocity }
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Visible for Engine<B, Z, N> {
+    fn site_position(&self) -> f64 {
+        self.sight().site_position()
+    }
+
+    fn gap(&self, zone: usize) -> f64 {
+        self.sight().gap(zone)
+    }
+
+    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64 {
+        self.sight().point_speed(body, point)
+    }
+
+    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
+        self.sight().point(body, point)
     }
 }
 
@@ -218,29 +235,6 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn drive_force(&self) -> f64 {
         self.last().1.drive_force
-    }
-
-    fn site_position(&self) -> f64 {
-        self.model.site().map_or(0.0, |s| {
-            let x = self.pose.point(s.body, s.point);
-            s.direction[0] * x[0] + s.direction[1] * x[1]
-        })
-    }
-
-    fn gap(&self, zone: usize) -> f64 {
-        self.pose.gap(&self.model, zone)
-    }
-
-    fn point_speed(&self, body: usize, point: [f64; 2]) -> f64 {
-        let along = |n| {
-            let row = self.pose.velocity_row(&self.model, body, point, n);
-            row.iter().zip(&self.state.velocity).map(|(r, v)| r * v).sum::<f64>()
-        };
-        along([1.0, 0.0]).hypot(along([0.0, 1.0]))
-    }
-
-    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
-        body.map_or(point, |b| self.pose.point(b, point))
     }
 
     fn gap_row(&self, zone: usize) -> Vec<f64> {

@@ -2,9 +2,11 @@
 //!
 //! The counting allocator belongs to this test's process only (`allocation-counter`).
 
+use batch::Lanes;
+use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use moreau::{Accuracy, FrictionLaw, Input, Settings, Solver};
+use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
 
 /// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step occurs.
 fn input(n: u64) -> Input<f64> {
@@ -41,6 +43,34 @@ fn a_step_never_allocates() {
         });
         assert_eq!(steps, 40_000);
         assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{settings:?}: {counted:?}");
+    }
+}
+
+/// As many grands as the batch has lanes, each in another part of its playing; inputs of one kind go in lanes, of several kinds one by
+/// one. With the iteration limit reached, too.
+#[test]
+fn a_group_step_never_allocates() {
+    let (model, state) = grand();
+    let usual = Settings::new(50e-6);
+    for lanes in [Lanes::One, Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| *lanes <= Lanes::most()) {
+        for settings in [usual, Settings { tolerance: 0.0, newton_limit: 3, ..usual }] {
+            let count = lanes.count();
+            let mut group = GrandGroup::new(&vec![model.clone(); count], &vec![state.clone(); count], &settings, lanes);
+            let (mut inputs, mut outcomes) = ([Input::Free; 8], [Outcome::Converged; 8]);
+            let mut steps = 0;
+            let counted = allocation_counter::measure(|| {
+                for n in 0..20_000 {
+                    let apart = if n < 10_000 { 0 } else { 700 };
+                    for (own, i) in inputs.iter_mut().zip(0..) {
+                        *own = input(n + apart * i);
+                    }
+                    group.step(&inputs[..count], &mut outcomes[..count]);
+                    steps += 1;
+                }
+            });
+            assert_eq!(steps, 20_000);
+            assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{lanes:?} {settings:?}: {counted:?}");
+        }
     }
 }
 

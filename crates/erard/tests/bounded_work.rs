@@ -1,5 +1,7 @@
 //! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
 
+use batch::Lanes;
+use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use moreau::{Input, Outcome, Settings};
@@ -57,4 +59,35 @@ fn one_sweep_is_no_disaster() {
     println!("{limited} of 20000 steps ran into the bound; energies {energies:?}");
     assert!(limited > 1000 && energies.total().is_finite());
     assert!(m.angles().iter().all(|q| q.abs() < 1.0), "{:?}", m.angles());
+}
+
+/// The same in the lanes of the batch: with no tolerance every moving step runs into its bound; each lane says so for itself, goes on, and
+/// is where it would be alone, its neighbours' work being no concern of it.
+#[test]
+fn lanes_run_into_the_bound_each_for_itself() {
+    let (model, state) = grand();
+    let settings = Settings { tolerance: 0.0, newton_limit: 2, ..Settings::new(50e-6) };
+    for lanes in [Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| *lanes <= Lanes::most()) {
+        let count = lanes.count();
+        let group = |lanes| GrandGroup::new(&vec![model.clone(); count], &vec![state.clone(); count], &settings, lanes);
+        let (mut together, mut alone) = (group(lanes), group(Lanes::One));
+        let (mut outcomes, mut unused) = (vec![Outcome::Converged; count], vec![Outcome::Converged; count]);
+        let mut limited = vec![0_u32; count];
+        for n in 0..20_000 {
+            // One lane rests, the others are struck at different rates.
+            let force = |i: usize| if i > 0 && (n / (1000 * i)).is_multiple_of(2) { 40.0 } else { 0.0 };
+            let inputs: Vec<Input<f64>> = (0..count).map(|i| Input::Force(force(i))).collect();
+            together.step(&inputs, &mut outcomes);
+            // Without a tolerance rounding decides whether the last iteration changed nothing at all, so that outcomes may differ.
+            alone.step(&inputs, &mut unused);
+            for (i, outcome) in outcomes.iter().enumerate() {
+                assert_ne!(*outcome, Outcome::NonFinite, "step {n}, lane {i}");
+                limited[i] += u32::from(*outcome == Outcome::IterationLimit);
+                let ((angle, _), (own, _)) = (together.motion(i), alone.motion(i));
+                assert!(angle.iter().zip(&own).all(|(a, b)| (a - b).abs() < 1e-9), "step {n}, lane {i}");
+            }
+        }
+        println!("{lanes:?}: {limited:?} of 20000 steps ran into the bound");
+        assert!(limited[1..].iter().all(|&limited| limited > 500) && limited[0] < limited[1], "{limited:?}");
+    }
 }

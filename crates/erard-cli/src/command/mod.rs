@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod bench;
 mod check;
 mod compare;
 mod draw;
@@ -10,6 +11,7 @@ mod options;
 mod press;
 mod regulate;
 mod reproduce;
+mod study;
 mod validate;
 
 use std::process::ExitCode;
@@ -34,6 +36,8 @@ enum Sub {
     Draw(Box<draw::Draw>),
     /// Shows leverage and sliding over the key's travel, from the geometry alone.
     Kinematics(Box<kinematics::Kinematics>),
+    /// Plays a stroke on many variants of an instrument: a parameter study.
+    Study(Box<study::Study>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
     /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
@@ -48,6 +52,8 @@ enum Sub {
     Compare(compare::Compare),
     /// Computes the papers' figures and claims anew and shows which hold.
     Reproduce(reproduce::Reproduce),
+    /// Measures how fast this machine simulates.
+    Bench(bench::Bench),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
@@ -59,6 +65,7 @@ pub fn run() -> ExitCode {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
         Sub::Kinematics(kinematics) => kinematics.run(),
+        Sub::Study(study) => study.run(),
         Sub::Measure(measure) => measure.run(),
         Sub::Keyboard(keyboard) => keyboard.run(),
         Sub::Regulate(regulate) => regulate.run(),
@@ -66,6 +73,7 @@ pub fn run() -> ExitCode {
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
+        Sub::Bench(bench) => bench.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

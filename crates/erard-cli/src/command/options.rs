@@ -219,6 +219,14 @@ pub struct Stroke {
 }
 
 impl StrokeOptions {
+    /// A constant force that is given otherwise: any stroke that is asked for contradicts it.
+    pub fn load_constant(&self) -> Result<Stroke, Failure> {
+        if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != DriveName::Force) {
+            return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));
+        }
+        Ok(Stroke::constant("constant forces".into(), 0.0))
+    }
+
     /// Reads the stroke.
     pub fn load(&self) -> Result<Stroke, Failure> {
         if let Some(force_n) = self.force_step {
@@ -231,14 +239,7 @@ impl StrokeOptions {
             if self.drive.is_some_and(|d| d != DriveName::Force) {
                 return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
             }
-            return Ok(Stroke {
-                title: format!("{force_n} N"),
-                drive: DriveName::Force,
-                start_s: 0.0,
-                duration_s: FORCE_STEP_DURATION_S,
-                series: None,
-                force_n,
-            });
+            return Ok(Stroke::constant(format!("{force_n} N"), force_n));
         }
         let (series, title, after) = match &self.file {
             Some(path) => (Series::load(path)?, path.display().to_string(), AFTERWARDS_S),
@@ -271,6 +272,18 @@ impl StrokeOptions {
 }
 
 impl Stroke {
+    /// A constant force from the start on, N.
+    fn constant(title: String, force_n: f64) -> Self {
+        Stroke {
+            title,
+            drive: DriveName::Force,
+            start_s: 0.0,
+            duration_s: FORCE_STEP_DURATION_S,
+            series: None,
+            force_n,
+        }
+    }
+
     /// Force over time, s to N: the series', or the constant one.
     pub fn force(&self) -> impl Fn(f64) -> f64 {
         let series = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);

@@ -13,6 +13,7 @@ use crate::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window,
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
+use crate::table::three;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -184,12 +185,6 @@ impl<'a> RowReport<'a> {
         };
         format!("{range} {}", self.unit).trim_end().to_owned()
     }
-}
-
-/// Three digits that count.
-fn three(x: f64) -> String {
-    let decimals = (2 - x.abs().max(1e-9).log10().floor() as i32).clamp(0, 3);
-    format!("{x:.*}", decimals as usize)
 }
 
 fn print_table(rows: &[RowReport]) {

@@ -1,8 +1,8 @@
 //! Every key on the technician's bench: hammers, leads and touch weights over the keyboard.
 
 use super::note_name;
+use crate::cores::{self, do_all, job};
 use crate::instrument::Instrument;
-use crate::measure::jobs::{do_all, job};
 use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
 use crate::measure::{Interrupt, MeasureError, Parts, pedal_down};
 
@@ -37,7 +37,7 @@ pub fn weigh(
         .zip(keys)
         .map(|(place, (key, instrument))| job(place, move |going| weigh_key(*key, instrument, going)))
         .collect();
-    do_all(jobs, progress)?;
+    do_all(jobs, cores::count(), progress)?;
     weighed.into_iter().map(|key| key.ok_or(MeasureError::Lost)).collect()
 }
 

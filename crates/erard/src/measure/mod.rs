@@ -7,7 +7,6 @@
 //! rest, down positive.
 
 pub mod inertia;
-pub(crate) mod jobs;
 pub mod norms;
 mod parts;
 pub mod range;
@@ -18,6 +17,7 @@ pub mod timing;
 mod trial;
 pub mod weights;
 
+pub use crate::cores::Interrupt;
 pub use parts::{Parts, pedal_down};
 pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
@@ -25,13 +25,11 @@ pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 use moreau::ModelError;
 use thiserror::Error;
 
+use crate::cores::Ending;
 use crate::equilibrium::EquilibriumError;
 use crate::kinematics::DeriveError;
 use crate::regulation;
 use crate::simulation::SimulationError;
-
-/// Asked now and then during long work; false ends it.
-pub type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Why an instrument cannot be measured.
 #[derive(Debug, Error)]
@@ -71,5 +69,11 @@ impl MeasureError {
             MeasureError::Simulation(SimulationError::Interrupted)
                 | MeasureError::Distances(regulation::MeasureError::Interrupted)
         )
+    }
+}
+
+impl Ending for MeasureError {
+    fn is_interruption(&self) -> bool {
+        MeasureError::is_interruption(self)
     }
 }

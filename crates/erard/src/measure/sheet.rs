@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::inertia::{InertiaCurve, inertia};
-use super::jobs::{do_all, job};
 use super::norms::{Flag, flags};
 use super::parts::{Parts, pedal_down};
 use super::range::{Loudness, Softest, midi_velocity, softest, speed_against_force};
@@ -14,6 +13,7 @@ use super::weights::{
     FreeWay, HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, free_way, on_the_key, on_the_scale,
 };
 use super::{MeasureError, range};
+use crate::cores::{self, do_all, job};
 use crate::instrument::Instrument;
 use crate::regulation::{self, Distances, Protocol};
 use crate::stroke::Touch as FingerTouch;
@@ -270,7 +270,7 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
         job(&mut way, |going| free_way(&lifted, &parts, going)),
         job(&mut distances, |going| Ok(regulation::measure(instrument, &Protocol::default(), &mut || going())?)),
     ];
-    do_all(first, &mut |share| progress(FIRST * share))?;
+    do_all(first, cores::count(), &mut |share| progress(FIRST * share))?;
     let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };
     let Some(dip) = distances.dip_m else {
         return Err(MeasureError::NotAnAction("pressed firmly, the key meets no bottom".into()));
@@ -292,7 +292,7 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
         jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, way.end_m, going)));
         jobs.push(job(&mut r.hysteresis_damped, |going| slow_loop(instrument, deep, going)));
     }
-    do_all(jobs, &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
+    do_all(jobs, cores::count(), &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
     let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
     let scale = on_the_scale(instrument, &parts, way.end_m, decided_m)?;
     r.sheet(instrument, way, &distances, scale).ok_or(MeasureError::Lost)

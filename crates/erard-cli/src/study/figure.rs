@@ -1,0 +1,57 @@
+//! A study as a figure: what came of the strokes over what was varied first.
+
+use erard::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
+use erard::run::Events;
+
+use super::{Axis, Row};
+
+/// More curves than this cannot be told apart.
+const MOST_CURVES: usize = 6;
+
+/// A quantity of a panel, with its unit.
+type Quantity = (&'static str, fn(&Events) -> Option<f64>);
+
+const QUANTITIES: [Quantity; 3] = [
+    ("hammer speed (m/s)", |e| e.hammer_speed_m_s),
+    ("key start to hammer (ms)", |e| Some((e.hammer_contact_s? - e.key_start_s?) * 1e3)),
+    ("hammer before key bottom (ms)", |e| Some((e.key_bottom_s? - e.hammer_contact_s?) * 1e3)),
+];
+
+/// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the order of the axes, the
+/// last one fastest.
+pub fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
+    let (first, others) = axes.split_first()?;
+    let curves: usize = others.iter().map(|axis| axis.shown.len()).product();
+    if first.shown.len() < 2 || curves > MOST_CURVES {
+        return None;
+    }
+    let label = |k: usize| {
+        let values = rows[k].values.iter().zip(axes).skip(1);
+        let named: Vec<String> =
+            values.map(|(value, axis)| format!("{} {value} {}", axis.name, axis.unit).trim_end().to_owned()).collect();
+        if named.is_empty() { "all else as it is".to_owned() } else { named.join(", ") }
+    };
+    let panel = |(y_label, get): &Quantity| ChartPanel {
+        y_label: (*y_label).into(),
+        y_log: false,
+        y_range: None,
+        curves: (0..curves)
+            .map(|k| {
+                let points = rows.iter().skip(k).step_by(curves).filter_map(|row| {
+                    let events = &row.outcome.as_ref().ok()?.events;
+                    Some((row.values[0], get(events)?))
+                });
+                let (x, y) = points.unzip();
+                ChartCurve { label: label(k), x, y, colour: k, mark: Mark::Points }
+            })
+            .collect(),
+    };
+    let unit = if first.unit.is_empty() { "factor" } else { first.unit };
+    Some(Chart {
+        title: title.into(),
+        caption: String::new(),
+        x_label: format!("{} ({unit})", first.name),
+        x_log: false,
+        panels: QUANTITIES.iter().map(panel).collect(),
+    })
+}

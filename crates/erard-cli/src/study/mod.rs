@@ -1,0 +1,9 @@
+//! What `erard study` is asked and answers: what is varied, the table, the figure.
+
+mod figure;
+mod table;
+mod vary;
+
+pub use figure::chart;
+pub use table::{Row, columns, lines};
+pub use vary::{Axis, Target};

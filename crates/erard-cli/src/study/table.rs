@@ -1,0 +1,93 @@
+//! The rows of a study: printed, and as columns of a file.
+
+use erard::run::Events;
+use erard::study::Played;
+
+use super::Axis;
+use crate::table::three;
+
+/// One stroke of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// What was varied, as shown, one for each axis.
+    pub values: Vec<f64>,
+    /// What came of it, or why nothing did.
+    pub outcome: Result<Played, String>,
+}
+
+/// A number of a row; `None` is what did not happen.
+type Get = fn(&Played) -> Option<f64>;
+
+/// What came of every stroke, in SI units. Instants count from the stroke's start.
+const OUTCOMES: [(&str, Get); 10] = [
+    ("key_start_s", |p| p.events.key_start_s),
+    ("toe_contact_s", |p| p.events.toe_contact_s),
+    ("let_off_s", |p| p.events.let_off_s),
+    ("hammer_contact_s", |p| p.events.hammer_contact_s),
+    ("hammer_speed_m_per_s", |p| p.events.hammer_speed_m_s),
+    ("key_bottom_s", |p| p.events.key_bottom_s),
+    ("check_s", |p| p.events.check_s),
+    ("strikes", |p| Some(p.events.strikes.len() as f64)),
+    ("hammer_highest_m", |p| Some(p.highest_m)),
+    ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
+];
+
+/// Name and values of every column: what was varied, what came of it, and whether the stroke failed (1, and nothing came of it).
+pub fn columns(axes: &[Axis], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
+    let varied = axes.iter().enumerate().map(|(i, axis)| {
+        let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
+        (axis.column(), values)
+    });
+    let outcomes = OUTCOMES.iter().map(|(name, get)| {
+        let values = rows.iter().map(|row| row.outcome.as_ref().ok().and_then(get)).collect();
+        ((*name).to_owned(), values)
+    });
+    let failed = rows.iter().map(|row| Some(f64::from(u8::from(row.outcome.is_err())))).collect();
+    varied.chain(outcomes).chain([("failed".to_owned(), failed)]).collect()
+}
+
+/// A column of the printed table: its heading and its cell.
+type Shown = (&'static str, fn(&Events) -> Option<f64>);
+
+const SHOWN: [Shown; 5] = [
+    ("hammer m/s", |e| e.hammer_speed_m_s),
+    ("at ms", |e| e.hammer_contact_s.map(|s| s * 1e3)),
+    ("let-off ms", |e| e.let_off_s.map(|s| s * 1e3)),
+    ("bottom ms", |e| e.key_bottom_s.map(|s| s * 1e3)),
+    ("check ms", |e| e.check_s.map(|s| s * 1e3)),
+];
+
+/// The table for people, at most so many rows of it, the first and the last among them.
+pub fn lines(axes: &[Axis], rows: &[Row], most: usize) -> Vec<String> {
+    let mut head = String::from(" ");
+    for axis in axes {
+        head += &format!(" {:>width$}", axis.column(), width = width(axis));
+    }
+    for (name, _) in SHOWN {
+        head += &format!(" {name:>11}");
+    }
+    let mut lines = vec![format!("{head} {:>8}", "strikes")];
+    let shown = most.min(rows.len()).max(1);
+    for k in 0..shown {
+        let Some(row) = rows.get(k * rows.len().saturating_sub(1) / (shown - 1).max(1)) else { continue };
+        let mut line = String::from(" ");
+        for (axis, value) in axes.iter().zip(&row.values) {
+            line += &format!(" {:>width$}", (value * 1e4).round() / 1e4, width = width(axis));
+        }
+        match &row.outcome {
+            Ok(played) => {
+                for (_, get) in SHOWN {
+                    line += &format!(" {:>11}", get(&played.events).map_or("-".to_owned(), three));
+                }
+                line += &format!(" {:>8}", played.events.strikes.len());
+            }
+            Err(error) => line += &format!("  failed: {error}"),
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+fn width(axis: &Axis) -> usize {
+    axis.column().chars().count().max(10)
+}

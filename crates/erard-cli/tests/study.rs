@@ -1,0 +1,114 @@
+//! `erard study` as a user runs it: what it writes is what `press` computes, and what is wrong is told.
+
+mod common;
+
+use common::Folder;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde_json::Value;
+
+/// The columns of a CSV file by name, as text.
+fn columns(folder: &Folder, file: &str) -> Vec<(String, Vec<String>)> {
+    let text = folder.read(file);
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let head = lines.next().expect("a header");
+    let rows: Vec<Vec<String>> = lines.collect();
+    head.into_iter().enumerate().map(|(i, name)| (name, rows.iter().map(|row| row[i].clone()).collect())).collect()
+}
+
+fn column(folder: &Folder, file: &str, name: &str) -> Vec<Option<f64>> {
+    let columns = columns(folder, file);
+    let (_, cells) = columns.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no column {name}"));
+    cells.iter().map(|cell| (!cell.is_empty()).then(|| cell.parse().unwrap())).collect()
+}
+
+/// Every combination is a row, the last axis fastest; the unmoved one is what `press` computes of the same stroke.
+#[test]
+fn a_study_is_many_presses() {
+    let folder = Folder::new("study-presses");
+    let printed = folder.good(&[
+        "study",
+        "--vary",
+        "let_off=-0.5mm..0.5mm:3",
+        "--vary",
+        "body.hammer.mass=0.9,1",
+        "--stroke",
+        "f",
+        "--duration",
+        "0.2",
+    ]);
+    assert!(printed.contains("6 strokes") && printed.contains("0 failed"), "{printed}");
+    let study = "erard-out/study.csv";
+    let varied: Vec<_> = ["let_off_mm", "body.hammer.mass_factor"].map(|name| column(&folder, study, name)).into();
+    assert_eq!(varied[0], [-0.5, -0.5, 0.0, 0.0, 0.5, 0.5].map(Some));
+    assert_eq!(varied[1], [0.9, 1.0, 0.9, 1.0, 0.9, 1.0].map(Some));
+    folder.good(&["press", "--stroke", "f", "--duration", "0.2", "--out", "press"]);
+    let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
+    for (ours, theirs) in [
+        ("hammer_speed_m_per_s", "hammer_speed_m_s"),
+        ("hammer_contact_s", "hammer_contact_s"),
+        ("key_bottom_s", "key_bottom_s"),
+        ("let_off_s", "let_off_s"),
+    ] {
+        let (ours, theirs) = (column(&folder, study, ours)[3].unwrap(), summary[theirs].as_f64().unwrap());
+        assert!((ours / theirs - 1.0).abs() < 1e-9, "{ours} {theirs}");
+    }
+    // A lighter hammer is thrown faster.
+    let speeds = column(&folder, study, "hammer_speed_m_per_s");
+    assert!(speeds.chunks(2).all(|pair| pair[0] > pair[1]), "{speeds:?}");
+
+    let parquet = std::fs::File::open(folder.0.join("erard-out/study.parquet")).unwrap();
+    let reader = SerializedFileReader::new(parquet).unwrap();
+    let metadata = reader.metadata().file_metadata();
+    let names: Vec<&str> = metadata.schema_descr().columns().iter().map(|column| column.name()).collect();
+    assert_eq!(names, columns(&folder, study).iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+    assert_eq!(metadata.num_rows(), 6);
+    assert!(folder.read("erard-out/study.svg").ends_with("</svg>\n"));
+}
+
+/// A force too weak for a sound leaves its cells empty; a setting that cannot be is a row that failed, and the others stand.
+#[test]
+fn what_does_not_happen_is_empty_and_what_cannot_be_fails_alone() {
+    let folder = Folder::new("study-empty");
+    folder.good(&["study", "--vary", "force=0.2,5", "--duration", "0.3", "--out", "forces"]);
+    let speeds = column(&folder, "forces/study.csv", "hammer_speed_m_per_s");
+    assert!(speeds[0].is_none() && speeds[1].is_some(), "{speeds:?}");
+    assert_eq!(column(&folder, "forces/study.csv", "strikes"), [Some(0.0), Some(1.0)]);
+
+    let printed =
+        folder.good(&["study", "--vary", "repetition_spring=0,-99Nmm", "--force-step", "5", "--out", "springs"]);
+    assert!(printed.contains("1 failed") && printed.contains("repetition_spring cannot be varied by -99"), "{printed}");
+    assert_eq!(column(&folder, "springs/study.csv", "failed"), [Some(0.0), Some(1.0)]);
+    let speeds = column(&folder, "springs/study.csv", "hammer_speed_m_per_s");
+    assert!(speeds[0].is_some() && speeds[1].is_none(), "{speeds:?}");
+}
+
+#[test]
+fn wrong_studies() {
+    let folder = Folder::for_command("study", "wrong");
+    for (arguments, told) in [
+        (&[][..], "--vary"),
+        (&["--vary", "let_of=1mm"], "let_off"),
+        (&["--vary", "let_off=1mm..2mm"], "FROM..TO:COUNT"),
+        (&["--vary", "let_off=0,1", "--vary", "let_off=0,1"], "varied twice"),
+        (&["--vary", "force=1..2:3", "--stroke", "ff"], "no other stroke"),
+        (&["--vary", "let_off=0..1:99999", "--vary", "drop=0..1:99999"], "more than 2000000 strokes"),
+        (&["--vary", "let_off=0,1", "--duration", "-1"], "--duration"),
+        (&["--vary", "let_off=0,1", "--dt", "1"], "--dt"),
+    ] {
+        let said = folder.bad(arguments);
+        assert!(said.contains(told), "{arguments:?}: {said}");
+    }
+}
+
+/// Control-C: exit code 130, nothing written.
+#[cfg(unix)]
+#[test]
+fn interrupted() {
+    let folder = Folder::for_command("study", "interrupted");
+    let mut child = folder.command(&["--vary", "let_off=-1..1:50000", "--force-step", "5"]).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
