@@ -59,27 +59,35 @@ fn beyond_parents<T: Real, const B: usize, const Z: usize>(
     }
 }
 
-/// Adds the coupling c v_i v_a of a body and its ancestor to the mass matrix in relative velocities, where v is the sum of w over the
-/// joints that carry a body.
-fn add_coupling<T: Real, const B: usize, const Z: usize>(
+/// The mass matrix of a tree of any depth in relative velocities: built in absolute ones, in which v is the sum of w over the joints that
+/// carry a body, so that from the leaves on each row and column goes to its parent's, too.
+#[cold]
+fn deep_mass<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
-    mass: &mut Symmetric<T, B>,
-    body: usize,
-    ancestor: usize,
-    coupling: T,
-) {
-    let mut j = body;
-    while j < B {
-        let mut k = ancestor;
-        while k < B {
-            mass.add(j, k, coupling);
-            if j == k {
-                mass.add(j, k, coupling);
-            }
-            k = model.parent[k];
-        }
-        j = model.parent[j];
+    coupling: &[T; B],
+    deep_coupling: &[[T; B]; B],
+) -> Symmetric<T, B> {
+    let mut mass = [[T::ZERO; B]; B];
+    for i in 0..B {
+        mass[i][i] = model.inertia[i];
     }
+    let mut couple = |i: usize, ancestor: usize, c: T| (mass[i][ancestor], mass[ancestor][i]) = (c, c);
+    for &i in &model.hinged[..model.hinged_count] {
+        couple(i, model.parent[i], coupling[i]);
+    }
+    beyond_parents(model, |i, ancestor, _| couple(i, ancestor, deep_coupling[i][ancestor]));
+    for &i in model.hinged[..model.hinged_count].iter().rev() {
+        let p = model.parent[i];
+        for k in 0..B {
+            let t = mass[i][k];
+            mass[p][k] += t;
+        }
+        for row in &mut mass {
+            let t = row[i];
+            row[p] += t;
+        }
+    }
+    Symmetric { diagonal: core::array::from_fn(|i| mass[i][i]), below: mass }
 }
 
 /// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws.
@@ -103,14 +111,11 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } =
         &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
-    *a = model.joint_inertia;
     let mut carried = [T::ZERO; B];
     if model.deep {
-        for &i in &model.hinged[..model.hinged_count] {
-            add_coupling(model, a, i, model.parent[i], coupling[i]);
-        }
-        beyond_parents(model, |i, ancestor, _| add_coupling(model, a, i, ancestor, deep_coupling[i][ancestor]));
+        *a = deep_mass(model, coupling, deep_coupling);
     } else {
+        *a = model.joint_inertia;
         // c (w_i + w_p) w_p.
         for &i in &model.hinged[..model.hinged_count] {
             a.below[i][model.parent[i]] += coupling[i];
