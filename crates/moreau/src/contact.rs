@@ -181,6 +181,9 @@ impl<T: Real, const B: usize> Contact<T, B> {
         // To second order; where the clamp at zero may have come or gone, to first.
         let (linear, quadratic) = (self.bend.linear * rate, self.bend.quadratic * rate * rate);
         let bent = T::select(linear.lt(self.bend.slack), quadratic, linear.max(quadratic));
+        if active.all() {
+            return bent;
+        }
         // Not touched before: all of it.
         let deepest = (self.bend.deepest + (timing.h_theta + timing.node) * rate).max(T::ZERO);
         let (elastic, _, _) = form.felt.elastic(deepest);

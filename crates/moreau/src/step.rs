@@ -90,7 +90,8 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let mut done = no;
 
     for iteration in 0..settings.newton_limit {
-        let model = core::hint::black_box(model);
+        // Lanes are short of registers: without this, all that is read of the model is read before the loop, and stored again.
+        let model = if T::LANES > 1 { core::hint::black_box(model) } else { model };
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
         let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
@@ -125,8 +126,12 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
             // These lanes are done, and keep their forces while others go on.
             end(model, settled, state, scratch);
         }
-        let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
+        if settled.all() {
+            w = next;
+            break;
+        }
         let stopped = done.or(finite.not());
+        let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
         for i in 0..B {
             w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * change[i]));
         }

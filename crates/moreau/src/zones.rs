@@ -95,6 +95,10 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
         largest = largest.max(size);
     }
+    if !T::ZERO.lt(largest).any() {
+        // At rest the prediction was right to the bit.
+        return holds;
+    }
     let x = timing.theta * largest;
     let ease = &scratch.ease;
     let bound = h * ease.square * x * x;
