@@ -13,7 +13,7 @@ use crate::instrument::Instrument;
 use crate::sight::{Sight, Visible};
 
 /// What drives an inner step that begins so many s after the controlled step and lasts so long, s; the last argument says where the
-/// driven point is then, as [`Mechanism::site_position`] does.
+/// driven point is then, as [`Visible::site_position`] does.
 pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
 
 /// What can be asked of an assembled mechanism. Indices follow the instrument's bodies and zones.
