@@ -205,8 +205,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
         if !self.active[zone].any() {
             return None;
         }
-        let (form, path, timing) =
-            (&model.forms[zone], &model.paths[zone], Timing::new(settings.step, settings.theta));
+        let (form, path, timing) = (&model.forms[zone], &model.paths[zone], Timing::new(settings.step, settings.theta));
         let velocities = [&self.joint_velocity, &self.change];
         Some(self.contacts[zone].contact(form, path, &self.pose, velocities, &timing, self.active[zone]))
     }
