@@ -41,11 +41,9 @@ impl<T: Real> Ease<T> {
     }
 }
 
-/// A zone that is touched during one step.
+/// A zone as it acted during one step, for whoever reads it.
 #[derive(Debug, Clone, Copy)]
-pub struct Contact<T: Real, const B: usize> {
-    /// Near enough to be touched during the step.
-    pub(crate) in_reach: T::Mask,
+pub struct Contact<T> {
     /// Compression g at the theta point, m; negative apart.
     pub gap: T,
     /// dg/dt, m/s.
@@ -58,40 +56,48 @@ pub struct Contact<T: Real, const B: usize> {
     pub force: T,
     /// The part of `force` due to damping, b g^2 dg/dt (or what the clamp left of it), N.
     pub damping_force: T,
-    /// h dF/dv1 along the row (the linearised felt), never negative.
-    pub(crate) tangent: T,
-    /// What [`Contact::remainder`] needs of the felt.
-    bend: Bend<T>,
-    /// Row G in relative velocities, for the joints of the zone's path: dg/dt = G w.
-    pub(crate) row: [T; B],
 }
 
-impl<T: Real, const B: usize> Contact<T, B> {
-    pub(crate) fn apart() -> Self {
-        let (z, o, no) = (T::ZERO, [T::ZERO; 2], T::Mask::splat(false));
-        Contact {
-            in_reach: no,
-            gap: z,
-            rate: z,
-            normal: o,
-            point: o,
-            force: z,
-            damping_force: z,
-            tangent: z,
-            bend: Bend { deepest: z, linear: z, quadratic: z, slack: z },
-            row: [z; B],
-        }
+/// What the step keeps of a zone that it has looked at; the rest is worked out again for whoever asks.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch<T: Real, const B: usize> {
+    /// Near enough to be touched during the step.
+    pub in_reach: T::Mask,
+    /// Normal force F, N, never negative.
+    pub force: T,
+    /// h dF/dv1 along the row (the linearised felt), never negative.
+    pub tangent: T,
+    /// What [`Touch::remainder`] needs of the felt.
+    bend: Bend<T>,
+    /// Row G in relative velocities, for the joints of the zone's path: dg/dt = G w.
+    pub row: [T; B],
+}
+
+/// What a look at a zone finds out beside.
+pub(crate) struct Look<T: Real, const K: usize> {
+    /// Where it is touched during the step.
+    pub touched: T::Mask,
+    pub row: Row<T, K>,
+    pub gap: T,
+    pub normal: Vector<T>,
+}
+
+impl<T: Real, const B: usize> Touch<T, B> {
+    pub fn apart() -> Self {
+        let z = T::ZERO;
+        let bend = Bend { deepest: z, linear: z, quadratic: z, slack: z };
+        Touch { in_reach: T::Mask::splat(false), force: z, tangent: z, bend, row: [z; B] }
     }
 
-    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; says where it is, and gives the row,
-    /// of K entries. `candidates`: the lanes that may be in reach.
+    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; the row has K entries. `candidates`: the
+    /// lanes that may be in reach.
     ///
     /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
     /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
     /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
     /// step's end, and the scheme is backward Euler.
     #[inline(always)]
-    pub(crate) fn evaluate<const K: usize>(
+    pub fn evaluate<const K: usize>(
         &mut self,
         form: &Form<T>,
         path: &Path<T, B>,
@@ -99,81 +105,66 @@ impl<T: Real, const B: usize> Contact<T, B> {
         w: &[T; B],
         timing: &Timing<T>,
         candidates: T::Mask,
-    ) -> (T::Mask, Row<T, K>) {
+    ) -> Look<T, K> {
         let center = form.center(pose);
         let (gap, normal) = form.gap_and_normal(pose, center);
         let in_reach = candidates.and((-timing.reach).le(gap));
         self.in_reach = in_reach;
         let mut row = path.entries::<K>(&self.row);
         if !in_reach.any() {
-            return (in_reach, row);
+            return Look { touched: in_reach, row, gap, normal };
         }
         for k in 0..K {
             row.entry[k] = path.sign(k) * pose.turning(row.joint[k], center, normal);
             self.row[k] = row.entry[k];
         }
         let rate = row.product(w);
-        self.gap = gap;
-        self.rate = rate;
-        self.normal = normal;
-        let offset = timing.node * rate;
-        let deepest = gap + offset.abs();
-        self.bend.deepest = deepest;
-        let active = in_reach.and(T::ZERO.lt(deepest));
-        if active.any() {
-            self.press(form, gap, rate, timing, active);
-        }
-        (active, row)
-    }
-
-    /// The felt's mean force over the step and its tangent, at a compression and rate.
-    #[inline(always)]
-    fn press(&mut self, form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) {
-        let felt = &form.felt;
-        let pressed = if form.is_square() {
-            let whole = press_square(felt, gap, rate, timing, active);
-            let partly = active.and(gap.le((timing.node * rate).abs()));
-            if partly.any() {
-                // Each lane by the formula that it would take alone.
-                whole.or(partly, press_points(felt, gap, rate, timing, active))
-            } else {
-                whole
-            }
+        let deepest = gap + (timing.node * rate).abs();
+        let touched = in_reach.and(T::ZERO.lt(deepest));
+        if touched.any() {
+            let pressed = press(form, gap, rate, timing, touched);
+            self.force = pressed.force;
+            self.tangent = pressed.tangent;
+            self.bend = pressed.bend;
         } else {
-            press_points(felt, gap, rate, timing, active)
-        };
-        self.force = pressed.force;
-        self.damping_force = pressed.damping_force;
-        self.tangent = pressed.tangent;
-        self.bend = pressed.bend;
+            self.bend.deepest = deepest;
+        }
+        Look { touched, row, gap, normal }
     }
 
-    /// Completes what a caller may read, at the pose of the last evaluation: takes the force along with the last change of the
-    /// relative velocities, without looking at the geometry again.
-    pub(crate) fn complete(
-        &mut self,
-        form: &Form<T>,
-        path: &Path<T, B>,
-        pose: &Pose<T, B>,
-        change: &[T; B],
-        timing: &Timing<T>,
-        active: T::Mask,
-    ) {
-        self.point = form.contact_point(pose, self.gap, self.normal);
-        let ahead = timing.theta * path.product(&self.row, change);
-        self.rate += ahead;
-        self.gap += timing.h_theta * ahead;
-        self.press(form, self.gap, self.rate, timing, active);
-    }
-
-    /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
-    /// Newton iteration leaves to the next.
-    #[inline(always)]
-    pub(crate) fn remainder(
+    /// What a caller may read, at the pose of the last evaluation, given the relative velocities that it was made with and their last
+    /// change, with which the force goes along.
+    pub fn contact(
         &self,
         form: &Form<T>,
         path: &Path<T, B>,
-        change: &[T; B],
+        pose: &Pose<T, B>,
+        [w, change]: [&[T; B]; 2],
+        timing: &Timing<T>,
+        touched: T::Mask,
+    ) -> Contact<T> {
+        let (gap, normal) = form.gap_and_normal(pose, form.center(pose));
+        let ahead = timing.theta * path.product(&self.row, change);
+        let (rate, ahead_gap) = (path.product(&self.row, w) + ahead, gap + timing.h_theta * ahead);
+        let pressed = press(form, ahead_gap, rate, timing, touched);
+        Contact {
+            gap: ahead_gap,
+            rate,
+            normal,
+            point: form.contact_point(pose, gap, normal),
+            force: pressed.force,
+            damping_force: pressed.damping_force,
+        }
+    }
+
+    /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
+    /// Newton iteration leaves to the next. `w`: the relative velocities of the evaluation.
+    #[inline(always)]
+    pub fn remainder(
+        &self,
+        form: &Form<T>,
+        path: &Path<T, B>,
+        [w, change]: [&[T; B]; 2],
         timing: &Timing<T>,
         active: T::Mask,
     ) -> T {
@@ -187,13 +178,13 @@ impl<T: Real, const B: usize> Contact<T, B> {
         // Not touched before: all of it.
         let deepest = (self.bend.deepest + (timing.h_theta + timing.node) * rate).max(T::ZERO);
         let (elastic, _, _) = form.felt.elastic(deepest);
-        let onset = elastic + form.felt.damping * deepest * deepest * (self.rate.abs() + rate);
+        let onset = elastic + form.felt.damping * deepest * deepest * (path.product(&self.row, w).abs() + rate);
         T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
     }
 
-    /// Adds to the quick bounds of what [`Contact::remainder`] may find; `lever`: the sum of the row's levers.
+    /// Adds to the quick bounds of what [`Touch::remainder`] may find; `lever`: the sum of the row's levers.
     #[inline(always)]
-    pub(crate) fn ease(&self, lever: T, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
+    pub fn ease(&self, lever: T, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
         if active.all() {
             ease.slack = ease.slack.min(self.bend.slack);
             ease.linear = ease.linear.max(lever * self.bend.linear);
@@ -211,21 +202,38 @@ impl<T: Real, const B: usize> Contact<T, B> {
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
     /// the normal turned clockwise by a quarter turn.
     #[inline(always)]
-    pub(crate) fn slip_row(
-        &self,
+    pub fn slip_row<const K: usize>(
+        look: &Look<T, K>,
         form: &Form<T>,
         path: &Path<T, B>,
         pose: &Pose<T, B>,
         lanes: T::Mask,
         row: &mut [T; B],
     ) {
-        let (before, point) = (*row, form.contact_point(pose, self.gap, self.normal));
-        pose.turning_row(path, point, [-self.normal[1], self.normal[0]], row);
+        let (before, point) = (*row, form.contact_point(pose, look.gap, look.normal));
+        pose.turning_row(path, point, [-look.normal[1], look.normal[0]], row);
         if !lanes.all() {
             for (k, _) in path.joints() {
                 row[k] = T::select(lanes, row[k], before[k]);
             }
         }
+    }
+}
+
+/// The felt's mean force over the step and its tangent, at a compression and rate.
+#[inline(always)]
+fn press<T: Real>(form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) -> Pressed<T> {
+    let felt = &form.felt;
+    if !form.is_square() {
+        return press_points(felt, gap, rate, timing, active);
+    }
+    let whole = press_square(felt, gap, rate, timing, active);
+    let partly = active.and(gap.le((timing.node * rate).abs()));
+    if partly.any() {
+        // Each lane by the formula that it would take alone.
+        whole.or(partly, press_points(felt, gap, rate, timing, active))
+    } else {
+        whole
     }
 }
 
@@ -461,10 +469,10 @@ mod tests {
                 let model = Model::<f64, 4, 1>::new(&bodies, &[], &[zone], None, 0.0).unwrap();
                 let q = [0.3, -0.7, 1.9, 0.4];
                 let gap = |q: &[f64; 4]| gap_of(&Form::of(&zone), &Pose::of(&model, q));
-                let mut contact = Contact::apart();
+                let mut touch = Touch::apart();
                 let timing = Timing::new(1e-3, 0.5);
                 let (pose, path) = (Pose::of(&model, &q), &model.paths[0]);
-                assert!(contact.evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true).0);
+                assert!(touch.evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true).touched);
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;

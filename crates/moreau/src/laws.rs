@@ -104,8 +104,10 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
                 guess.sliding[n] = T::select(fresh, arrival, side[z]);
             }
             if !pressed.all() {
-                // In lanes that do not press there is no law: a bound of zero that no velocity changes.
-                let only = |x: T| T::select(pressed, x, T::ZERO);
+                // In lanes that do not press there is no law: a bound of zero that no velocity changes. (A product: to store some
+                // lanes only is far slower.)
+                let share = T::select(pressed, T::ONE, T::ZERO);
+                let only = |x: T| x * share;
                 law.row = law.row.map(only);
                 law.slope = law.slope.map(only);
                 law.bound = only(law.bound);

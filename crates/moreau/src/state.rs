@@ -1,6 +1,6 @@
 //! Where a mechanism is now, what drives it in a step, and the step's working memory.
 
-use crate::contact::{Contact, Ease, Timing};
+use crate::contact::{Contact, Ease, Timing, Touch};
 use crate::laws::Law;
 use crate::osnsp::active_set::{Condensed, Guess};
 use crate::osnsp::{Impulses, System};
@@ -113,7 +113,7 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The pose at which the last Newton iteration evaluated the forces.
     pub pose: Pose<T, B>,
     /// The zones there, as far as they are touched during the step.
-    pub(crate) contacts: [Contact<T, B>; Z],
+    pub(crate) contacts: [Touch<T, B>; Z],
     pub(crate) active: [T::Mask; Z],
     /// Quick bounds of what the felts' linearisation leaves out.
     pub(crate) ease: Ease<T>,
@@ -160,7 +160,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
         let z = T::ZERO;
         Scratch {
             pose: Pose::new(),
-            contacts: [Contact::apart(); Z],
+            contacts: [Touch::apart(); Z],
             active: [T::Mask::splat(false); Z],
             ease: Ease::new(),
             change: [z; B],
@@ -201,14 +201,13 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
     }
 
     /// A zone as it acted during the last step; `None` if it was not touched.
-    pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T, B>> {
+    pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T>> {
         if !self.active[zone].any() {
             return None;
         }
-        let (mut contact, timing) = (self.contacts[zone], Timing::new(settings.step, settings.theta));
-        let (form, path) = (&model.forms[zone], &model.paths[zone]);
-        contact.complete(form, path, &self.pose, &self.change, &timing, self.active[zone]);
-        Some(contact)
+        let (form, path, timing) = (&model.forms[zone], &model.paths[zone], Timing::new(settings.step, settings.theta));
+        let velocities = [&self.joint_velocity, &self.change];
+        Some(self.contacts[zone].contact(form, path, &self.pose, velocities, &timing, self.active[zone]))
     }
 }
 

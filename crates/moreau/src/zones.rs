@@ -1,6 +1,6 @@
 //! All contact zones of a step.
 
-use crate::contact::{Ease, Timing};
+use crate::contact::{Ease, Timing, Touch};
 use crate::model::Model;
 use crate::settings::Settings;
 use crate::state::Scratch;
@@ -45,17 +45,18 @@ fn add_zone<T: Real, const B: usize, const Z: usize, const N: usize, const K: us
     let (form, path, contact) = (&model.forms[z], &model.paths[z], &mut contacts[z]);
     // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
     let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
-    let (touched, row) = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates);
+    let look = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates);
+    let touched = look.touched;
     active[z] = touched;
     if !contact.in_reach.any() {
         return;
     }
-    contact.ease(row.sum_of_levers(), timing, touched, ease);
+    contact.ease(look.row.sum_of_levers(), timing, touched, ease);
     if touched.any() {
-        row.add_term(&mut system.a, &mut system.b, contact.tangent, -(timing.step * contact.force), w);
+        look.row.add_term(&mut system.a, &mut system.b, contact.tangent, -(timing.step * contact.force), w);
         let fresh = touched.and(has_slip_row[z].not());
         if form.slides && fresh.any() {
-            contact.slip_row(form, path, pose, fresh, &mut slip_row[z]);
+            Touch::slip_row(&look, form, path, pose, fresh, &mut slip_row[z]);
             has_slip_row[z] = has_slip_row[z].or(touched);
         }
     }
@@ -126,7 +127,8 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     for &z in near {
         let (form, path, contact) = (&model.forms[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
-            let p = timing.step * contact.remainder(form, path, change, timing, scratch.active[z]);
+            let p = timing.step
+                * contact.remainder(form, path, [&scratch.joint_velocity, change], timing, scratch.active[z]);
             for (k, j) in path.joints() {
                 impulse[j] += p * contact.row[k].abs();
             }

@@ -291,12 +291,12 @@ fn slide<T: Real, const B: usize, const N: usize>(
             for j in 0..n {
                 matrix[k][j] += T::select(sticks, product(&law.row, &columns[j]), T::ZERO);
             }
-            p[k] = T::select(sticks, impulses.sliding[k], T::ZERO);
+            p[k] = impulses.sliding[k] * T::select(sticks, T::ONE, T::ZERO);
             diagonal[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
         }
         if slides.any() {
             // Sliding: p = s (bound + slope . (w + sum columns p)).
-            rhs[k] = T::select(slides, side * (law.bound + product(&law.slope, v)), rhs[k]);
+            rhs[k] += T::select(slides, side * (law.bound + product(&law.slope, v)), T::ZERO);
             for j in 0..n {
                 matrix[k][j] -= T::select(slides, side * product(&law.slope, &columns[j]), T::ZERO);
             }
