@@ -131,7 +131,8 @@ impl<T: Real, const K: usize> Row<T, K> {
         sum
     }
 
-    /// Adds a force along the row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row, b += row^T (p + tangent row . w).
+    /// Adds a force along the row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row,
+    /// b += row^T (p + tangent row . w).
     #[inline(always)]
     pub fn add_term<const B: usize>(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], tangent: T, p: T, w: &[T; B]) {
         let total = p + tangent * self.product(w);

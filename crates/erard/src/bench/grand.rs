@@ -21,7 +21,7 @@ pub type GrandModel = Model<f64, 6, 14>;
 pub type GrandState = State<f64, 6, 14>;
 /// The same; ten set-valued laws, one of them a rigid drive's.
 pub type GrandScratch = Scratch<f64, 6, 14, 10>;
-/// Four of them in lanes.
+/// As many of them as there are lanes.
 pub type GrandGroup = batch::Group<6, 14, 10>;
 
 /// The concert grand.

@@ -1,9 +1,9 @@
-//! Active set on the velocities: guess which laws stick, take the velocities that stick out of the system, solve it, correct
+//! Active set on the velocities: guess which laws stick, hold the velocities that stick, solve the system, correct
 //! the guess, until it is right. The warm start is right in most steps, and then one factorisation is all; the Delassus
 //! matrix is never formed.
 //!
-//! Sticking pivots are left out of the system, so that their velocities are exactly zero (a held note does not drift by
-//! rounding), and it is solved by code unrolled for its size. Sliding contacts are few: they are condensed onto a system of
+//! Sticking pivots stay in the system with a huge inertia, which leaves the others as if they were not in it, and their velocities are then
+//! set to zero exactly (a held note does not drift by rounding). Sliding contacts are few: they are condensed onto a system of
 //! their own. Where guesses cycle, the exact dense solver takes over.
 
 use super::delassus::Dense;
