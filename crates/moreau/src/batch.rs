@@ -1,5 +1,6 @@
 //! Several mechanisms in the lanes of one model.
 
+use crate::ease::Bending;
 use crate::form::Form;
 use crate::joints::Parent;
 use crate::linear::Symmetric;
@@ -52,6 +53,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             zones: core::array::from_fn(|z| zone_of_lanes(|lane| &models[lane].zones[z])),
             forms: core::array::from_fn(|z| Form::of(&zone_of_lanes(|lane| &models[lane].zones[z]))),
             paths: core::array::from_fn(|z| Path::of_lanes(|lane| &models[lane].paths[z])),
+            bending: Bending::of_lanes(|lane| &models[lane].bending),
             site_path: Path::of_lanes(|lane| &models[lane].site_path),
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,

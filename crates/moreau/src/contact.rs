@@ -1,5 +1,6 @@
 //! Contact zones: geometry of a disc against a curve, and the felt between them.
 
+use crate::ease::Ease;
 use crate::form::Form;
 use crate::model::{Exponent, Felt};
 use crate::path::{Path, Row};
@@ -22,7 +23,7 @@ pub(crate) struct Timing<T> {
     pub h_theta: T,
     pub theta: T,
     /// From the theta point to a Gauss point.
-    node: T,
+    pub node: T,
     /// Compression that can be gained within the step, m.
     pub reach: T,
 }
@@ -31,13 +32,6 @@ impl<T: Real> Timing<T> {
     pub fn new(h: T, theta: T) -> Self {
         let node = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
         Timing { step: h, h_theta: h * theta, theta, node, reach: node * T::from_f64(CLOSING_SPEED) }
-    }
-}
-
-impl<T: Real> Ease<T> {
-    pub fn new() -> Self {
-        let (z, far) = (T::ZERO, T::from_f64(1e30));
-        Ease { slack: far, linear: z, clear: far, reach: z, square: z }
     }
 }
 
@@ -67,8 +61,9 @@ pub(crate) struct Touch<T: Real, const B: usize> {
     pub force: T,
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub tangent: T,
-    /// What [`Touch::remainder`] needs of the felt.
-    bend: Bend<T>,
+    /// Compression at the theta point, m, and dg/dt, m/s: what the felt's bend is worked out from, where it is asked for.
+    gap: T,
+    rate: T,
     /// Row G in relative velocities, for the joints of the zone's path: dg/dt = G w.
     pub row: [T; B],
 }
@@ -85,8 +80,7 @@ pub(crate) struct Look<T: Real, const K: usize> {
 impl<T: Real, const B: usize> Touch<T, B> {
     pub fn apart() -> Self {
         let z = T::ZERO;
-        let bend = Bend { deepest: z, linear: z, quadratic: z, slack: z };
-        Touch { in_reach: T::Mask::splat(false), force: z, tangent: z, bend, row: [z; B] }
+        Touch { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, row: [z; B] }
     }
 
     /// Evaluates geometry at the theta point, and the felt where it is touched during the step; the row has K entries. `candidates`: the
@@ -105,6 +99,7 @@ impl<T: Real, const B: usize> Touch<T, B> {
         w: &[T; B],
         timing: &Timing<T>,
         candidates: T::Mask,
+        ease: &mut Ease<T>,
     ) -> Look<T, K> {
         let center = form.center(pose);
         let (gap, normal) = form.gap_and_normal(pose, center);
@@ -119,15 +114,13 @@ impl<T: Real, const B: usize> Touch<T, B> {
             self.row[k] = row.entry[k];
         }
         let rate = row.product(w);
-        let deepest = gap + (timing.node * rate).abs();
-        let touched = in_reach.and(T::ZERO.lt(deepest));
+        (self.gap, self.rate) = (gap, rate);
+        let touched = in_reach.and(T::ZERO.lt(ease.take_in(gap, rate, timing)));
         if touched.any() {
             let pressed = press(form, gap, rate, timing, touched);
+            ease.keep_pace(pressed.pace, touched);
             self.force = pressed.force;
             self.tangent = pressed.tangent;
-            self.bend = pressed.bend;
-        } else {
-            self.bend.deepest = deepest;
         }
         Look { touched, row, gap, normal }
     }
@@ -164,39 +157,24 @@ impl<T: Real, const B: usize> Touch<T, B> {
         &self,
         form: &Form<T>,
         path: &Path<T, B>,
-        [w, change]: [&[T; B]; 2],
+        change: &[T; B],
         timing: &Timing<T>,
         active: T::Mask,
     ) -> T {
         let rate = (timing.theta * path.product(&self.row, change)).abs();
         // To second order; where the clamp at zero may have come or gone, to first.
-        let (linear, quadratic) = (self.bend.linear * rate, self.bend.quadratic * rate * rate);
-        let bent = T::select(linear.lt(self.bend.slack), quadratic, linear.max(quadratic));
+        let bend = press(form, self.gap, self.rate, timing, active).bend;
+        let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
+        let bent = T::select(linear.lt(bend.slack), quadratic, linear.max(quadratic));
         if active.all() {
             return bent;
         }
         // Not touched before: all of it.
-        let deepest = (self.bend.deepest + (timing.h_theta + timing.node) * rate).max(T::ZERO);
+        let reach = timing.h_theta + timing.node;
+        let deepest = (self.gap + timing.node * self.rate.abs() + reach * rate).max(T::ZERO);
         let (elastic, _, _) = form.felt.elastic(deepest);
-        let onset = elastic + form.felt.damping * deepest * deepest * (path.product(&self.row, w).abs() + rate);
+        let onset = elastic + form.felt.damping * deepest * deepest * (self.rate.abs() + rate);
         T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
-    }
-
-    /// Adds to the quick bounds of what [`Touch::remainder`] may find; `lever`: the sum of the row's levers.
-    #[inline(always)]
-    pub fn ease(&self, lever: T, timing: &Timing<T>, active: T::Mask, ease: &mut Ease<T>) {
-        if active.all() {
-            ease.slack = ease.slack.min(self.bend.slack);
-            ease.linear = ease.linear.max(lever * self.bend.linear);
-            ease.square += self.bend.quadratic * lever * lever * lever;
-        } else {
-            let far = T::from_f64(1e30);
-            ease.slack = ease.slack.min(T::select(active, self.bend.slack, far));
-            ease.linear = ease.linear.max(T::select(active, lever * self.bend.linear, T::ZERO));
-            ease.square += T::select(active, self.bend.quadratic * lever * lever * lever, T::ZERO);
-            ease.clear = ease.clear.min(T::select(active, far, -self.bend.deepest));
-            ease.reach = ease.reach.max((timing.h_theta + timing.node) * lever);
-        }
     }
 
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
@@ -227,7 +205,7 @@ fn press<T: Real>(form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, active: T
     if !form.is_square() {
         return press_points(felt, gap, rate, timing, active);
     }
-    let whole = press_square(felt, gap, rate, timing, active);
+    let whole = press_square(form, gap, rate, timing, active);
     let partly = active.and(gap.le((timing.node * rate).abs()));
     if partly.any() {
         // Each lane by the formula that it would take alone.
@@ -244,6 +222,8 @@ struct Pressed<T> {
     damping_force: T,
     tangent: T,
     bend: Bend<T>,
+    /// See [`Ease`].
+    pace: T,
 }
 
 impl<T: Real> Pressed<T> {
@@ -256,11 +236,11 @@ impl<T: Real> Pressed<T> {
             damping_force: choose(self.damping_force, other.damping_force),
             tangent: choose(self.tangent, other.tangent),
             bend: Bend {
-                deepest: choose(self.bend.deepest, other.bend.deepest),
                 linear: choose(self.bend.linear, other.bend.linear),
                 quadratic: choose(self.bend.quadratic, other.bend.quadratic),
                 slack: choose(self.bend.slack, other.bend.slack),
             },
+            pace: choose(self.pace, other.pace),
         }
     }
 }
@@ -268,8 +248,8 @@ impl<T: Real> Pressed<T> {
 /// The mean force over a step of a felt with r = 2, both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is
 /// (k + b dg/dt) (g^2 + o^2), o being the points' distance from the middle.
 #[inline(always)]
-fn press_square<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) -> Pressed<T> {
-    let (h_theta, node) = (timing.h_theta, timing.node);
+fn press_square<T: Real>(form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, active: T::Mask) -> Pressed<T> {
+    let (felt, h_theta, node) = (&form.felt, timing.h_theta, timing.node);
     let (offset, reach) = (node * rate, h_theta + node);
     let (deepest, shallowest) = (gap + offset.abs(), gap - offset.abs());
     let bv = felt.damping * rate;
@@ -285,11 +265,11 @@ fn press_square<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, ac
         damping_force: T::select(pushing, bv, -felt.stiffness) * square,
         tangent: only_pushing(tangent.max(T::ZERO)),
         bend: Bend {
-            deepest,
             linear: deepest * (reach * twice.abs() + felt.damping * deepest),
             quadratic: reach * (reach * (felt.stiffness + bv.abs()) + T::from_f64(2.0) * felt.damping * deepest),
             slack: only_pushing(factor * shallowest * shallowest),
         },
+        pace: form.stiffness_over_damping + rate,
     }
 }
 
@@ -314,37 +294,23 @@ fn press_points<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, ac
         damping_force: half * (a.damping_force + b.damping_force),
         tangent: only_active((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO)),
         bend: Bend {
-            deepest,
             linear: reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping),
             quadratic: reach * (reach * bend + two * felt.damping * deepest),
             slack: a.slack.min(b.slack),
         },
+        // The least of the forces over the largest damping.
+        pace: a.slack.min(b.slack) / (felt.damping * deepest * deepest).max(T::from_f64(1e-30)),
     }
 }
 
 /// How a zone's force bends away from its linearisation.
 #[derive(Debug, Clone, Copy)]
 struct Bend<T> {
-    /// Largest compression during the step, m; negative where there is none.
-    deepest: T,
     /// Largest change of the force with the rate, to first and (what is not in the linearisation) to second order.
     linear: T,
     quadratic: T,
     /// Smallest force of a touched Gauss point, N: how far the clamp at zero is.
     slack: T,
-}
-
-/// Bounds over all zones of what a change x of any joint's velocity (times theta) does.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Ease<T> {
-    /// While x times `linear` is below this, no clamp comes or goes...
-    pub slack: T,
-    pub linear: T,
-    /// ... while x times `reach` is below this, no zone is touched for the first time...
-    pub clear: T,
-    pub reach: T,
-    /// ... and what the linearisation leaves out is at most this times x^2 on any joint.
-    pub square: T,
 }
 
 /// The felt law and its partial derivatives at one compression and rate.
@@ -472,7 +438,7 @@ mod tests {
                 let mut touch = Touch::apart();
                 let timing = Timing::new(1e-3, 0.5);
                 let (pose, path) = (Pose::of(&model, &q), &model.paths[0]);
-                assert!(touch.evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true).touched);
+                assert!(touch.evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true, &mut Ease::new()).touched);
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;

@@ -30,6 +30,8 @@ pub(crate) struct Form<T> {
     axis: Vector<T>,
     level: T,
     pub felt: Felt<T>,
+    /// k/b, m/s: so fast does a felt with r = 2 open when it pushes no more.
+    pub stiffness_over_damping: T,
     from: Vector<T>,
     length: T,
     /// The disc's radius: from its centre to the contact point, apart from the compression.
@@ -53,6 +55,7 @@ impl<T: Real> Form<T> {
             axis,
             level: zone.radius + size,
             felt: zone.felt,
+            stiffness_over_damping: zone.felt.stiffness / zone.felt.damping.max(T::from_f64(1e-30)),
             from,
             length,
             radius: zone.radius,

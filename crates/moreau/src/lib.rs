@@ -18,6 +18,7 @@ mod adaptive;
 mod batch;
 mod contact;
 mod forces;
+mod ease;
 mod form;
 mod joints;
 mod laws;

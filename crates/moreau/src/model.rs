@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::ease::Bending;
 use crate::form::Form;
 use crate::joints::Parent;
 use crate::linear::Symmetric;
@@ -190,6 +191,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) forms: [Form<T>; Z],
     /// The joints that a zone's compression and the driven point depend on.
     pub(crate) paths: [Path<T, B>; Z],
+    /// What all felts together can leave out of a step's linearisation.
+    pub(crate) bending: Bending<T, B>,
     pub(crate) site_path: Path<T, B>,
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
@@ -278,6 +281,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             zones: [vacant(); Z],
             forms: [Form::of(&vacant()); Z],
             paths: [Path::empty(); Z],
+            bending: Bending::of(core::iter::empty()),
             site_path: Path::empty(),
             zone_count: zones.len(),
             sliding_zones: [0; Z],
@@ -380,6 +384,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
                 model.sliding_count += 1;
             }
         }
+        model.bending = Bending::of(zones.iter().zip(&model.paths));
         if let Some(s) = &site {
             if s.body >= bodies.len() {
                 return Err(ModelError::UnknownBody);

@@ -1,6 +1,7 @@
 //! Where a mechanism is now, what drives it in a step, and the step's working memory.
 
-use crate::contact::{Contact, Ease, Timing, Touch};
+use crate::contact::{Contact, Timing, Touch};
+use crate::ease::Ease;
 use crate::laws::Law;
 use crate::osnsp::active_set::{Condensed, Guess};
 use crate::osnsp::{Impulses, System};
@@ -115,7 +116,7 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The zones there, as far as they are touched during the step.
     pub(crate) contacts: [Touch<T, B>; Z],
     pub(crate) active: [T::Mask; Z],
-    /// Quick bounds of what the felts' linearisation leaves out.
+    /// What the zones say about how far the linearisation holds.
     pub(crate) ease: Ease<T>,
     /// The last Newton correction of the relative velocities.
     pub(crate) change: [T; B],

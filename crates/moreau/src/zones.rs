@@ -1,6 +1,7 @@
 //! All contact zones of a step.
 
-use crate::contact::{Ease, Timing, Touch};
+use crate::contact::{Timing, Touch};
+use crate::ease::Ease;
 use crate::model::Model;
 use crate::settings::Settings;
 use crate::state::Scratch;
@@ -45,13 +46,12 @@ fn add_zone<T: Real, const B: usize, const Z: usize, const N: usize, const K: us
     let (form, path, contact) = (&model.forms[z], &model.paths[z], &mut contacts[z]);
     // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
     let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
-    let look = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates);
+    let look = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates, ease);
     let touched = look.touched;
     active[z] = touched;
     if !contact.in_reach.any() {
         return;
     }
-    contact.ease(look.row.sum_of_levers(), timing, touched, ease);
     if touched.any() {
         look.row.add_term(&mut system.a, &mut system.b, contact.tangent, -(timing.step * contact.force), w);
         let fresh = touched.and(has_slip_row[z].not());
@@ -100,12 +100,10 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         // At rest the prediction was right to the bit.
         return holds;
     }
-    let x = timing.theta * largest;
-    let ease = &scratch.ease;
-    let bound = h * ease.square * x * x;
-    let mut surely = (x * ease.linear).lt(ease.slack).and((x * ease.reach).lt(ease.clear));
+    let mut bounded = impulse;
+    let mut surely = scratch.ease.add_bound(&model.bending, timing, largest, &mut bounded);
     for i in 0..B {
-        surely = surely.and((impulse[i] + bound).le(allowed[i]));
+        surely = surely.and(bounded[i].le(allowed[i]));
     }
     if !surely.or(holds.not()).all() {
         let closer = zone_by_zone(model, timing, near, change, scratch, impulse, &allowed);
@@ -128,7 +126,7 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
         let (form, path, contact) = (&model.forms[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
             let p = timing.step
-                * contact.remainder(form, path, [&scratch.joint_velocity, change], timing, scratch.active[z]);
+                * contact.remainder(form, path, change, timing, scratch.active[z]);
             for (k, j) in path.joints() {
                 impulse[j] += p * contact.row[k].abs();
             }

@@ -144,15 +144,19 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     for i in 0..B {
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
     }
-    let mut changed = velocities(system, guess, impulses, condensed, tolerance, single, w);
+    let (mut changed, moves) = velocities(system, guess, impulses, condensed, tolerance, single, w);
     let may_change = |changed: T::Mask| if single { changed.not() } else { T::Mask::splat(true) };
+    // What the impulses of the pivots that stick must make up for, but for A w.
+    let mut lacking = system.b.map(|b| -b);
+    for k in 0..system.count {
+        for i in 0..B {
+            lacking[i] -= system.sliding[k].row[i] * impulses.sliding[k];
+        }
+    }
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
         if !slides.all() {
-            let mut p = system.a.row_product(i, w) - system.b[i];
-            for law in 0..system.count {
-                p -= system.sliding[law].row[i] * impulses.sliding[law];
-            }
+            let p = if moves { lacking[i] + system.a.row_product(i, w) } else { lacking[i] };
             // A pivot that sticks has no impulse yet.
             impulses.pivot[i] += T::select(slides, T::ZERO, p);
             // Rounding, in the bound and in the loads that p is the difference of, must not turn a pivot that holds at its limit back
@@ -181,7 +185,7 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
 const HELD: f64 = 1e20;
 
 /// The velocities of the joints that move (the others stick: exactly zero) and the sliding laws' impulses. Corrects the guesses of the
-/// sliding laws, and says in which lanes.
+/// sliding laws, and says in which lanes; and whether any joint moves in any lane.
 #[inline(always)]
 fn velocities<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -191,7 +195,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     tolerance: T,
     single: bool,
     w: &mut [T; B],
-) -> T::Mask {
+) -> (T::Mask, bool) {
     let no = T::Mask::splat(false);
     let Condensed { factors, columns, matrix } = condensed;
     let (mut moves, mut diagonal, mut any) = ([T::ZERO; B], [T::ONE; B], no);
@@ -220,15 +224,15 @@ fn velocities<T: Real, const B: usize, const N: usize>(
         back_substitute(factors, &inverse_d, w);
         only(&moves, w);
     }
+    if !free {
+        return (hold(system, guess, impulses, tolerance, single), false);
+    }
     if !spelt_out {
         for k in 0..system.count.min(N) {
-            columns[k] = [T::ZERO; B];
-            if free {
-                columns[k] = solve_factored(factors, &inverse_d, &system.sliding[k].row);
-                only(&moves, &mut columns[k]);
-            }
+            columns[k] = solve_factored(factors, &inverse_d, &system.sliding[k].row);
+            only(&moves, &mut columns[k]);
         }
-        return slide(system, guess, impulses, columns, matrix, w, tolerance, single);
+        return (slide(system, guess, impulses, columns, matrix, w, tolerance, single), true);
     }
     // The usual case of several laws, spelt out.
     let law = &system.sliding[0];
@@ -254,7 +258,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     }
     impulses.sliding[0] = p;
     let (u, bound) = (product(&law.row, w) - law.target, law.bound + product(&law.slope, w));
-    correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true))
+    (correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true)), true)
 }
 
 /// x for the joints that move (1), zero for those that stick (0).
@@ -310,26 +314,61 @@ fn slide<T: Real, const B: usize, const N: usize>(
     }
     let mut changed = T::Mask::splat(false);
     for k in 0..n {
-        let law = &system.sliding[k];
-        let u = product(&law.row, v) - law.target;
         impulses.sliding[k] = p[k];
+        let law = &system.sliding[k];
+        let (u, bound) = (product(&law.row, v) - law.target, law.bound + product(&law.slope, v));
         let allowed = if single { changed.not() } else { T::Mask::splat(true) };
-        if law.rigid {
-            let refused = dependent[k].and(tolerance.lt(u.abs())).and(allowed);
-            if refused.any() {
-                for lane in (0..T::LANES).filter(|&l| refused.lane(l)) {
-                    let mut own = guess.lane(lane);
-                    give_way(&system.lane(lane), &mut own, k, u.lane(lane));
-                    guess.set_lane(lane, &own);
-                }
-                changed = changed.or(refused);
-            }
-            continue;
-        }
-        let bound = law.bound + product(&law.slope, v);
-        changed = changed.or(correct(guess, k, p[k], u, bound, dependent[k], tolerance, allowed));
+        changed = changed.or(judge(system, guess, k, p[k], u, bound, dependent[k], tolerance, allowed));
     }
     changed
+}
+
+/// Sliding laws of a mechanism that every pivot holds, in every lane: what slides is at its bound, and the impulses of what sticks are not
+/// determined. Corrects the guesses.
+#[inline(always)]
+fn hold<T: Real, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    guess: &mut Guess<T, B, N>,
+    impulses: &mut Impulses<T, B, N>,
+    tolerance: T,
+    single: bool,
+) -> T::Mask {
+    let mut changed = T::Mask::splat(false);
+    for k in 0..system.count.min(N) {
+        let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
+        let sticks = closed.and(not_zero(side).not());
+        let p = T::select(sticks, impulses.sliding[k], T::select(closed, side * law.bound, T::ZERO));
+        impulses.sliding[k] = p;
+        let allowed = if single { changed.not() } else { T::Mask::splat(true) };
+        changed = changed.or(judge(system, guess, k, p, -law.target, law.bound, sticks, tolerance, allowed));
+    }
+    changed
+}
+
+/// Corrects where a sliding law stands, as [`correct`] does; a rigid one that is refused lets another law give way.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn judge<T: Real, const B: usize, const N: usize>(
+    system: &System<T, B, N>,
+    guess: &mut Guess<T, B, N>,
+    k: usize,
+    p: T,
+    u: T,
+    bound: T,
+    dependent: T::Mask,
+    tolerance: T,
+    allowed: T::Mask,
+) -> T::Mask {
+    if !system.sliding[k].rigid {
+        return correct(guess, k, p, u, bound, dependent, tolerance, allowed);
+    }
+    let refused = dependent.and(tolerance.lt(u.abs())).and(allowed);
+    for lane in (0..T::LANES).filter(|&l| refused.lane(l)) {
+        let mut own = guess.lane(lane);
+        give_way(&system.lane(lane), &mut own, k, u.lane(lane));
+        guess.set_lane(lane, &own);
+    }
+    refused
 }
 
 /// What a row would see if nothing stuck: the scale that tells a law that is held already from a free one.
