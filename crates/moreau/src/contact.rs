@@ -438,7 +438,11 @@ mod tests {
                 let mut touch = Touch::apart();
                 let timing = Timing::new(1e-3, 0.5);
                 let (pose, path) = (Pose::of(&model, &q), &model.paths[0]);
-                assert!(touch.evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true, &mut Ease::new()).touched);
+                assert!(
+                    touch
+                        .evaluate::<4>(&Form::of(&zone), path, &pose, &[0.0; 4], &timing, true, &mut Ease::new())
+                        .touched
+                );
                 let row = Pose::of(&model, &q).gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;

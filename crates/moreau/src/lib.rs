@@ -17,8 +17,8 @@
 mod adaptive;
 mod batch;
 mod contact;
-mod forces;
 mod ease;
+mod forces;
 mod form;
 mod joints;
 mod laws;

@@ -83,7 +83,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let (q0, w0) = (state.angle, relative(model, &state.velocity));
     // The remainder knows the felts' curvature, not a regularised friction law's, whose stiffness also makes trends alternate.
     let smooth = !settings.friction.is_regularised();
-    let mut w = if smooth { extrapolate(model, &w0, &state.trend) } else { w0 };
+    let mut w = if smooth { extrapolate(model, settings, &w0, &state.trend) } else { w0 };
     let no = T::Mask::splat(false);
     let mut report = LanesReport { converged: no, finite: T::Mask::splat(true), newton: 0, solver: 0 };
     begin(model, settings, state, &w0, &w, scratch);
@@ -146,13 +146,18 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     report
 }
 
-/// The velocities if they go on changing as they did: the first iterate. What sticks is expected to stick.
+/// The velocities if they go on changing as they did: the first iterate. What stands still is expected to stick.
 #[inline(always)]
-fn extrapolate<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, w0: &[T; B], trend: &[T; B]) -> [T; B] {
+fn extrapolate<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    w0: &[T; B],
+    trend: &[T; B],
+) -> [T; B] {
     let mut w = *w0;
     let trend = relative(model, trend);
     for i in 0..B {
-        w[i] += T::select(T::ZERO.lt(w0[i].abs()), trend[i], T::ZERO);
+        w[i] += T::select(settings.solver_tolerance.lt(w0[i].abs()), trend[i], T::ZERO);
     }
     w
 }

@@ -125,8 +125,7 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     for &z in near {
         let (form, path, contact) = (&model.forms[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
-            let p = timing.step
-                * contact.remainder(form, path, change, timing, scratch.active[z]);
+            let p = timing.step * contact.remainder(form, path, change, timing, scratch.active[z]);
             for (k, j) in path.joints() {
                 impulse[j] += p * contact.row[k].abs();
             }
