@@ -107,7 +107,7 @@ pub fn eight<const B: usize, const Z: usize, const N: usize>(
 }
 
 pub fn has_avx2() -> bool {
-    is_x86_feature_detected!("avx2")
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
 pub fn has_avx512() -> bool {
@@ -139,7 +139,7 @@ fn step_all<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize>
     true
 }
 
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn avx2_step<const B: usize, const Z: usize, const N: usize>(
     model: &Model<F64x4, B, Z>,
     settings: &Settings<F64x4>,

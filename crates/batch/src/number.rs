@@ -30,6 +30,7 @@ macro_rules! vector_number {
     (
         $number:ident, $mask:ident, $register:ident, $lane:ident, $width:literal,
         add: $add:ident, sub: $sub:ident, mul: $mul:ident, div: $div:ident,
+        fused: $fused:ident, fused_minus: $fused_minus:ident,
         sqrt: $sqrt:ident, max: $max:ident, min: $min:ident, splat: $splat:ident,
         pow: $pow:path, tanh: $tanh:path, sincos: $sincos:path $(,)?
     ) => {
@@ -121,6 +122,14 @@ macro_rules! vector_number {
                 let mut all = <[$lane; $width]>::from(self);
                 all[lane] = x;
                 all.into()
+            }
+            #[inline(always)]
+            fn add_product(self, a: Self, b: Self) -> Self {
+                $number(simd!($fused(a.0, b.0, self.0)))
+            }
+            #[inline(always)]
+            fn sub_product(self, a: Self, b: Self) -> Self {
+                $number(simd!($fused_minus(a.0, b.0, self.0)))
             }
             #[inline(always)]
             fn sqrt(self) -> Self {

@@ -253,12 +253,12 @@ fn press_square<T: Real>(form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, ac
     let (offset, reach) = (node * rate, h_theta + node);
     let (deepest, shallowest) = (gap + offset.abs(), gap - offset.abs());
     let bv = felt.damping * rate;
-    let (factor, square) = (felt.stiffness + bv, gap * gap + offset * offset);
+    let (factor, square) = (felt.stiffness + bv, (gap * gap).add_product(offset, offset));
     // One factor for both points: the clamp takes both or none.
     let pushing = active.and(T::ZERO.lt(factor));
     let only_pushing = |x: T| T::select(pushing, x, T::ZERO);
     let twice = factor + factor;
-    let tangent = h_theta * (felt.damping * square + twice * (h_theta * gap + node * offset));
+    let tangent = h_theta * (felt.damping * square).add_product(twice, (h_theta * gap).add_product(node, offset));
     Pressed {
         force: only_pushing(factor * square),
         // What the clamp leaves of the damping undoes the stiffness.
@@ -285,7 +285,7 @@ fn press_points<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, ac
     let b = felt.law([eb, sb], second, rate).clamped(second);
     let only_active = |x: T| T::select(active, x, T::ZERO);
     let (h_theta, node) = (timing.h_theta, timing.node);
-    let slope = (h_theta + node) * a.stiffness + (h_theta - node) * b.stiffness;
+    let slope = ((h_theta + node) * a.stiffness).add_product(h_theta - node, b.stiffness);
     // The gap's change by a change of the rate.
     let reach = h_theta + node;
     let bend = half * ca.max(cb) + felt.damping * rate.abs();
@@ -348,7 +348,7 @@ impl<T: Real> Felt<T> {
         let damping = bg * gap;
         let damping_force = damping * rate;
         let force = elastic + damping_force;
-        let stiffness = slope + (bg + bg) * rate;
+        let stiffness = slope.add_product(bg + bg, rate);
         FeltState { force, damping_force, stiffness, damping, slack: force }
     }
 

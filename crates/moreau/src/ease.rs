@@ -99,7 +99,7 @@ impl<T: Real> Ease<T> {
     pub fn take_in(&mut self, gap: T, rate: T, timing: &Timing<T>) -> T {
         let speed = rate.abs();
         let offset = timing.node * speed;
-        let deepest = gap + offset;
+        let deepest = gap.add_product(timing.node, speed);
         self.clear = self.clear.min(gap.abs() - offset);
         self.speed = self.speed.max(speed);
         self.depth = self.depth.max(deepest);
@@ -128,9 +128,10 @@ impl<T: Real> Ease<T> {
         let (by_stiffness, by_damping) = (reach * square, square * (reach * self.speed + two * self.depth));
         let by_depth = by_stiffness * self.depth;
         for i in 0..B {
-            impulse[i] += by_stiffness * bending.stiffness[i]
-                + by_depth * bending.stiffness_by_depth[i]
-                + by_damping * bending.damping[i];
+            impulse[i] = impulse[i]
+                .add_product(by_stiffness, bending.stiffness[i])
+                .add_product(by_depth, bending.stiffness_by_depth[i])
+                .add_product(by_damping, bending.damping[i]);
         }
         // Half the distance and half the pace: a felt with r of up to 3 that is half as deep has at least half its pace.
         let rate = two * x * bending.lever;

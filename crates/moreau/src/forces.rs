@@ -23,9 +23,9 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     let (mut impulse, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
     let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
-        let c = pose.arm_x[i] * x[i] + pose.arm_y[i] * y[i];
+        let c = (pose.arm_x[i] * x[i]).add_product(pose.arm_y[i], y[i]);
         coupling[i] = c;
-        impulse[i] = model.inertia[i] * v0[i] + c * (v0[i] - w0[i]);
+        impulse[i] = (model.inertia[i] * v0[i]).add_product(c, v0[i] - w0[i]);
         on_parent[i] = c * v0[i];
     }
     if model.deep {
@@ -123,10 +123,10 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
         row_to_joints(model, &mut carried, coupling);
     }
     for i in 0..B {
-        let spring = model.spring_torque[i] - model.spring_stiffness[i] * joint_angle[i];
-        let torque = weights[i] + spring - model.viscous[i] * joint_velocity[i];
-        let tangent = h_theta * (model.viscous[i] + h_theta * model.spring_stiffness[i]);
-        b[i] = momentum[i] + h * torque + tangent * w[i];
+        let spring = model.spring_torque[i].sub_product(model.spring_stiffness[i], joint_angle[i]);
+        let torque = (weights[i] + spring).sub_product(model.viscous[i], joint_velocity[i]);
+        let tangent = h_theta * model.viscous[i].add_product(h_theta, model.spring_stiffness[i]);
+        b[i] = momentum[i].add_product(h, torque).add_product(tangent, w[i]);
         a.diagonal[i] += tangent + carried[i] + carried[i];
     }
     if let Some((force, tangent)) = driven {
@@ -178,10 +178,10 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
     let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
     let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
-        let c = pose.arm_x[i] * y[i] - pose.arm_y[i] * x[i];
+        let c = (pose.arm_x[i] * y[i]).sub_product(pose.arm_y[i], x[i]);
         // The parent's speed.
         let carrier = v[i] - w[i];
-        force[i] = -(model.gravity * x[i]) - carrier * carrier * c;
+        force[i] = (-(model.gravity * x[i])).sub_product(carrier * carrier, c);
         on_parent[i] = v[i] * v[i] * c;
     }
     if model.deep {

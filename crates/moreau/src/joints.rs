@@ -23,7 +23,7 @@ pub(crate) fn relative<T: Real, const B: usize, const Z: usize>(model: &Model<T,
     for parent in model.parents() {
         let speed = v[parent.body];
         for i in 0..B {
-            w[i] -= parent.children[i] * speed;
+            w[i] = w[i].sub_product(parent.children[i], speed);
         }
     }
     w
@@ -36,7 +36,7 @@ pub(crate) fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T,
     for parent in model.parents() {
         let speed = v[parent.body];
         for i in 0..B {
-            v[i] += parent.children[i] * speed;
+            v[i] = v[i].add_product(parent.children[i], speed);
         }
     }
     v
@@ -53,10 +53,10 @@ pub(crate) fn row_to_joints<T: Real, const B: usize, const Z: usize>(
     for parent in model.parents().iter().rev() {
         let mut sum = T::ZERO;
         for i in 0..B {
-            sum += parent.children[i] * (row[i] + on_parent[i]);
+            sum = sum.add_product(parent.children[i], row[i] + on_parent[i]);
         }
         for i in 0..B {
-            row[i] += parent.own[i] * sum;
+            row[i] = row[i].add_product(parent.own[i], sum);
         }
     }
 }

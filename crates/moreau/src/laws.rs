@@ -90,7 +90,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             law.target = -turn[z];
             // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
             let gradient = mu * contact.tangent;
-            law.bound = mu * h * contact.force - gradient * path.product(&contact.row, w);
+            law.bound = (mu * h * contact.force).sub_product(gradient, path.product(&contact.row, w));
             path.spread(&contact.row, gradient, &mut law.slope);
             law.rigid = false;
             guess.open[n] = pressed.not();

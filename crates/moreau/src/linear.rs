@@ -58,10 +58,10 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
     pub(crate) fn row_product(&self, i: usize, x: &[T; B]) -> T {
         let mut sum = self.diagonal[i] * x[i];
         for j in 0..i {
-            sum += self.below[i][j] * x[j];
+            sum = sum.add_product(self.below[i][j], x[j]);
         }
         for j in i + 1..B {
-            sum += self.below[j][i] * x[j];
+            sum = sum.add_product(self.below[j][i], x[j]);
         }
         sum
     }
@@ -80,16 +80,16 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
             for j in 0..i {
                 for k in 0..j {
                     let t = scaled[k];
-                    scaled[j] -= t * l[j][k];
+                    scaled[j] = scaled[j].sub_product(t, l[j][k]);
                 }
                 l[i][j] = scaled[j] * inverse[j];
-                d -= scaled[j] * l[i][j];
+                d = d.sub_product(scaled[j], l[i][j]);
             }
             inverse[i] = T::ONE / d;
             for r in 0..R {
                 for k in 0..i {
                     let t = x[r][k];
-                    x[r][i] -= l[i][k] * t;
+                    x[r][i] = x[r][i].sub_product(l[i][k], t);
                 }
             }
         });
@@ -106,7 +106,7 @@ pub(crate) fn back_substitute<T: Real, const B: usize>(l: &[[T; B]; B], inverse_
     written_out!(down i, B, {
         for k in 0..i {
             let t = x[i];
-            x[k] -= l[i][k] * t;
+            x[k] = x[k].sub_product(l[i][k], t);
         }
     });
 }
@@ -118,7 +118,7 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
     written_out!(up i, B, {
         for k in 0..i {
             let t = y[k];
-            y[i] -= l[i][k] * t;
+            y[i] = y[i].sub_product(l[i][k], t);
         }
     });
     back_substitute(l, inverse_d, &mut y);
@@ -130,7 +130,7 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
 pub(crate) fn product<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
     let mut sum = T::ZERO;
     for i in 0..B {
-        sum += a[i] * b[i];
+        sum = sum.add_product(a[i], b[i]);
     }
     sum
 }

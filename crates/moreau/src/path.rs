@@ -77,7 +77,7 @@ impl<T: Real, const B: usize> Path<T, B> {
     pub fn product(&self, row: &[T; B], w: &[T; B]) -> T {
         let mut sum = T::ZERO;
         for (k, j) in self.joints() {
-            sum += row[k] * w[j];
+            sum = sum.add_product(row[k], w[j]);
         }
         sum
     }
@@ -116,17 +116,7 @@ impl<T: Real, const K: usize> Row<T, K> {
     pub fn product<const B: usize>(&self, w: &[T; B]) -> T {
         let mut sum = self.entry[0] * w[self.joint[0]];
         for k in 1..K {
-            sum += self.entry[k] * w[self.joint[k]];
-        }
-        sum
-    }
-
-    /// The largest |row . w| for |w| of at most 1 in every joint.
-    #[inline(always)]
-    pub fn sum_of_levers(&self) -> T {
-        let mut sum = self.entry[0].abs();
-        for k in 1..K {
-            sum += self.entry[k].abs();
+            sum = sum.add_product(self.entry[k], w[self.joint[k]]);
         }
         sum
     }
@@ -135,14 +125,15 @@ impl<T: Real, const K: usize> Row<T, K> {
     /// b += row^T (p + tangent row . w).
     #[inline(always)]
     pub fn add_term<const B: usize>(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], tangent: T, p: T, w: &[T; B]) {
-        let total = p + tangent * self.product(w);
+        let total = p.add_product(tangent, self.product(w));
         for k in 0..K {
             let i = self.joint[k];
-            b[i] += self.entry[k] * total;
+            b[i] = b[i].add_product(self.entry[k], total);
             let t = tangent * self.entry[k];
-            a.diagonal[i] += t * self.entry[k];
+            a.diagonal[i] = a.diagonal[i].add_product(t, self.entry[k]);
             for l in 0..k {
-                a.below[i][self.joint[l]] += t * self.entry[l];
+                let entry = &mut a.below[i][self.joint[l]];
+                *entry = entry.add_product(t, self.entry[l]);
             }
         }
     }

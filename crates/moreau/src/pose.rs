@@ -48,8 +48,8 @@ impl<T: Real, const B: usize> Pose<T, B> {
         for parent in model.parents() {
             let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
             for i in 0..B {
-                arm_x[i] += parent.children[i] * (c * link_x[i] - s * link_y[i]);
-                arm_y[i] += parent.children[i] * (s * link_x[i] + c * link_y[i]);
+                arm_x[i] = arm_x[i].add_product(parent.children[i], (c * link_x[i]).sub_product(s, link_y[i]));
+                arm_y[i] = arm_y[i].add_product(parent.children[i], (s * link_x[i]).add_product(c, link_y[i]));
             }
         }
         let (mut x, mut y) = (*root_x, *root_y);
@@ -60,8 +60,8 @@ impl<T: Real, const B: usize> Pose<T, B> {
         (self.arm_x, self.arm_y) = (arm_x, arm_y);
         for i in 0..B {
             let (c, s) = (self.cos[i], self.sin[i]);
-            self.moment_x[i] = c * model.moment_x[i] - s * model.moment_y[i];
-            self.moment_y[i] = s * model.moment_x[i] + c * model.moment_y[i];
+            self.moment_x[i] = (c * model.moment_x[i]).sub_product(s, model.moment_y[i]);
+            self.moment_y[i] = (s * model.moment_x[i]).add_product(c, model.moment_y[i]);
         }
         // A pivot is carried along by its parent's: the same sum as that of velocities.
         self.pivot_x = absolute(model, &x);
@@ -79,7 +79,7 @@ impl<T: Real, const B: usize> Pose<T, B> {
     pub(crate) fn rotate(&self, body: usize, a: Vector<T>) -> Vector<T> {
         if body < B {
             let (c, s) = (self.cos[body], self.sin[body]);
-            [c * a[0] - s * a[1], s * a[0] + c * a[1]]
+            [(c * a[0]).sub_product(s, a[1]), (s * a[0]).add_product(c, a[1])]
         } else {
             a
         }

@@ -88,6 +88,16 @@ pub trait Real:
     fn lane(self, lane: usize) -> Self::Lane;
     /// The same with another number in one lane.
     fn with_lane(self, lane: usize, x: Self::Lane) -> Self;
+    /// self + a b. Rounded once in lanes that can, and twice in a number alone, whose bits are the same on every target.
+    #[inline(always)]
+    fn add_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+    /// self - a b, likewise.
+    #[inline(always)]
+    fn sub_product(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
     /// Square root.
     fn sqrt(self) -> Self;
     /// Absolute value.
@@ -155,16 +165,26 @@ fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos:
 fn near_zero<T: Real>(x: T) -> (T, T) {
     let c = T::from_f64;
     let z = x * x;
-    let s = c(8.333_333_333_322_49e-3)
-        + z * (c(-1.984_126_982_985_795e-4)
-            + z * (c(2.755_731_370_707_007e-6)
-                + z * (c(-2.505_076_025_340_686_3e-8) + z * c(1.589_690_995_211_55e-10))));
-    let sin = x + x * z * (c(-1.666_666_666_666_663_2e-1) + z * s);
-    let k = c(-1.388_888_888_887_411e-3)
-        + z * (c(2.480_158_728_947_673e-5)
-            + z * (c(-2.755_731_435_139_066_3e-7)
-                + z * (c(2.087_572_321_298_175e-9) + z * c(-1.135_964_755_778_819_5e-11))));
-    let cos = T::ONE - z * (c(0.5) - z * (c(4.166_666_666_666_66e-2) + z * k));
+    let polynomial = |coefficients: [f64; 5]| {
+        let [first, rest @ ..] = coefficients.map(c);
+        rest.iter().fold(first, |sum, &next| next.add_product(z, sum))
+    };
+    let s = polynomial([
+        1.589_690_995_211_55e-10,
+        -2.505_076_025_340_686_3e-8,
+        2.755_731_370_707_007e-6,
+        -1.984_126_982_985_795e-4,
+        8.333_333_333_322_49e-3,
+    ]);
+    let sin = x.add_product(x * z, c(-1.666_666_666_666_663_2e-1).add_product(z, s));
+    let k = polynomial([
+        -1.135_964_755_778_819_5e-11,
+        2.087_572_321_298_175e-9,
+        -2.755_731_435_139_066_3e-7,
+        2.480_158_728_947_673e-5,
+        -1.388_888_888_887_411e-3,
+    ]);
+    let cos = T::ONE.sub_product(z, c(0.5).sub_product(z, c(4.166_666_666_666_66e-2).add_product(z, k)));
     (sin, cos)
 }
 

@@ -174,12 +174,12 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> [T; B] {
     for i in 0..B {
-        scratch.joint_velocity[i] = (T::ONE - theta) * w0[i] + theta * w[i];
+        scratch.joint_velocity[i] = ((T::ONE - theta) * w0[i]).add_product(theta, w[i]);
     }
     scratch.velocity = absolute(model, &scratch.joint_velocity);
     let mut q = *q0;
     for i in 0..B {
-        q[i] += theta * h * scratch.velocity[i];
+        q[i] = q[i].add_product(theta * h, scratch.velocity[i]);
     }
     q
 }
@@ -192,7 +192,7 @@ fn correction<T: Real, const B: usize>(w: &[T; B], next: &[T; B], tolerance: T) 
         change[i] -= w[i];
         small = small.and(change[i].abs().le(tolerance * (T::ONE + next[i].abs())));
         // Zero times what is not finite is not a number.
-        sum += T::ZERO * next[i];
+        sum = sum.add_product(T::ZERO, next[i]);
     }
     (change, small, sum.finite())
 }
@@ -211,8 +211,8 @@ fn finish<T: Real, const B: usize, const Z: usize>(
     let (mut q, mut trend, mut sum) = (state.angle, v, T::ZERO);
     for i in 0..B {
         trend[i] -= state.velocity[i];
-        q[i] += h * (state.velocity[i] + theta * trend[i]);
-        sum += T::ZERO * q[i];
+        q[i] = q[i].add_product(h, state.velocity[i].add_product(theta, trend[i]));
+        sum = sum.add_product(T::ZERO, q[i]);
     }
     let lanes = lanes.and(sum.finite());
     if lanes.all() {

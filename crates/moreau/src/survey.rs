@@ -59,7 +59,7 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
     ) {
         let mut spent = T::ZERO;
         for i in 0..B {
-            spent += (joint[i] - self.angle[i]).abs() * self.spent[i];
+            spent = spent.add_product((joint[i] - self.angle[i]).abs(), self.spent[i]);
         }
         // The last thousandth is left to rounding.
         let holds = spent.lt(T::from_f64(0.999)).and(timing.reach.le(self.reach));
@@ -82,7 +82,7 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
             let clearance = -gap_of(&model.forms[z], pose) - timing.reach;
             let mut speed = T::ZERO;
             for (k, j) in model.paths[z].joints() {
-                speed += model.paths[z].lever(k) * joint_velocity[j].abs();
+                speed = speed.add_product(model.paths[z].lever(k), joint_velocity[j].abs());
             }
             let needed = T::from_f64(CLEARANCE) + T::from_f64(STEPS) * timing.step * speed;
             if needed.lt(clearance).all() {

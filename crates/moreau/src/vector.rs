@@ -22,11 +22,11 @@ pub(crate) fn scale<T: Real>(a: Vector<T>, s: T) -> Vector<T> {
 
 #[inline(always)]
 pub(crate) fn dot<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
-    a[0] * b[0] + a[1] * b[1]
+    (a[0] * b[0]).add_product(a[1], b[1])
 }
 
 /// The z component of a x b: the lever arm of b about the origin of a, times |b|.
 #[inline(always)]
 pub(crate) fn cross<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
-    a[0] * b[1] - a[1] * b[0]
+    (a[0] * b[1]).sub_product(a[1], b[0])
 }

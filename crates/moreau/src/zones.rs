@@ -92,7 +92,7 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         // Weight and centrifugal force, whose gradients the linearisation leaves out.
         let size = change[i].abs();
         let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
-        impulse[i] = timing.h_theta * (h * model.weight[i] + spin) * size;
+        impulse[i] = timing.h_theta * spin.add_product(h, model.weight[i]) * size;
         allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
         largest = largest.max(size);
     }
@@ -127,7 +127,7 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
         if contact.in_reach.any() {
             let p = timing.step * contact.remainder(form, path, change, timing, scratch.active[z]);
             for (k, j) in path.joints() {
-                impulse[j] += p * contact.row[k].abs();
+                impulse[j] = impulse[j].add_product(p, contact.row[k].abs());
             }
         }
     }

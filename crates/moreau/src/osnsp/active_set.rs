@@ -150,7 +150,7 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     let mut lacking = system.b.map(|b| -b);
     for k in 0..system.count {
         for i in 0..B {
-            lacking[i] -= system.sliding[k].row[i] * impulses.sliding[k];
+            lacking[i] = lacking[i].sub_product(system.sliding[k].row[i], impulses.sliding[k]);
         }
     }
     for i in 0..B {
@@ -254,7 +254,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     }
     let p = T::select(open, T::ZERO, numerator / denominator);
     for i in 0..B {
-        w[i] += column[i] * p;
+        w[i] = w[i].add_product(column[i], p);
     }
     impulses.sliding[0] = p;
     let (u, bound) = (product(&law.row, w) - law.target, law.bound + product(&law.slope, w));
@@ -309,7 +309,7 @@ fn slide<T: Real, const B: usize, const N: usize>(
     let dependent = eliminate(matrix, &mut rhs, &mut p, &diagonal, n);
     for k in 0..n {
         for r in 0..B {
-            v[r] += columns[k][r] * p[k];
+            v[r] = v[r].add_product(columns[k][r], p[k]);
         }
     }
     let mut changed = T::Mask::splat(false);
