@@ -14,8 +14,8 @@ pub(crate) enum Law {
     Rigid,
 }
 
-/// Before a step's first iteration: forces and sides of the laws as the last step left them. A pivot that turned goes on being
-/// opposed, unless the predicted velocity `w` turns around: then it is expected to stick, as does one that stuck.
+/// Before a step's first iteration: the pivots' forces as the last step left them. A pivot that turned goes on being opposed, unless the
+/// predicted velocity `w` turns around: then it is expected to stick, as does one that stuck.
 #[inline(always)]
 pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -25,15 +25,8 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    scratch.active = [T::Mask::splat(false); Z];
     scratch.pivot_friction = state.pivot_friction;
     scratch.rigid_force = state.rigid_force;
-    for &z in &model.sliding_zones[..model.sliding_count] {
-        scratch.tangential[z] = state.tangential[z];
-        scratch.side[z] = state.side[z];
-        scratch.turn[z] = T::ZERO;
-        scratch.has_slip_row[z] = T::Mask::splat(false);
-    }
     for i in 0..B {
         // Without dry friction a pivot never sticks: its bound is zero, and so is its impulse.
         let goes_on = settings.solver_tolerance.lt(w0[i].abs()).and(T::ZERO.lt(w0[i] * w[i]));
@@ -43,12 +36,28 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 }
 
+/// Once the zones that are looked at are known: forces and sides of those with Coulomb friction as the last step left them.
+#[inline(always)]
+pub(crate) fn begin_sliding<T: Real, const B: usize, const Z: usize, const N: usize>(
+    state: &State<T, B, Z>,
+    scratch: &mut Scratch<T, B, Z, N>,
+) {
+    scratch.active = [T::Mask::splat(false); Z];
+    for &z in state.survey.sliding() {
+        scratch.tangential[z] = state.tangential[z];
+        scratch.side[z] = state.side[z];
+        scratch.turn[z] = T::ZERO;
+        scratch.has_slip_row[z] = T::Mask::splat(false);
+    }
+}
+
 /// Completes the linearised step with the laws in force and a warm start.
 #[inline(always)]
 pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
+    sliding_zones: &[usize],
     w0: &[T; B],
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
@@ -67,7 +76,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             impulses.pivot[i] = h * pivot_friction[i];
         }
         let mut n = 0;
-        for &z in &model.sliding_zones[..model.sliding_count] {
+        for &z in sliding_zones {
             let (contact, path) = (&contacts[z], &model.paths[z]);
             let warm = tangential[z];
             tangential[z] = T::ZERO;
@@ -162,7 +171,6 @@ pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usiz
 /// What a step that ends keeps of the laws, in the lanes in which it ends.
 #[inline(always)]
 pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
-    model: &Model<T, B, Z>,
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
@@ -171,7 +179,7 @@ pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
         // The usual case by itself: storing some lanes only is far slower than storing all.
         state.pivot_friction = scratch.pivot_friction;
         state.rigid_force = scratch.rigid_force;
-        for &z in &model.sliding_zones[..model.sliding_count] {
+        for &z in state.survey.sliding() {
             (state.tangential[z], state.side[z]) = (scratch.tangential[z], scratch.side[z]);
         }
         return;
@@ -181,7 +189,7 @@ pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
         keep(&mut state.pivot_friction[i], scratch.pivot_friction[i]);
     }
     keep(&mut state.rigid_force, scratch.rigid_force);
-    for &z in &model.sliding_zones[..model.sliding_count] {
+    for &z in state.survey.sliding() {
         keep(&mut state.tangential[z], scratch.tangential[z]);
         keep(&mut state.side[z], scratch.side[z]);
     }

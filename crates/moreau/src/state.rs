@@ -48,6 +48,19 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     }
 }
 
+impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
+    /// Zones that a new survey leaves out slide no more.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn forget_far(&mut self, model: &Model<T, B, Z>) {
+        for &z in &model.sliding_zones[..model.sliding_count] {
+            if !self.survey.sliding().contains(&z) {
+                (self.tangential[z], self.side[z]) = (T::ZERO, T::ZERO);
+            }
+        }
+    }
+}
+
 impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
     /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends on.
     ///
@@ -130,6 +143,7 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) drive_pull: T,
     pub(crate) drive_tangent: T,
     pub(crate) slip_row: [[T; B]; Z],
+    /// Of the zones that are looked at.
     pub(crate) has_slip_row: [T::Mask; Z],
     /// How fast each slip row turns, for steps that allow for it: the velocity of slip at the start along the last step's row, and the
     /// time from where that row was taken to the start, s. Zero: not known.
@@ -194,7 +208,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
     /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative velocities, m/s; zero if
     /// it was not touched.
     pub(crate) fn slip(&self, model: &Model<T, B, Z>, zone: usize, joints: &[[T; B]; 2]) -> [T; 2] {
-        if !self.has_slip_row[zone].any() {
+        if !(self.active[zone].any() && model.forms[zone].slides) {
             return [T::ZERO; 2];
         }
         let [u0, u1] = joints.each_ref().map(|w| model.paths[zone].product(&self.slip_row[zone], w));

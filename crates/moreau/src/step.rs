@@ -3,7 +3,7 @@
 use crate::contact::Timing;
 use crate::forces::{joint_momentum, linearise, regularised_friction};
 use crate::joints::{absolute, relative};
-use crate::laws::{begin, end, keep_forces, one_step_problem};
+use crate::laws::{begin, begin_sliding, end, keep_forces, one_step_problem};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
@@ -98,7 +98,10 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         if iteration == 0 {
             // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
             joint_momentum(model, &state.velocity, &w0, scratch);
-            state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing);
+            if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
+                state.forget_far(model);
+            }
+            begin_sliding(state, scratch);
         }
         let near = state.survey.near();
         linearise(model, &timing, input, &w, &joint_angle, scratch);
@@ -106,7 +109,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
             regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
         }
-        one_step_problem(model, settings, input, &w0, &w, scratch);
+        one_step_problem(model, settings, input, state.survey.sliding(), &w0, &w, scratch);
         let mut next = [T::ZERO; B];
         let (solved, sets) = settings.solver.solve(settings, scratch, &mut next);
         keep_forces(settings, scratch);
@@ -124,7 +127,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         report.converged = report.converged.or(settled);
         if settled.any() && !settled.or(done).all() {
             // These lanes are done, and keep their forces while others go on.
-            end(model, settled, state, scratch);
+            end(settled, state, scratch);
         }
         if settled.all() {
             w = next;
@@ -141,7 +144,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         done = done.or(settled).or(finite.not());
     }
 
-    end(model, done.not().and(report.finite), state, scratch);
+    end(done.not().and(report.finite), state, scratch);
     report.finite = finish(model, &w, h, theta, report.finite, state);
     report
 }

@@ -26,6 +26,9 @@ pub(crate) struct Survey<T, const B: usize, const Z: usize> {
     reach: T,
     near: [usize; Z],
     near_count: usize,
+    /// Those of them with Coulomb friction.
+    sliding: [usize; Z],
+    sliding_count: usize,
 }
 
 /// A survey says nothing of where the mechanism is: it never distinguishes two states.
@@ -38,7 +41,15 @@ impl<T, const B: usize, const Z: usize> PartialEq for Survey<T, B, Z> {
 impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
     /// None yet.
     pub fn none() -> Self {
-        Survey { angle: [T::ZERO; B], spent: [T::ZERO; B], reach: -T::ONE, near: [0; Z], near_count: 0 }
+        Survey {
+            angle: [T::ZERO; B],
+            spent: [T::ZERO; B],
+            reach: -T::ONE,
+            near: [0; Z],
+            near_count: 0,
+            sliding: [0; Z],
+            sliding_count: 0,
+        }
     }
 
     /// The zones that may be touched.
@@ -47,7 +58,13 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         &self.near[..self.near_count]
     }
 
-    /// Surveys again if the zones left out could now be closer than `reach` (m); `joint`: the joints' angles.
+    /// Those of them with Coulomb friction.
+    #[inline(always)]
+    pub fn sliding(&self) -> &[usize] {
+        &self.sliding[..self.sliding_count]
+    }
+
+    /// Surveys again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`: the joints' angles.
     #[inline(always)]
     pub fn renew(
         &mut self,
@@ -56,16 +73,18 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         joint: &[T; B],
         joint_velocity: &[T; B],
         timing: &Timing<T>,
-    ) {
+    ) -> bool {
         let mut spent = T::ZERO;
         for i in 0..B {
             spent = spent.add_product((joint[i] - self.angle[i]).abs(), self.spent[i]);
         }
         // The last thousandth is left to rounding.
         let holds = spent.lt(T::from_f64(0.999)).and(timing.reach.le(self.reach));
-        if !holds.all() {
+        let again = !holds.all();
+        if again {
             self.take(model, pose, joint, joint_velocity, timing);
         }
+        again
     }
 
     #[inline(always)]
@@ -93,6 +112,10 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
             } else {
                 self.near[self.near_count] = z;
                 self.near_count += 1;
+                if model.forms[z].slides {
+                    self.sliding[self.sliding_count] = z;
+                    self.sliding_count += 1;
+                }
             }
         }
     }

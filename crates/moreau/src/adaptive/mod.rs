@@ -236,6 +236,7 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     middle.clone_from(state);
     // What was found out of the whole step's reach is out of the halves', too: no survey but one.
     middle.survey = whole.survey;
+    middle.forget_far(model);
     go(own, T::ZERO, controller.last, &controller.slip, middle, first);
     end.clone_from(middle);
     go(own, own.step, own.step, &slips(model, first, middle), end, second);
@@ -251,7 +252,7 @@ fn slips<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     let w = relative(model, &state.velocity);
     let mut slips = [T::ZERO; Z];
     for &z in &model.sliding_zones[..model.sliding_count] {
-        if scratch.has_slip_row[z] {
+        if scratch.active[z] {
             slips[z] = model.paths[z].product(&scratch.slip_row[z], &w);
         }
     }
