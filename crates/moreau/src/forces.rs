@@ -115,7 +115,7 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     if model.deep {
         *a = deep_mass(model, coupling, deep_coupling);
     } else {
-        *a = model.joint_inertia;
+        a.set(&model.joint_inertia);
         // c (w_i + w_p) w_p.
         for &i in &model.hinged[..model.hinged_count] {
             a.below[i][model.parent[i]] += coupling[i];

@@ -35,6 +35,17 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
         Symmetric { diagonal: [T::ZERO; B], below: [[T::ZERO; B]; B] }
     }
 
+    /// Becomes another matrix: what is below the diagonal, not what is never read.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, other: &Self) {
+        self.diagonal = other.diagonal;
+        written_out!(up i, B, {
+            for j in 0..i {
+                self.below[i][j] = other.below[i][j];
+            }
+        });
+    }
+
     /// One lane's matrix.
     pub(crate) fn lane(&self, lane: usize) -> Symmetric<T::Lane, B> {
         Symmetric {

@@ -116,14 +116,15 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         report.newton = iteration + 1;
         report.solver += sets;
 
-        let (change, small, finite) = correction(&w, &next, settings.tolerance);
+        let (change, finite) = correction(&w, &next);
         report.finite = report.finite.and(finite.or(done));
         if !report.finite.any() {
             return report;
         }
         scratch.change = change;
         let linear = linear_enough(model, settings, &timing, near, &change, &next, scratch);
-        let settled = linear.or(small).and(solved).and(finite).and(done.not());
+        let enough = if linear.all() { linear } else { linear.or(small(&change, &next, settings.tolerance)) };
+        let settled = enough.and(solved).and(finite).and(done.not());
         report.converged = report.converged.or(settled);
         if settled.any() && !settled.or(done).all() {
             // These lanes are done, and keep their forces while others go on.
@@ -187,17 +188,26 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     q
 }
 
-/// The change of the joints' velocities, whether all are small against the tolerance, and whether all are finite.
+/// The change of the joints' velocities, and whether all are finite.
 #[inline(always)]
-fn correction<T: Real, const B: usize>(w: &[T; B], next: &[T; B], tolerance: T) -> ([T; B], T::Mask, T::Mask) {
-    let (mut change, mut small, mut sum) = (*next, T::Mask::splat(true), T::ZERO);
+fn correction<T: Real, const B: usize>(w: &[T; B], next: &[T; B]) -> ([T; B], T::Mask) {
+    let (mut change, mut sum) = (*next, T::ZERO);
     for i in 0..B {
         change[i] -= w[i];
-        small = small.and(change[i].abs().le(tolerance * (T::ONE + next[i].abs())));
         // Zero times what is not finite is not a number.
         sum = sum.add_product(T::ZERO, next[i]);
     }
-    (change, small, sum.finite())
+    (change, sum.finite())
+}
+
+/// Whether all changes of the velocities are small against the tolerance.
+#[inline(always)]
+fn small<T: Real, const B: usize>(change: &[T; B], next: &[T; B], tolerance: T) -> T::Mask {
+    let mut small = T::Mask::splat(true);
+    for i in 0..B {
+        small = small.and(change[i].abs().le(tolerance * (T::ONE + next[i].abs())));
+    }
+    small
 }
 
 /// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes. Returns the lanes whose angles are finite.

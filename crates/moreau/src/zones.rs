@@ -87,18 +87,20 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         let pushes = T::ZERO.lt(scratch.drive_pull);
         holds = holds.and(pushed.and(pushes).or(pushed.or(pushes).not()));
     }
-    let (mut impulse, mut allowed, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
-    for i in 0..B {
-        // Weight and centrifugal force, whose gradients the linearisation leaves out.
-        let size = change[i].abs();
-        let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
-        impulse[i] = timing.h_theta * spin.add_product(h, model.weight[i]) * size;
-        allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
-        largest = largest.max(size);
+    let mut largest = T::ZERO;
+    for x in change {
+        largest = largest.max(x.abs());
     }
     if !T::ZERO.lt(largest).any() {
         // At rest the prediction was right to the bit.
         return holds;
+    }
+    let (mut impulse, mut allowed) = ([T::ZERO; B], [T::ZERO; B]);
+    for i in 0..B {
+        // Weight and centrifugal force, whose gradients the linearisation leaves out.
+        let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
+        impulse[i] = timing.h_theta * spin.add_product(h, model.weight[i]) * change[i].abs();
+        allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
     }
     let mut bounded = impulse;
     let mut surely = scratch.ease.add_bound(&model.bending, timing, largest, &mut bounded);
