@@ -91,7 +91,8 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
 
     for iteration in 0..settings.newton_limit {
         // Lanes are short of registers: without this, all that is read of the model is read before the loop, and stored again.
-        let model = if T::LANES > 1 { core::hint::black_box(model) } else { model };
+        let (model, scratch) =
+            if T::LANES > 1 { (core::hint::black_box(model), core::hint::black_box(&mut *scratch)) } else { (model, &mut *scratch) };
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
         let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
