@@ -122,6 +122,13 @@ pub trait Real:
     fn sin_cos_any(self) -> (Self, Self);
 }
 
+/// A reference of which, in lanes, the compiler knows nothing: else it takes out of a loop that runs once whatever it reads through it and
+/// all places in it, and must store them, for lanes are short of registers.
+#[inline(always)]
+pub(crate) fn opaque<T: Real, R>(reference: R) -> R {
+    if T::LANES > 1 { core::hint::black_box(reference) } else { reference }
+}
+
 /// A [`Real`] with one lane.
 pub trait Scalar: Real<Mask = bool, Lane = Self> + PartialOrd {
     /// Widening or rounding conversion.

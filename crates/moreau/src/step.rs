@@ -8,6 +8,7 @@ use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
 use crate::zones::{add_zones, linear_enough};
+use crate::real::opaque;
 use crate::{Mask, Real, Scalar};
 
 /// How a step ended.
@@ -90,9 +91,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let mut done = no;
 
     for iteration in 0..settings.newton_limit {
-        // Lanes are short of registers: without this, all that is read of the model is read before the loop, and stored again.
-        let (model, scratch) =
-            if T::LANES > 1 { (core::hint::black_box(model), core::hint::black_box(&mut *scratch)) } else { (model, &mut *scratch) };
+        let (model, scratch) = (opaque::<T, _>(model), opaque::<T, _>(&mut *scratch));
         let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
         let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
