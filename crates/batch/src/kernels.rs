@@ -129,6 +129,10 @@ fn step_all<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize>
 ) -> bool {
     let Some(input) = Input::of_lanes(inputs) else { return false };
     let report = step_lanes(model, settings, &input, state, scratch);
+    if report.converged.and(report.finite).all() {
+        outcomes.fill(Outcome::Converged);
+        return true;
+    }
     for (i, outcome) in outcomes.iter_mut().enumerate() {
         *outcome = match (report.finite.lane(i), report.converged.lane(i)) {
             (false, _) => Outcome::NonFinite,

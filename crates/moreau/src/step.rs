@@ -221,21 +221,24 @@ fn finish<T: Real, const B: usize, const Z: usize>(
     state: &mut State<T, B, Z>,
 ) -> T::Mask {
     let v = absolute(model, w);
-    let (mut q, mut trend, mut sum) = (state.angle, v, T::ZERO);
+    let (mut q, mut sum) = (state.angle, T::ZERO);
     for i in 0..B {
-        trend[i] -= state.velocity[i];
-        q[i] = q[i].add_product(h, state.velocity[i].add_product(theta, trend[i]));
+        let mean = state.velocity[i].add_product(theta, v[i] - state.velocity[i]);
+        q[i] = q[i].add_product(h, mean);
         sum = sum.add_product(T::ZERO, q[i]);
     }
     let lanes = lanes.and(sum.finite());
     if lanes.all() {
-        (state.angle, state.trend, state.velocity) = (q, trend, v);
+        for i in 0..B {
+            state.trend[i] = v[i] - state.velocity[i];
+        }
+        (state.angle, state.velocity) = (q, v);
         return lanes;
     }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
         keep(&mut state.angle[i], q[i]);
-        keep(&mut state.trend[i], trend[i]);
+        keep(&mut state.trend[i], v[i] - state.velocity[i]);
         keep(&mut state.velocity[i], v[i]);
     }
     lanes
