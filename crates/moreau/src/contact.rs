@@ -3,7 +3,7 @@
 use crate::ease::Ease;
 use crate::form::Form;
 use crate::model::{Exponent, Felt};
-use crate::path::{Path, Row};
+use crate::path::Path;
 use crate::pose::Pose;
 use crate::vector::Vector;
 use crate::{Mask, Real};
@@ -69,10 +69,9 @@ pub(crate) struct Touch<T: Real, const B: usize> {
 }
 
 /// What a look at a zone finds out beside.
-pub(crate) struct Look<T: Real, const K: usize> {
+pub(crate) struct Look<T: Real> {
     /// Where it is touched during the step.
     pub touched: T::Mask,
-    pub row: Row<T, K>,
     pub gap: T,
     pub normal: Vector<T>,
 }
@@ -100,14 +99,14 @@ impl<T: Real, const B: usize> Touch<T, B> {
         timing: &Timing<T>,
         candidates: T::Mask,
         ease: &mut Ease<T>,
-    ) -> Look<T, K> {
+    ) -> Look<T> {
         let center = form.center(pose);
         let (gap, normal) = form.gap_and_normal(pose, center);
         let in_reach = candidates.and((-timing.reach).le(gap));
         self.in_reach = in_reach;
         let mut row = path.entries::<K>(&self.row);
         if !in_reach.any() {
-            return Look { touched: in_reach, row, gap, normal };
+            return Look { touched: in_reach, gap, normal };
         }
         for k in 0..K {
             row.entry[k] = path.sign(k) * pose.turning(row.joint[k], center, normal);
@@ -116,13 +115,16 @@ impl<T: Real, const B: usize> Touch<T, B> {
         let rate = row.product(w);
         (self.gap, self.rate) = (gap, rate);
         let touched = in_reach.and(T::ZERO.lt(ease.take_in(gap, rate, timing)));
-        if touched.any() {
-            let pressed = press(form, gap, rate, timing, touched);
-            ease.keep_pace(pressed.pace, touched);
-            self.force = pressed.force;
-            self.tangent = pressed.tangent;
-        }
-        Look { touched, row, gap, normal }
+        Look { touched, gap, normal }
+    }
+
+    /// The felt where it is touched.
+    #[inline(always)]
+    pub fn press(&mut self, form: &Form<T>, timing: &Timing<T>, touched: T::Mask, ease: &mut Ease<T>) {
+        let pressed = press(form, self.gap, self.rate, timing, touched);
+        ease.keep_pace(pressed.pace, touched);
+        self.force = pressed.force;
+        self.tangent = pressed.tangent;
     }
 
     /// What a caller may read, at the pose of the last evaluation, given the relative velocities that it was made with and their last
@@ -180,8 +182,8 @@ impl<T: Real, const B: usize> Touch<T, B> {
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
     /// the normal turned clockwise by a quarter turn.
     #[inline(always)]
-    pub fn slip_row<const K: usize>(
-        look: &Look<T, K>,
+    pub fn slip_row(
+        look: &Look<T>,
         form: &Form<T>,
         path: &Path<T, B>,
         pose: &Pose<T, B>,

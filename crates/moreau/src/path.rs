@@ -94,10 +94,11 @@ impl<T: Real, const B: usize> Path<T, B> {
     /// [`Row::add_term`] for a row of any length.
     #[inline(always)]
     pub fn add_term(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
-        if self.count == 1 {
-            self.entries::<1>(row).add_term(a, b, tangent, p, w);
-        } else {
-            self.entries::<B>(row).add_term(a, b, tangent, p, w);
+        match self.count {
+            1 => self.entries::<1>(row).add_term(a, b, tangent, p, w),
+            2 => self.entries::<2>(row).add_term(a, b, tangent, p, w),
+            3 => self.entries::<3>(row).add_term(a, b, tangent, p, w),
+            _ => self.entries::<B>(row).add_term(a, b, tangent, p, w),
         }
     }
 }

@@ -19,47 +19,50 @@ pub(crate) fn add_zones<T: Real, const B: usize, const Z: usize, const N: usize>
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let mut ease = Ease::new();
+    let (mut touched, mut count) = ([0; Z], 0);
     for &z in near {
         // A row's length is known to the compiler, so that it stays in registers.
-        match model.paths[z].count() {
-            1 => add_zone::<T, B, Z, N, 1>(model, timing, z, again, w, &mut ease, scratch),
-            2 => add_zone::<T, B, Z, N, 2>(model, timing, z, again, w, &mut ease, scratch),
-            3 => add_zone::<T, B, Z, N, 3>(model, timing, z, again, w, &mut ease, scratch),
-            _ => add_zone::<T, B, Z, N, B>(model, timing, z, again, w, &mut ease, scratch),
-        }
+        let touches = match model.paths[z].count() {
+            1 => look_at::<T, B, Z, N, 1>(model, timing, z, again, &mut ease, scratch),
+            2 => look_at::<T, B, Z, N, 2>(model, timing, z, again, &mut ease, scratch),
+            3 => look_at::<T, B, Z, N, 3>(model, timing, z, again, &mut ease, scratch),
+            _ => look_at::<T, B, Z, N, B>(model, timing, z, again, &mut ease, scratch),
+        };
+        touched[count] = z;
+        count += usize::from(touches);
+    }
+    let Scratch { contacts, active, system, .. } = &mut *scratch;
+    for &z in &touched[..count] {
+        let (path, contact) = (&model.paths[z], &mut contacts[z]);
+        contact.press(&model.forms[z], timing, active[z], &mut ease);
+        path.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, -(timing.step * contact.force), w);
     }
     scratch.ease = ease;
 }
 
-/// One zone, whose row has K entries.
+/// Looks at a zone whose row has K entries. Says whether it is touched.
 #[inline(always)]
-fn add_zone<T: Real, const B: usize, const Z: usize, const N: usize, const K: usize>(
+fn look_at<T: Real, const B: usize, const Z: usize, const N: usize, const K: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     z: usize,
     again: bool,
-    w: &[T; B],
     ease: &mut Ease<T>,
     scratch: &mut Scratch<T, B, Z, N>,
-) {
-    let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, system, .. } = scratch;
+) -> bool {
+    let Scratch { pose, contacts, active, slip_row, has_slip_row, joint_velocity, .. } = scratch;
     let (form, path, contact) = (&model.forms[z], &model.paths[z], &mut contacts[z]);
     // Newton moves the pose by far less than a zone's reach; what was out of reach at the prediction stays so.
     let candidates = if again { contact.in_reach } else { T::Mask::splat(true) };
     let look = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates, ease);
     let touched = look.touched;
     active[z] = touched;
-    if !contact.in_reach.any() {
-        return;
+    let fresh = touched.and(has_slip_row[z].not());
+    if form.slides && fresh.any() {
+        Touch::slip_row(&look, form, path, pose, fresh, &mut slip_row[z]);
+        has_slip_row[z] = has_slip_row[z].or(touched);
     }
-    if touched.any() {
-        look.row.add_term(&mut system.a, &mut system.b, contact.tangent, -(timing.step * contact.force), w);
-        let fresh = touched.and(has_slip_row[z].not());
-        if form.slides && fresh.any() {
-            Touch::slip_row(&look, form, path, pose, fresh, &mut slip_row[z]);
-            has_slip_row[z] = has_slip_row[z].or(touched);
-        }
-    }
+    touched.any()
 }
 
 /// Whether the linearisation holds where `change` has taken the velocities, to `next`: for every joint, what the felts' curvature,
