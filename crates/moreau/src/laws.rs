@@ -1,6 +1,7 @@
 //! The set-valued part of a step: which laws are in force, and what became of them.
 
 use crate::model::Model;
+use crate::osnsp::Solver;
 use crate::settings::Settings;
 use crate::state::{Input, Scratch, State};
 use crate::{Mask, Real};
@@ -25,8 +26,12 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    scratch.pivot_friction = state.pivot_friction;
     scratch.rigid_force = state.rigid_force;
+    if settings.solver == Solver::ProjectedGaussSeidel {
+        for i in 0..B {
+            scratch.impulses.pivot[i] = settings.step * state.pivot_friction[i];
+        }
+    }
     for i in 0..B {
         // Without dry friction a pivot never sticks: its bound is zero, and so is its impulse.
         let goes_on = settings.solver_tolerance.lt(w0[i].abs()).and(T::ZERO.lt(w0[i] * w[i]));
@@ -36,67 +41,63 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 }
 
-/// Once the zones that are looked at are known: forces and sides of those with Coulomb friction as the last step left them.
-#[inline(always)]
-pub(crate) fn begin_sliding<T: Real, const B: usize, const Z: usize, const N: usize>(
-    state: &State<T, B, Z>,
-    scratch: &mut Scratch<T, B, Z, N>,
-) {
-    scratch.active = [T::Mask::splat(false); Z];
-    for &z in state.survey.sliding() {
-        scratch.tangential[z] = state.tangential[z];
-        scratch.side[z] = state.side[z];
-        scratch.turn[z] = T::ZERO;
-        scratch.has_slip_row[z] = T::Mask::splat(false);
-    }
-}
-
-/// Completes the linearised step with the laws in force and a warm start.
+/// Completes the linearised step with the laws in force and a warm start: the last iteration's forces and sides, or before the first
+/// one the last step's.
 #[inline(always)]
 pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
-    sliding_zones: &[usize],
+    state: &State<T, B, Z>,
+    again: bool,
     w0: &[T; B],
     w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let h = settings.step;
     let Scratch { system, impulses, guess, laws, contacts, active, slip_row, site_row, .. } = scratch;
-    let Scratch { pivot_friction, tangential, side, rigid_force, slip_before, slip_span, turn, .. } = scratch;
+    let Scratch { tangential, side, rigid_force, slip_before, slip_span, turn, .. } = scratch;
     if settings.friction.is_regularised() {
         system.pivot_bound = [T::ZERO; B];
         impulses.pivot = [T::ZERO; B];
         guess.pivot = [T::ONE; B];
         system.count = 0;
+        for &z in state.survey.sliding() {
+            if !active[z].any() {
+                tangential[z] = T::ZERO;
+            }
+            side[z] = T::ZERO;
+        }
     } else {
         for i in 0..B {
             system.pivot_bound[i] = h * model.dry[i];
-            impulses.pivot[i] = h * pivot_friction[i];
         }
         let mut n = 0;
-        for &z in sliding_zones {
+        let allows_for_turning = T::ZERO.lt(*slip_span).any();
+        for &z in state.survey.sliding() {
             let (contact, path) = (&contacts[z], &model.paths[z]);
-            let warm = tangential[z];
-            tangential[z] = T::ZERO;
+            let (warm, warm_side) = if again { (tangential[z], side[z]) } else { (state.tangential[z], state.side[z]) };
+            (tangential[z], side[z]) = (T::ZERO, T::ZERO);
+            if allows_for_turning {
+                turn[z] = T::ZERO;
+            }
             let Some(mu) = model.zones[z].friction else { continue };
             let pressed = active[z].and(T::ZERO.lt(contact.force));
             if !pressed.any() || n >= N {
-                side[z] = T::ZERO;
                 continue;
             }
             laws[n] = Law::Zone(z);
             let law = &mut system.sliding[n];
             path.spread(&slip_row[z], T::ONE, &mut law.row);
-            if T::ZERO.lt(*slip_span).any() {
+            law.target = T::ZERO;
+            if allows_for_turning {
                 // The law speaks of the step's end, until where the row goes on turning as it did since the last step's.
-                let pressed_before = T::ZERO.lt(warm.abs()).or(T::ZERO.lt(side[z].abs()));
+                let pressed_before = T::ZERO.lt(warm.abs()).or(T::ZERO.lt(warm_side.abs()));
                 let turned = path.product(&slip_row[z], w0) - slip_before[z];
                 let rest = (T::ONE - settings.theta) * h / (*slip_span + settings.theta * h);
                 turn[z] = T::select(pressed_before, rest * turned, T::ZERO);
+                law.target = -turn[z];
             }
-            law.target = -turn[z];
             // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
             let gradient = mu * contact.tangent;
             law.bound = (mu * h * contact.force).sub_product(gradient, path.product(&contact.row, w));
@@ -104,13 +105,13 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             law.rigid = false;
             guess.open[n] = pressed.not();
             impulses.sliding[n] = h * warm;
-            guess.sliding[n] = side[z];
-            let fresh = warm.abs().le(T::ZERO).and(side[z].abs().le(T::ZERO));
+            guess.sliding[n] = warm_side;
+            let fresh = warm.abs().le(T::ZERO).and(warm_side.abs().le(T::ZERO));
             if fresh.any() {
                 // Touched for the first time: it slides as it arrives.
                 let u = path.product(&slip_row[z], w0);
                 let arrival = T::select(T::ZERO.lt(u), -T::ONE, T::ONE);
-                guess.sliding[n] = T::select(fresh, arrival, side[z]);
+                guess.sliding[n] = T::select(fresh, arrival, warm_side);
             }
             if !pressed.all() {
                 // In lanes that do not press there is no law: a bound of zero that no velocity changes. (A product: to store some

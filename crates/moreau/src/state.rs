@@ -149,7 +149,7 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// time from where that row was taken to the start, s. Zero: not known.
     pub(crate) slip_before: [T; Z],
     pub(crate) slip_span: T,
-    /// What the slip row's turning until the step's end adds to each slip velocity, m/s.
+    /// What the slip row's turning until the step's end adds to each slip velocity, m/s, where the span is known.
     pub(crate) turn: [T; Z],
     /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it, and M w0.
     pub(crate) coupling: [T; B],
@@ -212,7 +212,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             return [T::ZERO; 2];
         }
         let [u0, u1] = joints.each_ref().map(|w| model.paths[zone].product(&self.slip_row[zone], w));
-        [u0 - self.turn[zone], u1 + self.turn[zone]]
+        let turn = T::select(T::ZERO.lt(self.slip_span), self.turn[zone], T::ZERO);
+        [u0 - turn, u1 + turn]
     }
 
     /// A zone as it acted during the last step; `None` if it was not touched.

@@ -3,7 +3,7 @@
 use crate::contact::Timing;
 use crate::forces::{joint_momentum, linearise, regularised_friction};
 use crate::joints::{absolute, relative};
-use crate::laws::{begin, begin_sliding, end, keep_forces, one_step_problem};
+use crate::laws::{begin, end, keep_forces, one_step_problem};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
@@ -101,7 +101,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
             if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
                 state.forget_far(model);
             }
-            begin_sliding(state, scratch);
+            scratch.active = [T::Mask::splat(false); Z];
         }
         let near = state.survey.near();
         linearise(model, &timing, input, &w, &joint_angle, scratch);
@@ -109,7 +109,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
             regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
         }
-        one_step_problem(model, settings, input, state.survey.sliding(), &w0, &w, scratch);
+        one_step_problem(model, settings, input, state, iteration > 0, &w0, &w, scratch);
         let mut next = [T::ZERO; B];
         let (solved, sets) = settings.solver.solve(settings, scratch, &mut next);
         keep_forces(settings, scratch);

@@ -57,10 +57,13 @@ fn look_at<T: Real, const B: usize, const Z: usize, const N: usize, const K: usi
     let look = contact.evaluate::<K>(form, path, pose, joint_velocity, timing, candidates, ease);
     let touched = look.touched;
     active[z] = touched;
-    let fresh = touched.and(has_slip_row[z].not());
-    if form.slides && fresh.any() {
-        Touch::slip_row(&look, form, path, pose, fresh, &mut slip_row[z]);
-        has_slip_row[z] = has_slip_row[z].or(touched);
+    if form.slides {
+        let known = if again { has_slip_row[z] } else { T::Mask::splat(false) };
+        let fresh = touched.and(known.not());
+        if fresh.any() {
+            Touch::slip_row(&look, form, path, pose, fresh, &mut slip_row[z]);
+        }
+        has_slip_row[z] = known.or(touched);
     }
     touched.any()
 }
