@@ -26,6 +26,8 @@ pub(crate) struct Form<T> {
     core: Core,
     /// Whether there is Coulomb friction.
     pub slides: bool,
+    /// Its coefficient, or 0.
+    pub friction: T,
     center: Vector<T>,
     axis: Vector<T>,
     level: T,
@@ -51,6 +53,7 @@ impl<T: Real> Form<T> {
             curve_body: zone.curve_body,
             core,
             slides: zone.friction.is_some(),
+            friction: zone.friction.unwrap_or(T::ZERO),
             center: zone.center,
             axis,
             level: zone.radius + size,

@@ -75,13 +75,12 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
         let mut n = 0;
         let allows_for_turning = T::ZERO.lt(*slip_span).any();
         for &z in state.survey.sliding() {
-            let (contact, path) = (&contacts[z], &model.paths[z]);
+            let (contact, path, mu) = (&contacts[z], &model.paths[z], model.forms[z].friction);
             let (warm, warm_side) = if again { (tangential[z], side[z]) } else { (state.tangential[z], state.side[z]) };
             (tangential[z], side[z]) = (T::ZERO, T::ZERO);
             if allows_for_turning {
                 turn[z] = T::ZERO;
             }
-            let Some(mu) = model.zones[z].friction else { continue };
             let pressed = active[z].and(T::ZERO.lt(contact.force));
             if !pressed.any() || n >= N {
                 continue;
