@@ -129,6 +129,9 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The zones there, as far as they are touched during the step.
     pub(crate) contacts: [Touch<T, B>; Z],
     pub(crate) active: [T::Mask; Z],
+    /// The zones that are active in any lane, as they come.
+    pub(crate) touched: [usize; Z],
+    pub(crate) touched_count: usize,
     /// What the zones say about how far the linearisation holds.
     pub(crate) ease: Ease<T>,
     /// The last Newton correction of the relative velocities.
@@ -177,6 +180,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             pose: Pose::new(),
             contacts: [Touch::apart(); Z],
             active: [T::Mask::splat(false); Z],
+            touched: [0; Z],
+            touched_count: 0,
             ease: Ease::new(),
             change: [z; B],
             velocity: [z; B],

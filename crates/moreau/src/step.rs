@@ -7,7 +7,7 @@ use crate::laws::{begin, end, keep_forces, one_step_problem};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
-use crate::zones::{add_zones, linear_enough};
+use crate::zones::{add_zones, linear_enough, look_at_zones};
 use crate::real::opaque;
 use crate::{Mask, Real, Scalar};
 
@@ -104,8 +104,9 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
             scratch.active = [T::Mask::splat(false); Z];
         }
         let near = state.survey.near();
+        look_at_zones(model, &timing, near, iteration > 0, scratch);
         linearise(model, &timing, input, &w, &joint_angle, scratch);
-        add_zones(model, &timing, near, iteration > 0, &w, scratch);
+        add_zones(model, &timing, &w, scratch);
         if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
             regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
         }

@@ -7,19 +7,17 @@ use crate::settings::Settings;
 use crate::state::Scratch;
 use crate::{Mask, Real};
 
-/// Geometry and felt of the zones near contact during the step, and their part of A w1 = b; slip rows once, where a zone with
-/// friction first touches.
+/// Geometry of the zones near contact during the step: which are touched, and their rows; slip rows once, where a zone with friction first
+/// touches.
 #[inline(always)]
-pub(crate) fn add_zones<T: Real, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn look_at_zones<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
     again: bool,
-    w: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
-    let mut ease = Ease::new();
-    let (mut touched, mut count) = ([0; Z], 0);
+    let (mut ease, mut count) = (Ease::new(), 0);
     for &z in near {
         // A row's length is known to the compiler, so that it stays in registers.
         let touches = match model.paths[z].count() {
@@ -28,16 +26,28 @@ pub(crate) fn add_zones<T: Real, const B: usize, const Z: usize, const N: usize>
             3 => look_at::<T, B, Z, N, 3>(model, timing, z, again, &mut ease, scratch),
             _ => look_at::<T, B, Z, N, B>(model, timing, z, again, &mut ease, scratch),
         };
-        touched[count] = z;
+        scratch.touched[count] = z;
         count += usize::from(touches);
     }
-    let Scratch { contacts, active, system, .. } = &mut *scratch;
-    for &z in &touched[..count] {
+    scratch.touched_count = count;
+    scratch.ease = ease;
+}
+
+/// The felts of the touched zones, and their part of A w1 = b. In a pass of its own: the chains of operations of several zones then run side
+/// by side.
+#[inline(always)]
+pub(crate) fn add_zones<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    w: &[T; B],
+    scratch: &mut Scratch<T, B, Z, N>,
+) {
+    let Scratch { contacts, active, system, touched, touched_count, ease, .. } = &mut *scratch;
+    for &z in &touched[..*touched_count] {
         let (path, contact) = (&model.paths[z], &mut contacts[z]);
-        contact.press(&model.forms[z], timing, active[z], &mut ease);
+        contact.press(&model.forms[z], timing, active[z], ease);
         path.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, -(timing.step * contact.force), w);
     }
-    scratch.ease = ease;
 }
 
 /// Looks at a zone whose row has K entries. Says whether it is touched.
