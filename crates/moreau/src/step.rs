@@ -96,8 +96,6 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
-            // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
-            joint_momentum(model, &state.velocity, &w0, scratch);
             if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
                 state.forget_far(model);
             }
@@ -105,6 +103,10 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         }
         let near = state.survey.near();
         look_at_zones(model, &timing, near, iteration > 0, scratch);
+        if iteration == 0 {
+            // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
+            joint_momentum(model, &state.velocity, &w0, scratch);
+        }
         linearise(model, &timing, input, &w, &joint_angle, scratch);
         add_zones(model, &timing, &w, scratch);
         if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
