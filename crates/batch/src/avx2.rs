@@ -37,6 +37,11 @@ fn choose(mask: M64x4, yes: F64x4, no: F64x4) -> F64x4 {
 }
 
 #[inline(always)]
+fn kept(mask: M64x4, x: F64x4) -> F64x4 {
+    F64x4(simd!(_mm256_and_pd(mask.0, x.0)))
+}
+
+#[inline(always)]
 fn magnitude(x: F64x4) -> F64x4 {
     F64x4(simd!(_mm256_andnot_pd(F64x4::constant(-0.0).0, x.0)))
 }

@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::{
     __m512d, __mmask8, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_pd, _mm512_add_pd, _mm512_cmp_pd_mask, _mm512_div_pd,
-    _mm512_mask_blend_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_sqrt_pd, _mm512_sub_pd,
+    _mm512_mask_blend_pd, _mm512_maskz_mov_pd, _mm512_fmadd_pd, _mm512_fnmadd_pd, _mm512_max_pd, _mm512_min_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_sqrt_pd, _mm512_sub_pd,
 };
 
 use crate::number::{operator, simd, vector_number};
@@ -33,6 +33,11 @@ fn at_most(a: F64x8, b: F64x8) -> M64x8 {
 #[inline(always)]
 fn choose(mask: M64x8, yes: F64x8, no: F64x8) -> F64x8 {
     F64x8(simd!(_mm512_mask_blend_pd(mask.0, no.0, yes.0)))
+}
+
+#[inline(always)]
+fn kept(mask: M64x8, x: F64x8) -> F64x8 {
+    F64x8(simd!(_mm512_maskz_mov_pd(mask.0, x.0)))
 }
 
 #[inline(always)]

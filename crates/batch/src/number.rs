@@ -25,7 +25,7 @@ macro_rules! operator {
 }
 
 /// A number of `$width` lanes of `$lane` in a `$register`, and all of `moreau::Real`. Comparisons are the module's `less` and
-/// `at_most`, choices its `choose`, absolute value and sign its `magnitude` and `negated`.
+/// `at_most`, choices its `choose` and `kept`, absolute value and sign its `magnitude` and `negated`.
 macro_rules! vector_number {
     (
         $number:ident, $mask:ident, $register:ident, $lane:ident, $width:literal,
@@ -163,6 +163,10 @@ macro_rules! vector_number {
             #[inline(always)]
             fn select(mask: $mask, yes: Self, no: Self) -> Self {
                 choose(mask, yes, no)
+            }
+            #[inline(always)]
+            fn only(mask: $mask, x: Self) -> Self {
+                kept(mask, x)
             }
             #[inline(never)]
             fn powf(self, exponent: Self) -> Self {

@@ -176,7 +176,7 @@ impl<T: Real, const B: usize> Touch<T, B> {
         let deepest = (self.gap + timing.node * self.rate.abs() + reach * rate).max(T::ZERO);
         let (elastic, _, _) = form.felt.elastic(deepest);
         let onset = elastic + form.felt.damping * deepest * deepest * (self.rate.abs() + rate);
-        T::select(active, bent, T::select(self.in_reach, onset, T::ZERO))
+        T::select(active, bent, T::only(self.in_reach, onset))
     }
 
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
@@ -258,7 +258,7 @@ fn press_square<T: Real>(form: &Form<T>, gap: T, rate: T, timing: &Timing<T>, ac
     let (factor, square) = (felt.stiffness + bv, (gap * gap).add_product(offset, offset));
     // One factor for both points: the clamp takes both or none.
     let pushing = active.and(T::ZERO.lt(factor));
-    let only_pushing = |x: T| T::select(pushing, x, T::ZERO);
+    let only_pushing = |x: T| T::only(pushing, x);
     let twice = factor + factor;
     let tangent = h_theta * (felt.damping * square).add_product(twice, (h_theta * gap).add_product(node, offset));
     Pressed {
@@ -285,7 +285,7 @@ fn press_points<T: Real>(felt: &Felt<T>, gap: T, rate: T, timing: &Timing<T>, ac
     let ((ea, sa, ca), (eb, sb, cb)) = (felt.elastic(first), felt.elastic(second));
     let a = felt.law([ea, sa], first, rate).clamped(first);
     let b = felt.law([eb, sb], second, rate).clamped(second);
-    let only_active = |x: T| T::select(active, x, T::ZERO);
+    let only_active = |x: T| T::only(active, x);
     let (h_theta, node) = (timing.h_theta, timing.node);
     let slope = ((h_theta + node) * a.stiffness).add_product(h_theta - node, b.stiffness);
     // The gap's change by a change of the rate.
@@ -331,7 +331,7 @@ impl<T: Real> FeltState<T> {
     #[inline(always)]
     fn clamped(self, gap: T) -> Self {
         let pushing = T::ZERO.lt(self.force);
-        let or_zero = |x: T| T::select(pushing, x, T::ZERO);
+        let or_zero = |x: T| T::only(pushing, x);
         FeltState {
             force: or_zero(self.force),
             damping_force: T::select(pushing, self.damping_force, self.damping_force - self.force),

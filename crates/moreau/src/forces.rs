@@ -217,7 +217,7 @@ fn drive<T: Real, const B: usize, const Z: usize, const N: usize>(
             scratch.drive_pull = force;
             scratch.drive_tangent = h_theta * (site.damping + h_theta * site.stiffness);
             let pushes = T::ZERO.lt(force);
-            let only = |x: T| T::select(pushes, x, T::ZERO);
+            let only = |x: T| T::only(pushes, x);
             pushes.any().then_some((only(force), only(scratch.drive_tangent)))
         }
     }

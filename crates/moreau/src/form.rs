@@ -116,5 +116,5 @@ fn length_and_direction<T: Real>(a: Vector<T>, fallback: Vector<T>) -> (T, Vecto
     let length = T::select(usable, squared, T::ONE).sqrt();
     let inverse = T::ONE / length;
     let n = [T::select(usable, a[0] * inverse, fallback[0]), T::select(usable, a[1] * inverse, fallback[1])];
-    (T::select(usable, length, T::ZERO), n)
+    (T::only(usable, length), n)
 }

@@ -37,7 +37,7 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
         let goes_on = settings.solver_tolerance.lt(w0[i].abs()).and(T::ZERO.lt(w0[i] * w[i]));
         let moves = goes_on.or(model.dry[i].le(T::ZERO));
         let against = T::select(T::ZERO.lt(w[i]), -T::ONE, T::ONE);
-        scratch.guess.pivot[i] = T::select(moves, against, T::ZERO);
+        scratch.guess.pivot[i] = T::only(moves, against);
     }
 }
 
@@ -94,7 +94,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
                 let pressed_before = T::ZERO.lt(warm.abs()).or(T::ZERO.lt(warm_side.abs()));
                 let turned = path.product(&slip_row[z], w0) - slip_before[z];
                 let rest = (T::ONE - settings.theta) * h / (*slip_span + settings.theta * h);
-                turn[z] = T::select(pressed_before, rest * turned, T::ZERO);
+                turn[z] = T::only(pressed_before, rest * turned);
                 law.target = -turn[z];
             }
             // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
@@ -115,7 +115,7 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             if !pressed.all() {
                 // In lanes that do not press there is no law: a bound of zero that no velocity changes. (A product: to store some
                 // lanes only is far slower.)
-                let share = T::select(pressed, T::ONE, T::ZERO);
+                let share = T::only(pressed, T::ONE);
                 let only = |x: T| x * share;
                 law.row = law.row.map(only);
                 law.slope = law.slope.map(only);

@@ -114,6 +114,11 @@ pub trait Real:
     fn finite(self) -> Self::Mask;
     /// `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// `x` where the mask is true, 0 elsewhere.
+    #[inline(always)]
+    fn only(mask: Self::Mask, x: Self) -> Self {
+        Self::select(mask, x, Self::ZERO)
+    }
     /// self^exponent, for self >= 0. Slow; the kernel avoids it for the usual felt exponents.
     fn powf(self, exponent: Self) -> Self;
     /// Hyperbolic tangent. Slow; used by regularised friction only.

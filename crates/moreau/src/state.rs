@@ -217,7 +217,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             return [T::ZERO; 2];
         }
         let [u0, u1] = joints.each_ref().map(|w| model.paths[zone].product(&self.slip_row[zone], w));
-        let turn = T::select(T::ZERO.lt(self.slip_span), self.turn[zone], T::ZERO);
+        let turn = T::only(T::ZERO.lt(self.slip_span), self.turn[zone]);
         [u0 - turn, u1 + turn]
     }
 

@@ -164,7 +164,7 @@ fn extrapolate<T: Real, const B: usize, const Z: usize>(
     let mut w = *w0;
     let trend = relative(model, trend);
     for i in 0..B {
-        w[i] += T::select(settings.solver_tolerance.lt(w0[i].abs()), trend[i], T::ZERO);
+        w[i] += T::only(settings.solver_tolerance.lt(w0[i].abs()), trend[i]);
     }
     w
 }

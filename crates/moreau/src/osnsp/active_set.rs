@@ -201,7 +201,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     let (mut moves, mut diagonal, mut any) = ([T::ZERO; B], [T::ONE; B], no);
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
-        moves[i] = T::select(slides, T::ONE, T::ZERO);
+        moves[i] = T::only(slides, T::ONE);
         diagonal[i] = system.a.diagonal[i] * T::select(slides, T::ONE, T::from_f64(HELD));
         any = any.or(slides);
     }
@@ -291,18 +291,18 @@ fn slide<T: Real, const B: usize, const N: usize>(
         matrix[k][k] = T::select(sticks, T::ZERO, T::ONE);
         if sticks.any() {
             // Sticking: row . (w + sum columns p) = target.
-            rhs[k] = T::select(sticks, law.target - product(&law.row, v), T::ZERO);
+            rhs[k] = T::only(sticks, law.target - product(&law.row, v));
             for j in 0..n {
-                matrix[k][j] += T::select(sticks, product(&law.row, &columns[j]), T::ZERO);
+                matrix[k][j] += T::only(sticks, product(&law.row, &columns[j]));
             }
-            p[k] = impulses.sliding[k] * T::select(sticks, T::ONE, T::ZERO);
+            p[k] = impulses.sliding[k] * T::only(sticks, T::ONE);
             diagonal[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
         }
         if slides.any() {
             // Sliding: p = s (bound + slope . (w + sum columns p)).
-            rhs[k] += T::select(slides, side * (law.bound + product(&law.slope, v)), T::ZERO);
+            rhs[k] += T::only(slides, side * (law.bound + product(&law.slope, v)));
             for j in 0..n {
-                matrix[k][j] -= T::select(slides, side * product(&law.slope, &columns[j]), T::ZERO);
+                matrix[k][j] -= T::only(slides, side * product(&law.slope, &columns[j]));
             }
         }
     }
@@ -337,7 +337,7 @@ fn hold<T: Real, const B: usize, const N: usize>(
     for k in 0..system.count.min(N) {
         let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
         let sticks = closed.and(not_zero(side).not());
-        let p = T::select(sticks, impulses.sliding[k], T::select(closed, side * law.bound, T::ZERO));
+        let p = T::select(sticks, impulses.sliding[k], T::only(closed, side * law.bound));
         impulses.sliding[k] = p;
         let allowed = if single { changed.not() } else { T::Mask::splat(true) };
         changed = changed.or(judge(system, guess, k, p, -law.target, law.bound, sticks, tolerance, allowed));
@@ -401,9 +401,9 @@ fn correct<T: Real, const B: usize, const N: usize>(
     // Sticking beyond its bound, or held by nothing after all: it slides against its velocity.
     let exceeded = (bound * (T::ONE + T::from_f64(8.0) * T::EPSILON)).lt(p.abs());
     let loose = dependent.and(tolerance.lt(u.abs())).or(open);
-    let if_sticking = T::select(exceeded, sign(p), T::select(loose, -sign(u), T::ZERO));
+    let if_sticking = T::select(exceeded, sign(p), T::only(loose, -sign(u)));
     let if_sliding = T::select(tolerance.lt(side * u), T::ZERO, side);
-    let next = T::select(pressed, T::select(slides, if_sliding, if_sticking), T::ZERO);
+    let next = T::only(pressed, T::select(slides, if_sliding, if_sticking));
     let moved = not_zero(next - side).or(pressed.and(open)).or(pressed.or(open).not()).and(allowed);
     if moved.any() {
         guess.sliding[k] = T::select(moved, next, side);
