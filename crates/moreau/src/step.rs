@@ -5,10 +5,10 @@ use crate::forces::{joint_momentum, linearise, regularised_friction};
 use crate::joints::{absolute, relative};
 use crate::laws::{begin, end, keep_forces, one_step_problem};
 use crate::model::Model;
+use crate::real::opaque;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, Scratch, State};
 use crate::zones::{add_zones, linear_enough, look_at_zones};
-use crate::real::opaque;
 use crate::{Mask, Real, Scalar};
 
 /// How a step ended.
