@@ -82,14 +82,10 @@ impl<T: Real, const B: usize> Touch<T, B> {
         Touch { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, row: [z; B] }
     }
 
-    /// Evaluates geometry at the theta point, and the felt where it is touched during the step; the row has K entries. `candidates`: the
+    /// Evaluates geometry at the theta point, and where the felt is touched during the step; the row has K entries. `candidates`: the
     /// lanes that may be in reach.
-    ///
-    /// The felt's force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
-    /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the
-    /// string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the
-    /// step's end, and the scheme is backward Euler.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub fn evaluate<const K: usize>(
         &mut self,
         form: &Form<T>,
@@ -118,7 +114,12 @@ impl<T: Real, const B: usize> Touch<T, B> {
         Look { touched, gap, normal }
     }
 
-    /// The felt where it is touched.
+    /// The felt, where it is touched.
+    ///
+    /// Its force is its mean along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is exact, so
+    /// that compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the string's felt
+    /// alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the
+    /// scheme is backward Euler.
     #[inline(always)]
     pub fn press(&mut self, form: &Form<T>, timing: &Timing<T>, touched: T::Mask, ease: &mut Ease<T>) {
         let pressed = press(form, self.gap, self.rate, timing, touched);
@@ -153,7 +154,7 @@ impl<T: Real, const B: usize> Touch<T, B> {
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
-    /// Newton iteration leaves to the next. `w`: the relative velocities of the evaluation.
+    /// Newton iteration leaves to the next.
     #[inline(always)]
     pub fn remainder(
         &self,

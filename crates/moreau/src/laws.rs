@@ -44,6 +44,7 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
 /// Completes the linearised step with the laws in force and a warm start: the last iteration's forces and sides, or before the first
 /// one the last step's.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
