@@ -138,3 +138,73 @@ impl<T: Real> Ease<T> {
         (reach * rate).lt(self.clear).and(rate.lt(self.pace))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Touch;
+    use crate::model::{Body, Curve, Felt, GROUND, Model, Zone};
+    use crate::pose::Pose;
+
+    /// Where the quick bound says that it holds, no joint may see more of what the felts' forces, worked out again after the change, are
+    /// away from their linearisation: on a chain of two bodies between felts of every exponent, from apart to pressed by millimetres,
+    /// from rest to faster than any hammer, for changes of any size. It must also hold often, or it would be of no use.
+    #[test]
+    fn the_quick_bound_is_one() {
+        let body = |parent, pivot| Body { parent, pivot, mass: 1.0, ..Body::inert() };
+        let bodies = [body(GROUND, [0.0, 0.0]), body(0, [0.2, 0.0])];
+        let zone = |disc_body, y, exponent| Zone {
+            disc_body,
+            center: [0.1, 0.0],
+            radius: 0.01,
+            curve_body: GROUND,
+            curve: Curve::Line { point: [0.0, y], normal: [0.0, 1.0] },
+            felt: Felt { stiffness: 3e6, exponent, damping: 2e6 },
+            friction: None,
+        };
+        let zones = [
+            zone(0, -0.012, Exponent::Two),
+            zone(1, -0.011, Exponent::TwoAndHalf),
+            zone(0, -0.009, Exponent::Three),
+            Zone { curve: Curve::Disc { center: [0.31, -0.015], radius: 0.005 }, ..zone(1, 0.0, Exponent::Two) },
+        ];
+        let model = Model::<f64, 2, 4>::new(&bodies, &[], &zones, None, 0.0).unwrap();
+        let timing = Timing::new(50e-6, 0.5);
+        let mut seed = 1_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed) / f64::from(u32::MAX) - 0.5
+        };
+        let (mut held, mut tight) = (0, 0.0_f64);
+        for _ in 0..20_000 {
+            let pose = Pose::of(&model, &[0.05 * random(), 0.05 * random()]);
+            let speed = libm::exp(20.0 * random());
+            let (w, size) = ([speed * random(), speed * random()], libm::exp(30.0 * random() - 5.0));
+            let change = [size * random(), size * random()];
+            let (mut ease, mut exact) = (Ease::new(), [0.0; 2]);
+            for (z, form) in model.forms.iter().enumerate() {
+                let (mut touch, path) = (Touch::apart(), &model.paths[z]);
+                let look = touch.evaluate::<2>(form, path, &pose, &w, &timing, true, &mut ease);
+                if look.touched {
+                    touch.press(form, &timing, true, &mut ease);
+                }
+                let after = touch.contact(form, path, &pose, [&w, &change], &timing, true).force;
+                let linear = touch.force + touch.tangent / timing.step * path.product(&touch.row, &change);
+                let p = timing.step * (after - if look.touched { linear } else { 0.0 }).abs();
+                for (k, j) in path.joints() {
+                    exact[j] += p * touch.row[k].abs();
+                }
+            }
+            let (mut bounded, largest) = ([0.0; 2], change[0].abs().max(change[1].abs()));
+            if ease.add_bound(&model.bending, &timing, largest, &mut bounded) {
+                held += 1;
+                for j in 0..2 {
+                    // Forces of up to 1e4 N are rounded.
+                    assert!(exact[j] <= bounded[j] * (1.0 + 1e-9) + 1e-16, "joint {j}: {exact:?} {bounded:?}");
+                    tight = tight.max(exact[j] / bounded[j]);
+                }
+            }
+        }
+        assert!(held > 2_000 && tight > 0.1, "{held} {tight}");
+    }
+}
