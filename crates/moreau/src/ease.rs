@@ -112,30 +112,36 @@ impl<T: Real> Ease<T> {
         self.pace = self.pace.min(T::select(touched, pace, T::from_f64(FAR)));
     }
 
-    /// Adds to each joint's impulse, N m s, what the linearisation may leave out where no joint's velocity has changed by more than
-    /// `change`. Returns where that can be said.
+    /// What the linearisation may leave out where no joint's velocity has changed by more than `change`; and where that can be said.
     #[inline(always)]
-    pub fn add_bound<const B: usize>(
-        &self,
-        bending: &Bending<T, B>,
-        timing: &Timing<T>,
-        change: T,
-        impulse: &mut [T; B],
-    ) -> T::Mask {
+    pub fn bound<const B: usize>(&self, bending: &Bending<T, B>, timing: &Timing<T>, change: T) -> (Terms<T>, T::Mask) {
         let two = T::from_f64(2.0);
         let (reach, x) = (timing.h_theta + timing.node, timing.theta * change);
         let square = timing.step * reach * x * x;
-        let (by_stiffness, by_damping) = (reach * square, square * (reach * self.speed + two * self.depth));
-        let by_depth = by_stiffness * self.depth;
-        for i in 0..B {
-            impulse[i] = impulse[i]
-                .add_product(by_stiffness, bending.stiffness[i])
-                .add_product(by_depth, bending.stiffness_by_depth[i])
-                .add_product(by_damping, bending.damping[i]);
-        }
+        let stiffness = reach * square;
+        let damping = square * (reach * self.speed + two * self.depth);
         // Half the distance and half the pace: a felt with r of up to 3 that is half as deep has at least half its pace.
         let rate = two * x * bending.lever;
-        (reach * rate).lt(self.clear).and(rate.lt(self.pace))
+        let sure = (reach * rate).lt(self.clear).and(rate.lt(self.pace));
+        (Terms { stiffness, stiffness_by_depth: stiffness * self.depth, damping }, sure)
+    }
+}
+
+/// Factors of the three sums of [`Bending`].
+pub(crate) struct Terms<T> {
+    stiffness: T,
+    stiffness_by_depth: T,
+    damping: T,
+}
+
+impl<T: Real> Terms<T> {
+    /// Adds what the felts may do to joint i to an impulse on it, N m s.
+    #[inline(always)]
+    pub fn add_to<const B: usize>(&self, impulse: T, bending: &Bending<T, B>, i: usize) -> T {
+        impulse
+            .add_product(self.stiffness, bending.stiffness[i])
+            .add_product(self.stiffness_by_depth, bending.stiffness_by_depth[i])
+            .add_product(self.damping, bending.damping[i])
     }
 }
 
@@ -196,13 +202,15 @@ mod tests {
                     exact[j] += p * touch.row[k].abs();
                 }
             }
-            let (mut bounded, largest) = ([0.0; 2], change[0].abs().max(change[1].abs()));
-            if ease.add_bound(&model.bending, &timing, largest, &mut bounded) {
+            let largest = change[0].abs().max(change[1].abs());
+            let (terms, sure) = ease.bound(&model.bending, &timing, largest);
+            if sure {
                 held += 1;
                 for j in 0..2 {
+                    let bound = terms.add_to(0.0, &model.bending, j);
                     // Forces of up to 1e4 N are rounded.
-                    assert!(exact[j] <= bounded[j] * (1.0 + 1e-9) + 1e-16, "joint {j}: {exact:?} {bounded:?}");
-                    tight = tight.max(exact[j] / bounded[j]);
+                    assert!(exact[j] <= bound * (1.0 + 1e-9) + 1e-16, "joint {j}: {exact:?} {bound}");
+                    tight = tight.max(exact[j] / bound);
                 }
             }
         }

@@ -19,8 +19,12 @@ pub(crate) struct Parent<T, const B: usize> {
 /// w from v.
 #[inline(always)]
 pub(crate) fn relative<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, v: &[T; B]) -> [T; B] {
-    let mut w = *v;
-    for parent in model.parents() {
+    let [first, further @ ..] = model.parents() else { return *v };
+    let (speed, mut w) = (v[first.body], *v);
+    for i in 0..B {
+        w[i] = w[i].sub_product(first.children[i], speed);
+    }
+    for parent in further {
         let speed = v[parent.body];
         for i in 0..B {
             w[i] = w[i].sub_product(parent.children[i], speed);
@@ -31,15 +35,22 @@ pub(crate) fn relative<T: Real, const B: usize, const Z: usize>(model: &Model<T,
 
 /// v from w.
 #[inline(always)]
-pub(crate) fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, w: &[T; B]) -> [T; B] {
-    let mut v = *w;
-    for parent in model.parents() {
+pub(crate) fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T, B, Z>, w: &[T; B], v: &mut [T; B]) {
+    let [first, further @ ..] = model.parents() else {
+        *v = *w;
+        return;
+    };
+    // The first of the parents is hinged on the ground.
+    let speed = w[first.body];
+    for i in 0..B {
+        v[i] = w[i].add_product(first.children[i], speed);
+    }
+    for parent in further {
         let speed = v[parent.body];
         for i in 0..B {
             v[i] = v[i].add_product(parent.children[i], speed);
         }
     }
-    v
 }
 
 /// Generalised forces for absolute velocities, taken to relative ones: a joint carries everything beyond it. `on_parent`: what acts

@@ -64,8 +64,8 @@ impl<T: Real, const B: usize> Pose<T, B> {
             self.moment_y[i] = (s * model.moment_x[i]).add_product(c, model.moment_y[i]);
         }
         // A pivot is carried along by its parent's: the same sum as that of velocities.
-        self.pivot_x = absolute(model, &x);
-        self.pivot_y = absolute(model, &y);
+        absolute(model, &x, &mut self.pivot_x);
+        absolute(model, &y, &mut self.pivot_y);
     }
 
     /// From the parent's pivot to a body's, in the world.

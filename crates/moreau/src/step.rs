@@ -81,7 +81,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
 ) -> LanesReport<T::Mask> {
     let (h, theta) = (settings.step, settings.theta);
     let timing = Timing::new(h, theta);
-    let (q0, w0) = (state.angle, relative(model, &state.velocity));
+    let w0 = relative(model, &state.velocity);
     // The remainder knows the felts' curvature, not a regularised friction law's, whose stiffness also makes trends alternate.
     let smooth = !settings.friction.is_regularised();
     let mut w = if smooth { extrapolate(model, settings, &w0, &state.trend) } else { w0 };
@@ -92,7 +92,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
 
     for iteration in 0..settings.newton_limit {
         let (model, scratch) = (opaque::<T, _>(model), opaque::<T, _>(&mut *scratch));
-        let q_theta = theta_point(model, &q0, &w0, &w, h, theta, scratch);
+        let q_theta = theta_point(model, &state.angle, &w0, &w, h, theta, scratch);
         let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
         if iteration == 0 {
@@ -183,7 +183,7 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     for i in 0..B {
         scratch.joint_velocity[i] = ((T::ONE - theta) * w0[i]).add_product(theta, w[i]);
     }
-    scratch.velocity = absolute(model, &scratch.joint_velocity);
+    absolute(model, &scratch.joint_velocity, &mut scratch.velocity);
     let mut q = *q0;
     for i in 0..B {
         q[i] = q[i].add_product(theta * h, scratch.velocity[i]);
@@ -223,7 +223,8 @@ fn finish<T: Real, const B: usize, const Z: usize>(
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
 ) -> T::Mask {
-    let v = absolute(model, w);
+    let mut v = *w;
+    absolute(model, w, &mut v);
     let (mut q, mut sum) = (state.angle, T::ZERO);
     for i in 0..B {
         let mean = state.velocity[i].add_product(theta, v[i] - state.velocity[i]);

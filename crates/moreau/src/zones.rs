@@ -111,35 +111,53 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
         // At rest the prediction was right to the bit.
         return holds;
     }
-    let (mut impulse, mut allowed) = ([T::ZERO; B], [T::ZERO; B]);
+    let (terms, mut surely) = scratch.ease.bound(&model.bending, timing, largest);
     for i in 0..B {
-        // Weight and centrifugal force, whose gradients the linearisation leaves out.
-        let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
-        impulse[i] = timing.h_theta * spin.add_product(h, model.weight[i]) * change[i].abs();
-        allowed[i] = settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs());
-    }
-    let mut bounded = impulse;
-    let mut surely = scratch.ease.add_bound(&model.bending, timing, largest, &mut bounded);
-    for i in 0..B {
-        surely = surely.and(bounded[i].le(allowed[i]));
+        let impulse = terms.add_to(carried(model, timing, change, scratch, i), &model.bending, i);
+        surely = surely.and(impulse.le(allowed(settings, next, scratch, i)));
     }
     if !surely.or(holds.not()).all() {
-        let closer = zone_by_zone(model, timing, near, change, scratch, impulse, &allowed);
-        holds = holds.and(surely.or(closer));
+        holds = holds.and(surely.or(zone_by_zone(model, settings, timing, near, change, next, scratch)));
     }
     holds
+}
+
+/// What a change of the velocities may bring about by weight and centrifugal force, whose gradients the linearisation leaves out: an
+/// impulse on joint i, N m s.
+#[inline(always)]
+fn carried<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    change: &[T; B],
+    scratch: &Scratch<T, B, Z, N>,
+    i: usize,
+) -> T {
+    let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
+    timing.h_theta * spin.add_product(timing.step, model.weight[i]) * change[i].abs()
+}
+
+/// The impulse on joint i, N m s, that changes its velocity by the tolerance.
+#[inline(always)]
+fn allowed<T: Real, const B: usize, const Z: usize, const N: usize>(
+    settings: &Settings<T>,
+    next: &[T; B],
+    scratch: &Scratch<T, B, Z, N>,
+    i: usize,
+) -> T {
+    settings.tolerance * scratch.system.a.diagonal[i] * (T::ONE + next[i].abs())
 }
 
 #[inline(always)]
 fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
+    settings: &Settings<T>,
     timing: &Timing<T>,
     near: &[usize],
     change: &[T; B],
+    next: &[T; B],
     scratch: &Scratch<T, B, Z, N>,
-    mut impulse: [T; B],
-    allowed: &[T; B],
 ) -> T::Mask {
+    let mut impulse: [T; B] = core::array::from_fn(|i| carried(model, timing, change, scratch, i));
     for &z in near {
         let (form, path, contact) = (&model.forms[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
@@ -151,7 +169,7 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
     let mut holds = T::Mask::splat(true);
     for i in 0..B {
-        holds = holds.and(impulse[i].le(allowed[i]));
+        holds = holds.and(impulse[i].le(allowed(settings, next, scratch, i)));
     }
     holds
 }
