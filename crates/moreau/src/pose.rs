@@ -42,7 +42,8 @@ impl<T: Real, const B: usize> Pose<T, B> {
     /// Places every body for the given absolute angles, parents first.
     #[inline(always)]
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
-        sin_cos(angle, &mut self.sin, &mut self.cos);
+        let [sin, cos] = sin_cos(angle);
+        (self.sin, self.cos) = (sin, cos);
         let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
         let (mut arm_x, mut arm_y) = ([T::ZERO; B], [T::ZERO; B]);
         for parent in model.parents() {
@@ -52,14 +53,11 @@ impl<T: Real, const B: usize> Pose<T, B> {
                 arm_y[i] = arm_y[i].add_product(parent.children[i], (s * link_x[i]).add_product(c, link_y[i]));
             }
         }
-        let (mut x, mut y) = (*root_x, *root_y);
-        for i in 0..B {
-            x[i] += arm_x[i];
-            y[i] += arm_y[i];
-        }
+        let x = core::array::from_fn(|i| root_x[i] + arm_x[i]);
+        let y = core::array::from_fn(|i| root_y[i] + arm_y[i]);
         (self.arm_x, self.arm_y) = (arm_x, arm_y);
         for i in 0..B {
-            let (c, s) = (self.cos[i], self.sin[i]);
+            let (c, s) = (cos[i], sin[i]);
             self.moment_x[i] = (c * model.moment_x[i]).sub_product(s, model.moment_y[i]);
             self.moment_y[i] = (s * model.moment_x[i]).add_product(c, model.moment_y[i]);
         }

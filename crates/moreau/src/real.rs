@@ -145,25 +145,25 @@ pub trait Scalar: Real<Mask = bool, Lane = Self> + PartialOrd {
 /// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (coefficients of
 /// fdlibm's `__kernel_sin` and `__kernel_cos`, error below one unit in the last place); elsewhere `libm`.
 #[inline(always)]
-pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
-    // Results are stored at the end, so that the compiler can work on several angles at once.
-    let (mut s, mut c, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
+pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B]) -> [[T; B]; 2] {
+    let (mut sin, mut cos, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
     for i in 0..B {
-        (s[i], c[i]) = near_zero(angle[i]);
+        (sin[i], cos[i]) = near_zero(angle[i]);
     }
     for i in 0..B {
         largest = largest.max(angle[i].abs());
     }
-    (*sin, *cos) = (s, c);
     // What is not a number is not larger either; its sine is not a number in both branches.
     if T::from_f64(core::f64::consts::FRAC_PI_4).lt(largest).any() {
-        far_from_zero(angle, sin, cos);
+        far_from_zero(angle, [sin, cos])
+    } else {
+        [sin, cos]
     }
 }
 
 #[cold]
 #[inline(never)]
-fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
+fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], [mut sin, mut cos]: [[T; B]; 2]) -> [[T; B]; 2] {
     for i in 0..B {
         let far = T::from_f64(core::f64::consts::FRAC_PI_4).lt(angle[i].abs());
         if far.any() {
@@ -171,6 +171,7 @@ fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos:
             (sin[i], cos[i]) = (T::select(far, s, sin[i]), T::select(far, c, cos[i]));
         }
     }
+    [sin, cos]
 }
 
 #[inline(always)]
@@ -290,15 +291,12 @@ mod tests {
     fn sin_cos_matches_libm() {
         for i in -1000..=1000 {
             let x = f64::from(i) * core::f64::consts::FRAC_PI_4 / 1000.0;
-            let (mut s, mut c) = ([0.0], [0.0]);
-            sin_cos(&[x], &mut s, &mut c);
-            let (s, c) = (s[0], c[0]);
+            let [[s], [c]] = sin_cos(&[x]);
             let (s_ref, c_ref) = libm::sincos(x);
             assert!((s - s_ref).abs() <= 2.0 * f64::EPSILON * s_ref.abs(), "sin {x}");
             assert!((c - c_ref).abs() <= 2.0 * f64::EPSILON, "cos {x}");
         }
-        let (mut s, mut c) = ([0.0], [0.0]);
-        sin_cos(&[10.0_f64], &mut s, &mut c);
-        assert_eq!((s[0], c[0]), libm::sincos(10.0));
+        let [[s], [c]] = sin_cos(&[10.0_f64]);
+        assert_eq!((s, c), libm::sincos(10.0));
     }
 }
