@@ -210,6 +210,19 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
         }
     }
 
+    /// Before a step, nothing is touched.
+    #[inline(always)]
+    pub(crate) fn forget_touches(&mut self) {
+        if T::LANES == 1 {
+            self.active = [T::Mask::splat(false); Z];
+            return;
+        }
+        // A mask is as wide as a number there.
+        for &z in &self.touched[..self.touched_count] {
+            self.active[z] = T::Mask::splat(false);
+        }
+    }
+
     /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative velocities, m/s; zero if
     /// it was not touched.
     pub(crate) fn slip(&self, model: &Model<T, B, Z>, zone: usize, joints: &[[T; B]; 2]) -> [T; 2] {

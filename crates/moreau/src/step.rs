@@ -79,8 +79,6 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     state: &mut State<T, B, Z>,
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> LanesReport<T::Mask> {
-    let (h, theta) = (settings.step, settings.theta);
-    let timing = Timing::new(h, theta);
     let w0 = relative(model, &state.velocity);
     // The remainder knows the felts' curvature, not a regularised friction law's, whose stiffness also makes trends alternate.
     let smooth = !settings.friction.is_regularised();
@@ -91,7 +89,10 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let mut done = no;
 
     for iteration in 0..settings.newton_limit {
-        let (model, scratch) = (opaque::<T, _>(model), opaque::<T, _>(&mut *scratch));
+        let (model, settings) = (opaque::<T, _>(model), opaque::<T, _>(settings));
+        let scratch = opaque::<T, _>(&mut *scratch);
+        let (h, theta) = (settings.step, settings.theta);
+        let timing = Timing::new(h, theta);
         let q_theta = theta_point(model, &state.angle, &w0, &w, h, theta, scratch);
         let joint_angle = relative(model, &q_theta);
         scratch.pose.place(model, &q_theta);
@@ -99,7 +100,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
             if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
                 state.forget_far(model);
             }
-            scratch.active = [T::Mask::splat(false); Z];
+            scratch.forget_touches();
         }
         let near = state.survey.near();
         look_at_zones(model, &timing, near, iteration > 0, scratch);
@@ -149,7 +150,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 
     end(done.not().and(report.finite), state, scratch);
-    report.finite = finish(model, &w, h, theta, report.finite, state);
+    report.finite = finish(model, settings, &w, report.finite, state);
     report
 }
 
@@ -217,13 +218,12 @@ fn small<T: Real, const B: usize>(change: &[T; B], next: &[T; B], tolerance: T) 
 #[inline(always)]
 fn finish<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
+    settings: &Settings<T>,
     w: &[T; B],
-    h: T,
-    theta: T,
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
 ) -> T::Mask {
-    let mut v = *w;
+    let (h, theta, mut v) = (settings.step, settings.theta, *w);
     absolute(model, w, &mut v);
     let (mut q, mut sum) = (state.angle, T::ZERO);
     for i in 0..B {
