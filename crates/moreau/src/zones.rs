@@ -8,7 +8,7 @@ use crate::state::Scratch;
 use crate::{Mask, Real};
 
 /// Geometry of the zones near contact during the step: which are touched, and their rows; slip rows once, where a zone with friction first
-/// touches.
+/// touches. Before anything else that needs the pose: the rest of the linearisation does not wait for it.
 #[inline(always)]
 pub(crate) fn look_at_zones<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -81,7 +81,7 @@ fn look_at<T: Real, const B: usize, const Z: usize, const N: usize, const K: usi
 /// Whether the linearisation holds where `change` has taken the velocities, to `next`: for every joint, what the felts' curvature,
 /// weight and centrifugal force may still bring about (what one more Newton iteration would remove) is below the tolerance.
 ///
-/// A bound that is the same for all joints settles most steps; the others are looked at zone by zone.
+/// A quick bound ([`Ease`]) settles most steps; the others are looked at zone by zone.
 #[inline(always)]
 pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
