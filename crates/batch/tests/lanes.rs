@@ -106,7 +106,7 @@ fn lanes_move_as_alone() {
         let (mut together, mut alone, mut shaken) =
             (group(lanes, count), group(Lanes::One, count), group(Lanes::One, count));
         assert_eq!((together.lanes(), alone.lanes()), (lanes, Lanes::One));
-        let mut outcomes = vec![Outcome::Converged; count];
+        let mut outcomes = [vec![Outcome::Converged; count], vec![Outcome::Converged; count]];
         let (mut lanes_apart, mut shaken_apart) = (0.0_f64, 0.0_f64);
         for n in 0..10_000 {
             let inputs = pushes(n, count);
@@ -118,9 +118,10 @@ fn lanes_move_as_alone() {
                     other => *other,
                 })
                 .collect();
-            together.step(&inputs, &mut outcomes);
-            alone.step(&inputs, &mut outcomes);
-            shaken.step(&others, &mut outcomes);
+            together.step(&inputs, &mut outcomes[0]);
+            alone.step(&inputs, &mut outcomes[1]);
+            assert_eq!(outcomes[0], outcomes[1], "step {n}");
+            shaken.step(&others, &mut outcomes[1]);
             lanes_apart = lanes_apart.max(apart(&together, &alone, count)[0]);
             shaken_apart = shaken_apart.max(apart(&shaken, &alone, count)[0]);
         }

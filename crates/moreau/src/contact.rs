@@ -128,20 +128,20 @@ impl<T: Real, const B: usize> Touch<T, B> {
         self.tangent = pressed.tangent;
     }
 
-    /// What a caller may read, at the pose of the last evaluation, given the relative velocities that it was made with and their last
-    /// change, with which the force goes along.
+    /// What a caller may read, at the pose of the last evaluation, given the last change of the relative velocities, with which the force
+    /// goes along.
     pub fn contact(
         &self,
         form: &Form<T>,
         path: &Path<T, B>,
         pose: &Pose<T, B>,
-        [w, change]: [&[T; B]; 2],
+        change: &[T; B],
         timing: &Timing<T>,
         touched: T::Mask,
     ) -> Contact<T> {
         let (gap, normal) = form.gap_and_normal(pose, form.center(pose));
         let ahead = timing.theta * path.product(&self.row, change);
-        let (rate, ahead_gap) = (path.product(&self.row, w) + ahead, gap + timing.h_theta * ahead);
+        let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
         let pressed = press(form, ahead_gap, rate, timing, touched);
         Contact {
             gap: ahead_gap,

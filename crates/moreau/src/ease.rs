@@ -195,7 +195,7 @@ mod tests {
                 if look.touched {
                     touch.press(form, &timing, true, &mut ease);
                 }
-                let after = touch.contact(form, path, &pose, [&w, &change], &timing, true).force;
+                let after = touch.contact(form, path, &pose, &change, &timing, true).force;
                 let linear = touch.force + touch.tangent / timing.step * path.product(&touch.row, &change);
                 let p = timing.step * (after - if look.touched { linear } else { 0.0 }).abs();
                 for (k, j) in path.joints() {

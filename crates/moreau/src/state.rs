@@ -46,9 +46,7 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
             survey: Survey::none(),
         }
     }
-}
 
-impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// Zones that a new survey leaves out slide no more.
     #[cold]
     #[inline(never)]
@@ -240,8 +238,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
             return None;
         }
         let (form, path, timing) = (&model.forms[zone], &model.paths[zone], Timing::new(settings.step, settings.theta));
-        let velocities = [&self.joint_velocity, &self.change];
-        Some(self.contacts[zone].contact(form, path, &self.pose, velocities, &timing, self.active[zone]))
+        Some(self.contacts[zone].contact(form, path, &self.pose, &self.change, &timing, self.active[zone]))
     }
 }
 

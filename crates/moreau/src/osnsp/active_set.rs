@@ -8,7 +8,7 @@
 
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
-use super::{Impulses, System, lane_by_lane};
+use super::{Impulses, SlidingLaw, System, lane_by_lane};
 use crate::linear::{back_substitute, product, solve as solve_factored};
 use crate::{Mask, Real, Scalar};
 
@@ -145,7 +145,6 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
     }
     let (mut changed, moves) = velocities(system, guess, impulses, condensed, tolerance, single, w);
-    let may_change = |changed: T::Mask| if single { changed.not() } else { T::Mask::splat(true) };
     // What the impulses of the pivots that stick must make up for, but for A w.
     let mut lacking = system.b.map(|b| -b);
     for k in 0..system.count {
@@ -163,7 +162,7 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             // and forth.
             let rounding = T::from_f64(8.0) * T::EPSILON * (system.pivot_bound[i] + system.b[i].abs());
             let bound = system.pivot_bound[i] + rounding;
-            let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change(changed));
+            let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change::<T>(changed, single));
             if exceeded.any() {
                 guess.pivot[i] = T::select(exceeded, sign(p), guess.pivot[i]);
                 changed = changed.or(exceeded);
@@ -171,7 +170,7 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
         }
         if slides.any() {
             let turned = slides.and(tolerance.lt(guess.pivot[i] * w[i])).and(T::ZERO.lt(system.pivot_bound[i]));
-            let turned = turned.and(may_change(changed));
+            let turned = turned.and(may_change::<T>(changed, single));
             if turned.any() {
                 guess.pivot[i] = T::select(turned, T::ZERO, guess.pivot[i]);
                 changed = changed.or(turned);
@@ -179,6 +178,12 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
         }
     }
     changed
+}
+
+/// In which lanes a guess may be corrected, after it has been in some.
+#[inline(always)]
+fn may_change<T: Real>(changed: T::Mask, single: bool) -> T::Mask {
+    if single { changed.not() } else { T::Mask::splat(true) }
 }
 
 /// A joint that sticks is held by so many times its own inertia: its share in the others' velocities is then below any rounding.
@@ -257,8 +262,25 @@ fn velocities<T: Real, const B: usize, const N: usize>(
         w[i] = w[i].add_product(column[i], p);
     }
     impulses.sliding[0] = p;
-    let (u, bound) = (product(&law.row, w) - law.target, law.bound + product(&law.slope, w));
-    (correct(guess, 0, p, u, bound, dependent, tolerance, T::Mask::splat(true)), true)
+    let found = Found::at(law, w, p, dependent);
+    (correct(guess, 0, found, tolerance, T::Mask::splat(true)), true)
+}
+
+/// What a guess gave a sliding law: its impulse, velocity and bound, and whether it is held by the others anyway.
+struct Found<T: Real> {
+    p: T,
+    u: T,
+    bound: T,
+    dependent: T::Mask,
+}
+
+impl<T: Real> Found<T> {
+    /// Of a law with impulse p where the joints move at `w`.
+    #[inline(always)]
+    fn at<const B: usize>(law: &SlidingLaw<T, B>, w: &[T; B], p: T, dependent: T::Mask) -> Self {
+        let (u, bound) = (product(&law.row, w) - law.target, law.bound + product(&law.slope, w));
+        Found { p, u, bound, dependent }
+    }
 }
 
 /// x for the joints that move (1), zero for those that stick (0).
@@ -315,10 +337,8 @@ fn slide<T: Real, const B: usize, const N: usize>(
     let mut changed = T::Mask::splat(false);
     for k in 0..n {
         impulses.sliding[k] = p[k];
-        let law = &system.sliding[k];
-        let (u, bound) = (product(&law.row, v) - law.target, law.bound + product(&law.slope, v));
-        let allowed = if single { changed.not() } else { T::Mask::splat(true) };
-        changed = changed.or(judge(system, guess, k, p[k], u, bound, dependent[k], tolerance, allowed));
+        let found = Found::at(&system.sliding[k], v, p[k], dependent[k]);
+        changed = changed.or(judge(system, guess, k, found, tolerance, may_change::<T>(changed, single)));
     }
     changed
 }
@@ -339,33 +359,29 @@ fn hold<T: Real, const B: usize, const N: usize>(
         let sticks = closed.and(not_zero(side).not());
         let p = T::select(sticks, impulses.sliding[k], T::only(closed, side * law.bound));
         impulses.sliding[k] = p;
-        let allowed = if single { changed.not() } else { T::Mask::splat(true) };
-        changed = changed.or(judge(system, guess, k, p, -law.target, law.bound, sticks, tolerance, allowed));
+        let found = Found { p, u: -law.target, bound: law.bound, dependent: sticks };
+        changed = changed.or(judge(system, guess, k, found, tolerance, may_change::<T>(changed, single)));
     }
     changed
 }
 
 /// Corrects where a sliding law stands, as [`correct`] does; a rigid one that is refused lets another law give way.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
 fn judge<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     k: usize,
-    p: T,
-    u: T,
-    bound: T,
-    dependent: T::Mask,
+    found: Found<T>,
     tolerance: T,
     allowed: T::Mask,
 ) -> T::Mask {
     if !system.sliding[k].rigid {
-        return correct(guess, k, p, u, bound, dependent, tolerance, allowed);
+        return correct(guess, k, found, tolerance, allowed);
     }
-    let refused = dependent.and(tolerance.lt(u.abs())).and(allowed);
+    let refused = found.dependent.and(tolerance.lt(found.u.abs())).and(allowed);
     for lane in (0..T::LANES).filter(|&l| refused.lane(l)) {
         let mut own = guess.lane(lane);
-        give_way(&system.lane(lane), &mut own, k, u.lane(lane));
+        give_way(&system.lane(lane), &mut own, k, found.u.lane(lane));
         guess.set_lane(lane, &own);
     }
     refused
@@ -381,17 +397,12 @@ fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, r
     scale
 }
 
-/// Corrects where a sliding contact stands, where a guess that gave it impulse p, velocity u and bound is refuted and may be changed;
-/// says in which lanes.
+/// Corrects where a sliding contact stands, where a guess is refuted by what it gave and may be changed; says in which lanes.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
 fn correct<T: Real, const B: usize, const N: usize>(
     guess: &mut Guess<T, B, N>,
     k: usize,
-    p: T,
-    u: T,
-    bound: T,
-    dependent: T::Mask,
+    Found { p, u, bound, dependent }: Found<T>,
     tolerance: T,
     allowed: T::Mask,
 ) -> T::Mask {
