@@ -64,7 +64,8 @@ fn half_a_percent_at_the_usual_step() {
 }
 
 /// The default Newton tolerance does not limit the accuracy: what a far tighter one changes is below a thousandth of the
-/// error that the step itself makes, down to 12.5 us.
+/// error that the step itself makes at its worst phase, down to 12.5 us. (The speed as it was once read, off the end of the step in which
+/// the string is met, was wrong by twice as much, and its rms the yardstick.)
 #[test]
 fn the_newton_tolerance_is_no_limit() {
     let grand = grand();
@@ -73,7 +74,7 @@ fn the_newton_tolerance_is_no_limit() {
             let usual = blow(&grand, &play, Settings::new(rung.step), until);
             let tight = blow(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, until);
             let change = (usual.speed / tight.speed - 1.0).abs();
-            assert!(change < 1e-3 * rung.speed_rms, "{play:?} {}: {change:.1e}, {:.1e}", rung.step, rung.speed_rms);
+            assert!(change < 1e-3 * rung.speed_worst, "{play:?} {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
             assert_eq!((usual.unconverged, tight.unconverged), (0, 0));
         }
     }

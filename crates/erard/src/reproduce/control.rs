@@ -10,7 +10,7 @@ use crate::simulation::{Drive, Setup, simulate};
 use crate::stroke::{ForceSeries, Series, Touch};
 
 /// Fixed steps: the first, s, and how many halvings. The last is 0.39 us.
-const STEPS: (f64, i32) = (400e-6, 11);
+const STEPS: (f64, i32) = (800e-6, 12);
 /// Tolerances of controlled steps.
 const TOLERANCES: [f64; 8] = [3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 /// The press lasts until the hammer rests in its check, s.

@@ -159,9 +159,9 @@ struct Lane<'a, const B: usize, const Z: usize> {
     failed: Option<SimulationError>,
     /// The hammer's lever, where a step may go unseen.
     lever: Option<(usize, f64)>,
-    /// Set while nothing can happen; what there was to see last, then.
+    /// Set while nothing can happen; the last moments that were not looked at, then.
     idle: Option<Reach>,
-    before: Moment<B>,
+    missed: [Option<Moment<B>>; 2],
 }
 
 /// Where a mechanism is at an instant.
@@ -192,7 +192,7 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
             // An imposed motion asks for the pose in every step.
             lever: lever(player.instrument).filter(|_| !matches!(player.stroke, Stroke::Rigid(_))),
             idle: None,
-            before: Moment { time_s: 0.0, angle: state.angle, velocity: state.velocity },
+            missed: [None; 2],
         };
         lane.rest = Rest::of(player.instrument, &lane.sight());
         Ok(lane)
@@ -203,18 +203,19 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
     }
 
     /// Looks at the mechanism where it is now. While nothing can happen it looks away, and when something can again, it first sees
-    /// what was just before: what is seen to happen is the same as if it had never looked away.
+    /// the two moments just before: what is seen to happen is the same as if it had never looked away.
     fn look(&mut self, time_s: f64, (angle, velocity): ([f64; B], [f64; B])) {
         let now = Moment { time_s, angle, velocity };
         if let Some(reach) = self.idle {
             if reach.is_out(&angle) {
-                self.before = now;
+                self.missed = [self.missed[1], Some(now)];
                 return;
             }
-            self.see(self.before);
+            for moment in std::mem::take(&mut self.missed).into_iter().flatten() {
+                self.see(moment);
+            }
         }
         self.see(now);
-        self.before = now;
         self.idle = match (self.lever, self.player.instrument.roles.string) {
             (Some(lever), Some(string)) if self.watch.sees_blows_only() => {
                 Reach::of(lever, &angle, self.sight().gap(string))
