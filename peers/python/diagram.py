@@ -5,10 +5,10 @@ from html import escape
 
 from comparison import TARGET_ERROR
 
-WIDTH, HEIGHT = 960, 560
-LEFT, RIGHT, TOP, BOTTOM = 78, 276, 40, 64
+WIDTH, HEIGHT = 980, 560
+LEFT, RIGHT, TOP, BOTTOM = 78, 296, 40, 64
 # Okabe and Ito's colours, told apart by everybody; a peer has one, its methods differ by dashes and marks.
-COLORS = {"Erard": "#000000", "diffsol": "#0072b2", "MuJoCo": "#d55e00", "SciPy": "#009e73"}
+COLORS = {"Erard": "#000000", "Erard batch": "#707070", "diffsol": "#0072b2", "MuJoCo": "#d55e00", "SciPy": "#009e73"}
 DASHES = ["", "7 3", "2 3", "9 3 2 3"]
 FONT = "DejaVu Sans, Verdana, sans-serif"
 
@@ -43,7 +43,7 @@ def svg(comparison, title):
         at = y(10.0**k)
         out.append(f'<line x1="{LEFT}" y1="{at:.1f}" x2="{edge}" y2="{at:.1f}" stroke="#ddd"/>')
         out.append(text(LEFT - 8, at + 4, f"1e{k}", 'text-anchor="end"'))
-    out.append(text((LEFT + edge) / 2, floor + 42, "time for one blow on one core", 'text-anchor="middle"'))
+    out.append(text((LEFT + edge) / 2, floor + 42, "time for one blow, on one core where nothing else is said", 'text-anchor="middle"'))
     out.append(
         text(
             0,
@@ -59,7 +59,7 @@ def svg(comparison, title):
     out.append(f'<line x1="{LEFT}" y1="{equal:.1f}" x2="{edge}" y2="{equal:.1f}" stroke="#888" stroke-dasharray="4 4"/>')
     methods = {}
     for place, (peer, front, all_points) in enumerate(drawn):
-        family = front[0]["peer"]
+        family = front[0]["peer"] + (" batch" if "batch_cores" in front[0] else "")
         rank = methods[family] = methods.get(family, -1) + 1
         color, dash = COLORS.get(family, "#555"), DASHES[rank % len(DASHES)]
         for p in all_points:
@@ -69,7 +69,7 @@ def svg(comparison, title):
                 )
         shown = [p for p in front if p["error"] <= 10.0**y_high]
         path = " ".join(f"{x(p['seconds']):.1f},{y(p['error']):.1f}" for p in shown)
-        thick = 3 if family == "Erard" else 1.8
+        thick = 3 if front[0]["peer"] == "Erard" else 1.8
         stroke = f'stroke="{color}" stroke-width="{thick}"' + (f' stroke-dasharray="{dash}"' if dash else "")
         out.append(f'<polyline points="{path}" fill="none" {stroke} stroke-linejoin="round"/>')
         out += [mark(rank, x(p["seconds"]), y(p["error"]), color) for p in shown]

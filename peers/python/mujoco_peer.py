@@ -20,7 +20,7 @@ from numba.extending import intrinsic
 import action
 
 # What a run reads and leaves, shared with the callback.
-SCALE, CONSTANT, WIDTH, DRY, PER_STEP, CALLS, TIME, ANGLE, RATE, CONTACT, SPEED, SIZE = range(12)
+SCALE, CONSTANT, WIDTH, DRY, PER_STEP, CALLS, TIME, ANGLE, RATE, SLOPE, CONTACT, SPEED, SIZE = range(13)
 # Integrator, evaluations of the forces per step, whether the pivots' dry friction is MuJoCo's own or regularised in the callback too
 # (which is less stiff and needs no constraint solver).
 METHODS = {
@@ -31,7 +31,7 @@ METHODS = {
 }
 # Four evaluations a step are not worth their time below this step, s.
 SHORTEST_OF_RK4_S = 12.5e-6
-STEPS_S = [200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6, 3.125e-6, 1.5625e-6]
+STEPS_S = [800e-6, 400e-6, 200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6, 3.125e-6, 1.5625e-6]
 # Steps, widths in rad/s (at sliding contacts a tenth of it in m/s), repetitions.
 BLOW = {
     False: (STEPS_S, [0.1, 0.03, 0.01, 3e-3, 1e-3], 3),
@@ -145,9 +145,12 @@ class Peer:
             if shared[CALLS] % shared[PER_STEP] == 0.0:
                 before = shared[ANGLE]
                 if shared[CALLS] > 0.0 and before <= angle and qpos[hammer] > angle and shared[CONTACT] == 0.0:
-                    share = (angle - before) / (qpos[hammer] - before)
-                    shared[CONTACT] = shared[TIME] + share * (now - shared[TIME])
-                    shared[SPEED] = radius * abs(shared[RATE] + share * (qvel[hammer] - shared[RATE]))
+                    # As if the step before went on: at this step's end the string has pushed already.
+                    rate = math.sqrt(max(shared[RATE] ** 2 + 2.0 * shared[SLOPE] * (angle - before), 0.0))
+                    shared[CONTACT] = shared[TIME] + 2.0 * (angle - before) / (shared[RATE] + rate)
+                    shared[SPEED] = radius * rate
+                if shared[CALLS] > 0.0:
+                    shared[SLOPE] = (qvel[hammer] - shared[RATE]) / (now - shared[TIME])
                 shared[TIME], shared[ANGLE], shared[RATE] = now, qpos[hammer], qvel[hammer]
             shared[CALLS] += 1.0
 

@@ -1,9 +1,11 @@
 //! The kernel, compiled for each set of instructions.
 
-use moreau::{Input, Mask, Model, Outcome, Real, Scratch, Settings, State, step, step_lanes};
+use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Scratch, Settings, State, step, step_lanes};
 
 use crate::avx2::F64x4;
+use crate::avx2_single::F32x8;
 use crate::avx512::F64x8;
+use crate::avx512_single::F32x16;
 
 /// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one kind.
 ///
@@ -29,7 +31,7 @@ pub struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
     own_settings: Settings<f64>,
 }
 
-impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
     fn new(
         kernel: Kernel<T, B, Z, N>,
         models: &[Model<f64, B, Z>],
@@ -73,7 +75,7 @@ impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<
     /// One lane's angles and velocities.
     #[inline]
     pub fn motion(&self, lane: usize) -> ([f64; B], [f64; B]) {
-        (self.state.angle.map(|x| x.lane(lane)), self.state.velocity.map(|x| x.lane(lane)))
+        (self.state.angle.map(|x| x.lane(lane).to_f64()), self.state.velocity.map(|x| x.lane(lane).to_f64()))
     }
 
     /// One lane's state.
@@ -82,29 +84,38 @@ impl<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize> Lanes<
     }
 }
 
-/// Four lanes of AVX2; `None` where the processor or the models do not allow it.
-pub fn four<const B: usize, const Z: usize, const N: usize>(
-    models: &[Model<f64, B, Z>],
-    states: &[State<f64, B, Z>],
-    settings: &Settings<f64>,
-) -> Option<Lanes<F64x4, B, Z, N>> {
-    if !has_avx2() {
-        return None;
-    }
-    Lanes::new(avx2_step, models, states, settings)
+/// A width's kernel: `None` where the processor or the models do not allow it.
+macro_rules! width {
+    ($name:ident, $number:ident, $has:ident, $kernel:ident, $features:literal) => {
+        pub fn $name<const B: usize, const Z: usize, const N: usize>(
+            models: &[Model<f64, B, Z>],
+            states: &[State<f64, B, Z>],
+            settings: &Settings<f64>,
+        ) -> Option<Lanes<$number, B, Z, N>> {
+            if !$has() {
+                return None;
+            }
+            Lanes::new($kernel, models, states, settings)
+        }
+
+        #[target_feature(enable = $features)]
+        fn $kernel<const B: usize, const Z: usize, const N: usize>(
+            model: &Model<$number, B, Z>,
+            settings: &Settings<$number>,
+            inputs: &[Input<f64>],
+            state: &mut State<$number, B, Z>,
+            scratch: &mut Scratch<$number, B, Z, N>,
+            outcomes: &mut [Outcome],
+        ) -> bool {
+            step_all(model, settings, inputs, state, scratch, outcomes)
+        }
+    };
 }
 
-/// Eight lanes of AVX-512; `None` where the processor or the models do not allow it.
-pub fn eight<const B: usize, const Z: usize, const N: usize>(
-    models: &[Model<f64, B, Z>],
-    states: &[State<f64, B, Z>],
-    settings: &Settings<f64>,
-) -> Option<Lanes<F64x8, B, Z, N>> {
-    if !has_avx512() {
-        return None;
-    }
-    Lanes::new(avx512_step, models, states, settings)
-}
+width!(four, F64x4, has_avx2, four_step, "avx2,fma");
+width!(eight, F64x8, has_avx512, eight_step, "avx512f,avx512vl,avx512dq,avx512bw");
+width!(eight_single, F32x8, has_avx2, eight_single_step, "avx2,fma");
+width!(sixteen_single, F32x16, has_avx512, sixteen_single_step, "avx512f,avx512vl,avx512dq,avx512bw");
 
 pub fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -119,7 +130,7 @@ pub fn has_avx512() -> bool {
 
 /// The kernel for any number. Inputs are joined in here, so that they are written as wide as they are read.
 #[inline(always)]
-fn step_all<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize>(
+fn step_all<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     inputs: &[Input<f64>],
@@ -141,28 +152,4 @@ fn step_all<T: Real<Lane = f64>, const B: usize, const Z: usize, const N: usize>
         };
     }
     true
-}
-
-#[target_feature(enable = "avx2,fma")]
-fn avx2_step<const B: usize, const Z: usize, const N: usize>(
-    model: &Model<F64x4, B, Z>,
-    settings: &Settings<F64x4>,
-    inputs: &[Input<f64>],
-    state: &mut State<F64x4, B, Z>,
-    scratch: &mut Scratch<F64x4, B, Z, N>,
-    outcomes: &mut [Outcome],
-) -> bool {
-    step_all(model, settings, inputs, state, scratch, outcomes)
-}
-
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
-fn avx512_step<const B: usize, const Z: usize, const N: usize>(
-    model: &Model<F64x8, B, Z>,
-    settings: &Settings<F64x8>,
-    inputs: &[Input<f64>],
-    state: &mut State<F64x8, B, Z>,
-    scratch: &mut Scratch<F64x8, B, Z, N>,
-    outcomes: &mut [Outcome],
-) -> bool {
-    step_all(model, settings, inputs, state, scratch, outcomes)
 }

@@ -2,12 +2,17 @@
 //!
 //! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this crate gives it numbers that are four (AVX2) or eight
 //! (AVX-512) wide, compiled for those instructions and chosen when the program runs. Elsewhere the same mechanisms are stepped one
-//! after the other. Either way every mechanism gets the numbers that [`moreau::step()`] gives it alone, to rounding.
+//! after the other. Either way every mechanism gets the numbers that [`moreau::step()`] gives it alone, to rounding. Twice as many fit
+//! in single precision, for those who can do with it: models and states go in and out in doubles all the same.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
+mod avx2_single;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod avx512_single;
 #[cfg(target_arch = "x86_64")]
 mod kernels;
 #[cfg(target_arch = "x86_64")]
@@ -15,27 +20,46 @@ mod number;
 
 use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
 
-/// How many mechanisms of a group are stepped at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// How many mechanisms of a group are stepped at once, and how precisely.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lanes {
-    /// One after the other.
+    /// One after the other, in doubles.
     One,
     /// Four doubles in a register: AVX2.
     Four,
     /// Eight: AVX-512.
     Eight,
+    /// Eight numbers of single precision in a register: AVX2.
+    EightSingle,
+    /// Sixteen: AVX-512.
+    SixteenSingle,
 }
 
 impl Lanes {
-    /// The most that this processor has instructions for.
+    /// All, the narrow ones first.
+    pub const ALL: [Lanes; 5] = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle, Lanes::SixteenSingle];
+
+    /// The most doubles that this processor has instructions for.
     pub fn most() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if kernels::has_avx512() {
-            return Lanes::Eight;
-        } else if kernels::has_avx2() {
-            return Lanes::Four;
+        [Lanes::Eight, Lanes::Four].into_iter().find(|lanes| lanes.is_here()).unwrap_or(Lanes::One)
+    }
+
+    /// As many in single precision; doubles where the processor has no lanes.
+    pub fn most_single() -> Self {
+        [Lanes::SixteenSingle, Lanes::EightSingle].into_iter().find(|lanes| lanes.is_here()).unwrap_or(Lanes::One)
+    }
+
+    /// Whether this processor has the instructions.
+    pub fn is_here(self) -> bool {
+        match self {
+            Lanes::One => true,
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Four | Lanes::EightSingle => kernels::has_avx2(),
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Eight | Lanes::SixteenSingle => kernels::has_avx512(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
         }
-        Lanes::One
     }
 
     /// Mechanisms at once.
@@ -43,7 +67,22 @@ impl Lanes {
         match self {
             Lanes::One => 1,
             Lanes::Four => 4,
-            Lanes::Eight => 8,
+            Lanes::Eight | Lanes::EightSingle => 8,
+            Lanes::SixteenSingle => 16,
+        }
+    }
+
+    /// Whether numbers are of single precision.
+    pub fn is_single(self) -> bool {
+        matches!(self, Lanes::EightSingle | Lanes::SixteenSingle)
+    }
+
+    /// The doubles that the same registers hold.
+    pub fn in_doubles(self) -> Self {
+        match self {
+            Lanes::EightSingle => Lanes::Four,
+            Lanes::SixteenSingle => Lanes::Eight,
+            doubles => doubles,
         }
     }
 }
@@ -58,6 +97,10 @@ enum Kind<const B: usize, const Z: usize, const N: usize> {
     Eight(Box<kernels::Lanes<avx512::F64x8, B, Z, N>>),
     #[cfg(target_arch = "x86_64")]
     Four(Box<kernels::Lanes<avx2::F64x4, B, Z, N>>),
+    #[cfg(target_arch = "x86_64")]
+    EightSingle(Box<kernels::Lanes<avx2_single::F32x8, B, Z, N>>),
+    #[cfg(target_arch = "x86_64")]
+    SixteenSingle(Box<kernels::Lanes<avx512_single::F32x16, B, Z, N>>),
     OneByOne(Box<OneByOne<B, Z, N>>),
 }
 
@@ -82,18 +125,20 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     ) -> Self {
         assert_eq!(models.len(), states.len(), "a state for each model");
         #[cfg(target_arch = "x86_64")]
-        match lanes {
-            Lanes::Eight => {
-                if let Some(eight) = kernels::eight(models, states, settings) {
-                    return Group { kind: Kind::Eight(Box::new(eight)) };
-                }
+        let kind = match lanes {
+            Lanes::One => None,
+            Lanes::Four => kernels::four(models, states, settings).map(|k| Kind::Four(Box::new(k))),
+            Lanes::Eight => kernels::eight(models, states, settings).map(|k| Kind::Eight(Box::new(k))),
+            Lanes::EightSingle => {
+                kernels::eight_single(models, states, settings).map(|k| Kind::EightSingle(Box::new(k)))
             }
-            Lanes::Four => {
-                if let Some(four) = kernels::four(models, states, settings) {
-                    return Group { kind: Kind::Four(Box::new(four)) };
-                }
+            Lanes::SixteenSingle => {
+                kernels::sixteen_single(models, states, settings).map(|k| Kind::SixteenSingle(Box::new(k)))
             }
-            Lanes::One => {}
+        };
+        #[cfg(target_arch = "x86_64")]
+        if let Some(kind) = kind {
+            return Group { kind };
         }
         let _ = lanes;
         let (models, states) = (models.to_vec(), states.to_vec());
@@ -109,6 +154,10 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Eight(_) => Lanes::Eight,
             #[cfg(target_arch = "x86_64")]
             Kind::Four(_) => Lanes::Four,
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(_) => Lanes::EightSingle,
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(_) => Lanes::SixteenSingle,
             Kind::OneByOne(_) => Lanes::One,
         }
     }
@@ -123,6 +172,10 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Eight(eight) => eight.step(inputs, outcomes),
             #[cfg(target_arch = "x86_64")]
             Kind::Four(four) => four.step(inputs, outcomes),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.step(inputs, outcomes),
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(sixteen) => sixteen.step(inputs, outcomes),
             Kind::OneByOne(one) => {
                 let OneByOne { models, states, settings, scratch } = one.as_mut();
                 for (i, (model, state)) in models.iter().zip(states).enumerate() {
@@ -140,6 +193,10 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Eight(eight) => eight.motion(index),
             #[cfg(target_arch = "x86_64")]
             Kind::Four(four) => four.motion(index),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.motion(index),
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(sixteen) => sixteen.motion(index),
             Kind::OneByOne(one) => (one.states[index].angle, one.states[index].velocity),
         }
     }
@@ -151,6 +208,10 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Eight(eight) => eight.state(index),
             #[cfg(target_arch = "x86_64")]
             Kind::Four(four) => four.state(index),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.state(index),
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(sixteen) => sixteen.state(index),
             Kind::OneByOne(one) => one.states[index].clone(),
         }
     }

@@ -186,4 +186,160 @@ macro_rules! vector_number {
     };
 }
 
-pub(crate) use {operator, simd, vector_number};
+/// Comparisons and choices of AVX2: all bits of a lane are set where it is true.
+macro_rules! mask_of_bits {
+    (
+        $mask:ident, $number:ident, $register:ident, $lane:ident, $width:literal,
+        compare: $compare:ident, blend: $blend:ident, and: $and:ident, and_not: $and_not:ident, or: $or:ident, xor: $xor:ident,
+        movemask: $movemask:ident $(,)?
+    ) => {
+        #[derive(Clone, Copy)]
+        #[repr(transparent)]
+        pub(crate) struct $mask($register);
+
+        #[inline(always)]
+        fn less(a: $number, b: $number) -> $mask {
+            $mask(simd!($compare::<_CMP_LT_OQ>(a.0, b.0)))
+        }
+
+        #[inline(always)]
+        fn at_most(a: $number, b: $number) -> $mask {
+            $mask(simd!($compare::<_CMP_LE_OQ>(a.0, b.0)))
+        }
+
+        #[inline(always)]
+        fn choose(mask: $mask, yes: $number, no: $number) -> $number {
+            $number(simd!($blend(no.0, yes.0, mask.0)))
+        }
+
+        #[inline(always)]
+        fn kept(mask: $mask, x: $number) -> $number {
+            $number(simd!($and(mask.0, x.0)))
+        }
+
+        #[inline(always)]
+        fn magnitude(x: $number) -> $number {
+            $number(simd!($and_not($number::constant(-0.0).0, x.0)))
+        }
+
+        #[inline(always)]
+        fn negated(x: $number) -> $number {
+            $number(simd!($xor(x.0, $number::constant(-0.0).0)))
+        }
+
+        impl core::fmt::Debug for $mask {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                <[$lane; $width]>::from($number(self.0)).map(|x| x.to_bits() != 0).fmt(f)
+            }
+        }
+
+        impl moreau::Mask for $mask {
+            #[inline(always)]
+            fn any(self) -> bool {
+                simd!($movemask(self.0)) != 0
+            }
+            #[inline(always)]
+            fn all(self) -> bool {
+                simd!($movemask(self.0)) == (1 << $width) - 1
+            }
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                $mask(simd!($and(self.0, other.0)))
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                $mask(simd!($or(self.0, other.0)))
+            }
+            #[inline(always)]
+            fn not(self) -> Self {
+                $mask(simd!($xor(self.0, Self::splat(true).0)))
+            }
+            #[inline(always)]
+            fn splat(value: bool) -> Self {
+                // All bits set, or none.
+                let bits = if value { !0 } else { 0 };
+                $mask($number::from([$lane::from_bits(bits); $width]).0)
+            }
+            #[inline(always)]
+            fn lane(self, lane: usize) -> bool {
+                simd!($movemask(self.0)) >> lane & 1 != 0
+            }
+        }
+    };
+}
+
+/// Comparisons and choices of AVX-512: a bit per lane, in a register of its own kind.
+macro_rules! mask_register {
+    (
+        $mask:ident, $number:ident, $bits:ident,
+        compare: $compare:ident, blend: $blend:ident, keep: $keep:ident, abs: $abs:ident $(,)?
+    ) => {
+        #[derive(Debug, Clone, Copy)]
+        #[repr(transparent)]
+        pub(crate) struct $mask($bits);
+
+        #[inline(always)]
+        fn less(a: $number, b: $number) -> $mask {
+            $mask(simd!($compare::<_CMP_LT_OQ>(a.0, b.0)))
+        }
+
+        #[inline(always)]
+        fn at_most(a: $number, b: $number) -> $mask {
+            $mask(simd!($compare::<_CMP_LE_OQ>(a.0, b.0)))
+        }
+
+        #[inline(always)]
+        fn choose(mask: $mask, yes: $number, no: $number) -> $number {
+            $number(simd!($blend(mask.0, no.0, yes.0)))
+        }
+
+        #[inline(always)]
+        fn kept(mask: $mask, x: $number) -> $number {
+            $number(simd!($keep(mask.0, x.0)))
+        }
+
+        #[inline(always)]
+        fn magnitude(x: $number) -> $number {
+            $number(simd!($abs(x.0)))
+        }
+
+        #[inline(always)]
+        fn negated(x: $number) -> $number {
+            // Exact, signed zeros included; a bitwise operation on numbers would ask for more than the foundation instructions.
+            x * $number::constant(-1.0)
+        }
+
+        impl moreau::Mask for $mask {
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.0 != 0
+            }
+            #[inline(always)]
+            fn all(self) -> bool {
+                self.0 == $bits::MAX
+            }
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                $mask(self.0 & other.0)
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                $mask(self.0 | other.0)
+            }
+            #[inline(always)]
+            fn not(self) -> Self {
+                $mask(!self.0)
+            }
+            #[inline(always)]
+            fn splat(value: bool) -> Self {
+                $mask(if value { $bits::MAX } else { 0 })
+            }
+            #[inline(always)]
+            fn lane(self, lane: usize) -> bool {
+                self.0 >> lane & 1 != 0
+            }
+        }
+    };
+}
+
+pub(crate) use {mask_of_bits, mask_register, operator, simd, vector_number};

@@ -1,5 +1,5 @@
-//! Many grands at once: one after the other, in four and (where there is AVX-512) eight lanes of one core, and in the most lanes on
-//! all cores, in turn within one run.
+//! Many grands at once: one after the other, in four and (where there is AVX-512) eight lanes of one core, in eight and sixteen of single
+//! precision, and in the most lanes of doubles on all cores, in turn within one run.
 //!
 //! `cargo bench -p erard --bench batch`, `-- --rounds N` for more or fewer than 21. Two loads: a parameter study (the same note on
 //! grands of other weight and stiffness) and a fortissimo tremolo in which every lane is in another phase of its stroke. Times are per
@@ -26,7 +26,9 @@ fn main() {
             "ns a step of one grand", "median", "quartile", "quartile", "speed"
         );
         let mut rows = vec![("one after the other, one core".to_owned(), times.one_by_one)];
-        rows.extend(times.lanes.iter().map(|(lanes, times)| (format!("lanes: {}, one core", lanes.count()), *times)));
+        let single = |lanes: &Lanes| if lanes.is_single() { " of single precision" } else { "" };
+        let named = |(lanes, times): &(Lanes, Times)| (format!("lanes: {}{}", lanes.count(), single(lanes)), *times);
+        rows.extend(times.lanes.iter().map(named));
         rows.push((format!("lanes: {}, all cores", Lanes::most().count()), times.all_cores));
         for (what, row) in rows {
             let Times { median, lower_quartile, upper_quartile, .. } = row;

@@ -52,11 +52,11 @@ fn a_step_never_allocates() {
 fn a_group_step_never_allocates() {
     let (model, state) = grand();
     let usual = Settings::new(50e-6);
-    for lanes in [Lanes::One, Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| *lanes <= Lanes::most()) {
+    for lanes in Lanes::ALL.into_iter().filter(|lanes| lanes.is_here()) {
         for settings in [usual, Settings { tolerance: 0.0, newton_limit: 3, ..usual }] {
             let count = lanes.count();
             let mut group = GrandGroup::new(&vec![model.clone(); count], &vec![state.clone(); count], &settings, lanes);
-            let (mut inputs, mut outcomes) = ([Input::Free; 8], [Outcome::Converged; 8]);
+            let (mut inputs, mut outcomes) = ([Input::Free; 16], [Outcome::Converged; 16]);
             let mut steps = 0;
             let counted = allocation_counter::measure(|| {
                 for n in 0..20_000 {

@@ -79,7 +79,7 @@ fn threads(threads: usize) -> Workers {
 
 /// Every kind of lanes that this processor has.
 fn kinds_of_lanes() -> impl Iterator<Item = Lanes> {
-    [Lanes::One, Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| *lanes <= Lanes::most())
+    Lanes::ALL.into_iter().filter(|lanes| lanes.is_here())
 }
 
 fn played(results: Vec<JobResult>) -> Vec<Played> {
@@ -93,8 +93,21 @@ fn a_study_gives_what_simulate_gives() {
     let (instruments, plan) = (instruments(), plan());
     let runs: Vec<Run> =
         plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
-    for lanes in kinds_of_lanes() {
-        compare(lanes, &plan, &runs);
+    for lanes in kinds_of_lanes().filter(|lanes| !lanes.is_single()) {
+        let apart = compare(lanes, &plan, &runs);
+        assert!(apart.seconds < 1e-9 && apart.speed < 1e-7 && apart.rise_m < 1e-9, "{apart:?}");
+    }
+}
+
+/// In single precision, too, but for its own rounding: angles are known to 3e-8 rad, which is 4 nm at the string.
+#[test]
+fn in_single_precision_the_same_to_its_rounding() {
+    let (instruments, plan) = (instruments(), plan());
+    let runs: Vec<Run> =
+        plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
+    for lanes in kinds_of_lanes().filter(|lanes| lanes.is_single()) {
+        let apart = compare(lanes, &plan, &runs);
+        assert!(apart.seconds < 1e-4 && apart.speed < 1e-3 && apart.rise_m < 1e-5, "{apart:?}");
     }
 }
 
@@ -111,13 +124,21 @@ fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
     simulate(instrument, &drive, &setup, &mut |_| true).expect("plays")
 }
 
-fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) {
+/// Largest differences between a study's strokes and the same ones alone: of instants, of hammer speeds (relative), of rises.
+#[derive(Debug)]
+struct Apart {
+    seconds: f64,
+    speed: f64,
+    rise_m: f64,
+}
+
+fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) -> Apart {
     let together = played(study(plan, Workers { threads: 2, lanes }));
-    let (mut worst_s, mut worst_speed, mut strikes, mut checks) = (0.0_f64, 0.0_f64, 0, 0);
+    let (mut apart, mut strikes, mut checks) = (Apart { seconds: 0.0, speed: 0.0, rise_m: 0.0 }, 0, 0);
     for ((&(instrument, kind, strength), played), run) in plan.iter().zip(&together).zip(runs) {
         assert_eq!(played.unconverged_steps, run.work.unconverged_steps);
         let highest = run.hammer_head_m.iter().fold(0.0_f64, |a, b| a.max(*b));
-        assert!((played.highest_m - highest).abs() < 1e-9, "{instrument} {kind}: {} {highest}", played.highest_m);
+        apart.rise_m = apart.rise_m.max((played.highest_m - highest).abs());
         let (a, b) = (&played.events, &run.events);
         assert_eq!(a.strikes.len(), b.strikes.len(), "{instrument} {kind} {strength}");
         let instants = |e: &erard::run::Events| {
@@ -125,20 +146,18 @@ fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) {
         };
         for (x, y) in instants(a).into_iter().zip(instants(b)) {
             assert_eq!(x.is_some(), y.is_some(), "{instrument} {kind} {strength}: {a:?} {b:?}");
-            worst_s = worst_s.max((x.unwrap_or(0.0) - y.unwrap_or(0.0)).abs());
+            apart.seconds = apart.seconds.max((x.unwrap_or(0.0) - y.unwrap_or(0.0)).abs());
         }
         for (x, y) in a.strikes.iter().zip(&b.strikes) {
-            worst_s = worst_s.max((x.time_s - y.time_s).abs());
-            worst_speed = worst_speed.max((x.speed_m_s / y.speed_m_s - 1.0).abs());
+            apart.seconds = apart.seconds.max((x.time_s - y.time_s).abs());
+            apart.speed = apart.speed.max((x.speed_m_s / y.speed_m_s - 1.0).abs());
         }
         strikes += b.strikes.len();
         checks += usize::from(b.check_s.is_some());
     }
-    println!(
-        "{lanes:?}: {strikes} strikes, {checks} checks; apart by at most {worst_s:.1e} s and {worst_speed:.1e} of the speed"
-    );
+    println!("{lanes:?}: {strikes} strikes, {checks} checks; {apart:?}");
     assert!(strikes >= 15 && checks >= 5, "the study strikes and checks: {strikes}, {checks}");
-    assert!(worst_s < 1e-9 && worst_speed < 1e-7, "{worst_s:e} {worst_speed:e}");
+    apart
 }
 
 /// Threads decide who works, not what comes out.

@@ -1,4 +1,4 @@
-//! Several mechanisms in the lanes of one model.
+//! Several mechanisms in the lanes of one model. The lanes may be of another precision than the mechanisms: S is theirs.
 
 use crate::ease::Bending;
 use crate::form::Form;
@@ -9,22 +9,33 @@ use crate::path::Path;
 use crate::state::{Input, State};
 use crate::survey::Survey;
 use crate::vector::Vector;
-use crate::{Real, Settings};
+use crate::{Real, Scalar, Settings};
+
+/// A number in the lanes' precision.
+#[inline(always)]
+fn cast<S: Scalar, L: Scalar>(x: S) -> L {
+    L::from_f64(x.to_f64())
+}
 
 #[inline(always)]
-fn join_all<T: Real, const K: usize>(x: impl Fn(usize) -> [T::Lane; K]) -> [T; K] {
-    core::array::from_fn(|k| T::join(|lane| x(lane)[k]))
+pub(crate) fn join<S: Scalar, T: Real>(x: impl Fn(usize) -> S) -> T {
+    T::join(|lane| cast(x(lane)))
+}
+
+#[inline(always)]
+pub(crate) fn join_all<S: Scalar, T: Real, const K: usize>(x: impl Fn(usize) -> [S; K]) -> [T; K] {
+    core::array::from_fn(|k| join(|lane| x(lane)[k]))
 }
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
     /// As many models as there are lanes (`T::LANES`), side by side; `None` if their number is another, or if they differ in more than
     /// their numbers: in what is hinged on what, in the zones' bodies, kinds of curve, exponents, or in where there is friction.
-    pub fn of_lanes(models: &[&Model<T::Lane, B, Z>]) -> Option<Self> {
+    pub fn of_lanes<S: Scalar>(models: &[&Model<S, B, Z>]) -> Option<Self> {
         let first = models.first()?;
         if models.len() != T::LANES || !models.iter().all(|m| alike(first, m)) {
             return None;
         }
-        let numbers = |f: fn(&Model<T::Lane, B, Z>) -> [T::Lane; B]| join_all::<T, B>(|lane| f(models[lane]));
+        let numbers = |f: fn(&Model<S, B, Z>) -> [S; B]| join_all::<S, T, B>(|lane| f(models[lane]));
         let o: [Vector<T>; B] = [[T::ZERO; 2]; B];
         let mut joined = Model {
             parent: first.parent,
@@ -59,7 +70,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,
             site: None,
-            gravity: T::join(|lane| models[lane].gravity),
+            gravity: join(|lane| models[lane].gravity),
         };
         for i in 0..B {
             joined.pivot[i] = join_all(|lane| models[lane].pivot[i]);
@@ -72,8 +83,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             };
         }
         if let Some(site) = &first.site {
-            let numbers =
-                |f: fn(&Site<T::Lane>) -> T::Lane| T::join(|lane| models[lane].site.as_ref().map_or(f(site), f));
+            let numbers = |f: fn(&Site<S>) -> S| join(|lane| models[lane].site.as_ref().map_or(f(site), f));
             joined.site = Some(Site {
                 body: site.body,
                 point: [numbers(|s| s.point[0]), numbers(|s| s.point[1])],
@@ -101,18 +111,15 @@ fn alike<T: Real, const B: usize, const Z: usize>(a: &Model<T, B, Z>, b: &Model<
 }
 
 /// The zones of all lanes; their kinds are the first one's.
-fn zone_of_lanes<'a, T: Real>(zone: impl Fn(usize) -> &'a Zone<T::Lane>) -> Zone<T>
-where
-    T::Lane: 'a,
-{
+fn zone_of_lanes<'a, S: Scalar + 'a, T: Real>(zone: impl Fn(usize) -> &'a Zone<S>) -> Zone<T> {
     let first = zone(0);
     // Numbers of a curve in a fixed order, whatever its kind.
     let numbers = |lane: usize| match zone(lane).curve {
-        Curve::Line { point, normal } => [point[0], point[1], normal[0], normal[1], T::Lane::ZERO, T::Lane::ZERO],
+        Curve::Line { point, normal } => [point[0], point[1], normal[0], normal[1], S::ZERO, S::ZERO],
         Curve::Segment { from, direction, length, rounding } => {
             [from[0], from[1], direction[0], direction[1], length, rounding]
         }
-        Curve::Disc { center, radius } => [center[0], center[1], radius, T::Lane::ZERO, T::Lane::ZERO, T::Lane::ZERO],
+        Curve::Disc { center, radius } => [center[0], center[1], radius, S::ZERO, S::ZERO, S::ZERO],
     };
     let [a, b, c, d, e, f]: [T; 6] = join_all(numbers);
     let curve = match first.curve {
@@ -124,7 +131,7 @@ where
         Exponent::Two => Exponent::Two,
         Exponent::TwoAndHalf => Exponent::TwoAndHalf,
         Exponent::Three => Exponent::Three,
-        Exponent::Other(r) => Exponent::Other(T::join(|lane| match zone(lane).felt.exponent {
+        Exponent::Other(r) => Exponent::Other(join(|lane| match zone(lane).felt.exponent {
             Exponent::Other(r) => r,
             _ => r,
         })),
@@ -132,15 +139,15 @@ where
     Zone {
         disc_body: first.disc_body,
         center: join_all(|lane| zone(lane).center),
-        radius: T::join(|lane| zone(lane).radius),
+        radius: join(|lane| zone(lane).radius),
         curve_body: first.curve_body,
         curve,
         felt: Felt {
-            stiffness: T::join(|lane| zone(lane).felt.stiffness),
+            stiffness: join(|lane| zone(lane).felt.stiffness),
             exponent,
-            damping: T::join(|lane| zone(lane).felt.damping),
+            damping: join(|lane| zone(lane).felt.damping),
         },
-        friction: first.friction.map(|mu| T::join(|lane| zone(lane).friction.unwrap_or(mu))),
+        friction: first.friction.map(|mu| join(|lane| zone(lane).friction.unwrap_or(mu))),
     }
 }
 
@@ -149,22 +156,22 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     ///
     /// # Panics
     /// If there are fewer.
-    pub fn of_lanes(states: &[&State<T::Lane, B, Z>]) -> Self {
+    pub fn of_lanes<S: Scalar>(states: &[&State<S, B, Z>]) -> Self {
         let mut joined = State::at_rest(join_all(|lane| states[lane].angle));
         joined.velocity = join_all(|lane| states[lane].velocity);
         joined.trend = join_all(|lane| states[lane].trend);
         joined.pivot_friction = join_all(|lane| states[lane].pivot_friction);
         joined.tangential = join_all(|lane| states[lane].tangential);
         joined.side = join_all(|lane| states[lane].side);
-        joined.rigid_force = T::join(|lane| states[lane].rigid_force);
+        joined.rigid_force = join(|lane| states[lane].rigid_force);
         joined
     }
 
     /// Sets one lane's state.
-    pub fn set_lane(&mut self, lane: usize, one: &State<T::Lane, B, Z>) {
-        fn set<T: Real, const K: usize>(all: &mut [T; K], lane: usize, one: &[T::Lane; K]) {
+    pub fn set_lane<S: Scalar>(&mut self, lane: usize, one: &State<S, B, Z>) {
+        fn set<S: Scalar, T: Real, const K: usize>(all: &mut [T; K], lane: usize, one: &[S; K]) {
             for k in 0..K {
-                all[k] = all[k].with_lane(lane, one[k]);
+                all[k] = all[k].with_lane(lane, cast(one[k]));
             }
         }
         set(&mut self.angle, lane, &one.angle);
@@ -173,19 +180,22 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         set(&mut self.pivot_friction, lane, &one.pivot_friction);
         set(&mut self.tangential, lane, &one.tangential);
         set(&mut self.side, lane, &one.side);
-        self.rigid_force = self.rigid_force.with_lane(lane, one.rigid_force);
+        self.rigid_force = self.rigid_force.with_lane(lane, cast(one.rigid_force));
         self.survey = Survey::none();
     }
 
     /// One lane's state.
-    pub fn lane(&self, lane: usize) -> State<T::Lane, B, Z> {
-        let mut one = State::at_rest(self.angle.map(|x| x.lane(lane)));
-        one.velocity = self.velocity.map(|x| x.lane(lane));
-        one.trend = self.trend.map(|x| x.lane(lane));
-        one.pivot_friction = self.pivot_friction.map(|x| x.lane(lane));
-        one.tangential = self.tangential.map(|x| x.lane(lane));
-        one.side = self.side.map(|x| x.lane(lane));
-        one.rigid_force = self.rigid_force.lane(lane);
+    pub fn lane<S: Scalar>(&self, lane: usize) -> State<S, B, Z> {
+        fn of<S: Scalar, T: Real, const K: usize>(all: &[T; K], lane: usize) -> [S; K] {
+            all.map(|x| cast(x.lane(lane)))
+        }
+        let mut one = State::at_rest(of(&self.angle, lane));
+        one.velocity = of(&self.velocity, lane);
+        one.trend = of(&self.trend, lane);
+        one.pivot_friction = of(&self.pivot_friction, lane);
+        one.tangential = of(&self.tangential, lane);
+        one.side = of(&self.side, lane);
+        one.rigid_force = cast(self.rigid_force.lane(lane));
         one
     }
 }
@@ -196,22 +206,23 @@ type Numbers<T> = fn(&Input<T>) -> Option<[T; 2]>;
 impl<T: Real> Input<T> {
     /// One input per lane; `None` where they are not of one kind.
     #[inline(always)]
-    pub fn of_lanes(inputs: &[Input<T::Lane>]) -> Option<Self> {
-        let pair = |f: Numbers<T::Lane>| {
+    pub fn of_lanes<S: Scalar>(inputs: &[Input<S>]) -> Option<Self> {
+        let pair = |f: Numbers<S>| {
             let all = inputs.len() == T::LANES && inputs.iter().all(|i| f(i).is_some());
-            all.then(|| join_all::<T, 2>(|lane| f(&inputs[lane]).unwrap_or([T::Lane::ZERO; 2])))
+            all.then(|| join_all::<S, T, 2>(|lane| f(&inputs[lane]).unwrap_or([S::ZERO; 2])))
         };
         match inputs.first()? {
             Input::Free => inputs.iter().all(|i| matches!(i, Input::Free)).then_some(Input::Free),
-            Input::Force(_) => pair(|i| if let Input::Force(f) = i { Some([*f, T::Lane::ZERO]) } else { None })
-                .map(|[f, _]| Input::Force(f)),
+            Input::Force(_) => {
+                pair(|i| if let Input::Force(f) = i { Some([*f, S::ZERO]) } else { None }).map(|[f, _]| Input::Force(f))
+            }
             Input::Motion { .. } => pair(|i| match i {
                 Input::Motion { position, velocity } => Some([*position, *velocity]),
                 _ => None,
             })
             .map(|[position, velocity]| Input::Motion { position, velocity }),
             Input::Rigid { .. } => {
-                pair(|i| if let Input::Rigid { velocity } = i { Some([*velocity, T::Lane::ZERO]) } else { None })
+                pair(|i| if let Input::Rigid { velocity } = i { Some([*velocity, S::ZERO]) } else { None })
                     .map(|[velocity, _]| Input::Rigid { velocity })
             }
         }
@@ -219,16 +230,18 @@ impl<T: Real> Input<T> {
 }
 
 impl<T: Real> Settings<T> {
-    /// The same settings in every lane.
+    /// The same settings in every lane; in single precision, tolerances no tighter than its rounding allows.
     pub fn in_lanes(one: &Settings<f64>) -> Self {
         use crate::FrictionLaw::{Regularised, SetValued};
         let c = T::from_f64;
+        let single = f64::EPSILON < T::Lane::EPSILON.to_f64();
+        let at_least = |ulps: f64, x: f64| if single { c(x).max(c(ulps) * T::EPSILON) } else { c(x) };
         Settings {
             step: c(one.step),
             theta: c(one.theta),
-            tolerance: c(one.tolerance),
+            tolerance: at_least(64.0, one.tolerance),
             newton_limit: one.newton_limit,
-            solver_tolerance: c(one.solver_tolerance),
+            solver_tolerance: at_least(8.0, one.solver_tolerance),
             solver_limit: one.solver_limit,
             solver: one.solver,
             friction: match one.friction {

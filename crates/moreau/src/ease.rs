@@ -4,6 +4,7 @@
 //! velocities, or it meets the onset of touch or the clamp at zero. The bend is bounded with the longest levers that the rows can have
 //! and with the felts' coefficients; both are numbers of the model. How far the onset and the clamp are is gathered zone by zone.
 
+use crate::batch::{join, join_all};
 use crate::contact::Timing;
 use crate::model::{Exponent, Zone};
 use crate::path::Path;
@@ -60,18 +61,13 @@ impl<T: Scalar, const B: usize> Bending<T, B> {
 
 impl<T: Real, const B: usize> Bending<T, B> {
     /// Of as many models as there are lanes.
-    pub fn of_lanes<'a>(bending: impl Fn(usize) -> &'a Bending<T::Lane, B>) -> Self
-    where
-        T::Lane: 'a,
-    {
-        let join = |of: fn(&Bending<T::Lane, B>) -> &[T::Lane; B]| {
-            core::array::from_fn(|i| T::join(|lane| of(bending(lane))[i]))
-        };
+    pub fn of_lanes<'a, S: Scalar + 'a>(bending: impl Fn(usize) -> &'a Bending<S, B>) -> Self {
+        let numbers = |of: fn(&Bending<S, B>) -> [S; B]| join_all(|lane| of(bending(lane)));
         Bending {
-            lever: T::join(|lane| bending(lane).lever),
-            stiffness: join(|b| &b.stiffness),
-            stiffness_by_depth: join(|b| &b.stiffness_by_depth),
-            damping: join(|b| &b.damping),
+            lever: join(|lane| bending(lane).lever),
+            stiffness: numbers(|b| b.stiffness),
+            stiffness_by_depth: numbers(|b| b.stiffness_by_depth),
+            damping: numbers(|b| b.damping),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Which joints a relative motion of two points depends on.
 
-use crate::Real;
+use crate::batch::join;
 use crate::linear::Symmetric;
+use crate::{Real, Scalar};
 
 /// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
 /// not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to `joint[k]`.
@@ -23,15 +24,12 @@ impl<T: Real, const B: usize> Path<T, B> {
     }
 
     /// The same path with the levers of as many models as there are lanes.
-    pub fn of_lanes<'a>(path: impl Fn(usize) -> &'a Path<T::Lane, B>) -> Self
-    where
-        T::Lane: 'a,
-    {
+    pub fn of_lanes<'a, S: Scalar + 'a>(path: impl Fn(usize) -> &'a Path<S, B>) -> Self {
         let first = path(0);
         let mut joined = Path { count: first.count, joint: first.joint, ..Path::empty() };
         for k in 0..first.count {
-            joined.sign[k] = T::join(|lane| path(lane).sign[k]);
-            joined.lever[k] = T::join(|lane| path(lane).lever[k]);
+            joined.sign[k] = join(|lane| path(lane).sign[k]);
+            joined.lever[k] = join(|lane| path(lane).lever[k]);
         }
         joined
     }

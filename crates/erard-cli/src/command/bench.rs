@@ -88,6 +88,9 @@ fn print(report: &Report) {
     if let Some(factor) = many.batch_four_lanes_speedup_per_core.filter(|_| many.lanes > 4) {
         say!("  {:<58}{}", "batch, 4 in lanes", speed(factor));
     }
+    if let (Some(lanes), Some(factor)) = (many.batch_single_lanes, many.batch_single_speedup_per_core) {
+        say!("  {:<58}{}", format!("batch, {lanes} in lanes of single precision"), speed(factor));
+    }
     say!("  {:<58}{}", format!("tremolo, {lanes}"), speed(many.batch_tremolo_speedup_per_core));
     say!("  {:<58}{}", format!("tremolo, {lanes}, all cores"), speed(many.batch_tremolo_speedup_all_cores));
     row("study, a stroke on all cores", many.study_stroke_ms_median, "ms", many.study_stroke_ms_spread, String::new());

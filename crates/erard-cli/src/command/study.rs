@@ -44,6 +44,9 @@ pub struct Study {
     /// Simulated time of every stroke, s [default: the stroke's, and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
+    /// Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4
+    #[arg(long)]
+    single: bool,
     /// Output folder
     #[arg(long, value_name = "DIR", default_value = "erard-out")]
     out: PathBuf,
@@ -68,7 +71,8 @@ impl Study {
         let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None };
         check(&setup)?;
         let mut output = Output::prepare(&self.out)?;
-        let rows = play(&instrument, &axes, &stroke, &setup)?;
+        let workers = if self.single { Workers::all_single() } else { Workers::all() };
+        let rows = play(&instrument, &axes, &stroke, &setup, workers)?;
 
         let columns = columns(&axes, &rows);
         output.stage("study.csv", |w| table::write_optional_csv(&columns, w))?;
@@ -117,14 +121,20 @@ impl Study {
 }
 
 /// Plays every combination, in portions.
-fn play(instrument: &Instrument, axes: &[Axis], stroke: &Stroke, setup: &Setup) -> Result<Vec<Row>, Failure> {
+fn play(
+    instrument: &Instrument,
+    axes: &[Axis],
+    stroke: &Stroke,
+    setup: &Setup,
+    workers: Workers,
+) -> Result<Vec<Row>, Failure> {
     let count: usize = axes.iter().map(|axis| axis.shown.len()).product();
     let mut progress = Progress::new("playing");
     let mut rows = Vec::with_capacity(count);
     while rows.len() < count {
         let from = rows.len();
         let portion: Vec<Vec<usize>> = (from..count.min(from + PORTION)).map(|k| combination(axes, k)).collect();
-        let outcomes = play_portion(instrument, axes, &portion, stroke, setup, &mut |share| {
+        let outcomes = play_portion(instrument, axes, &portion, stroke, setup, workers, &mut |share| {
             progress.tell((from as f64 + share * portion.len() as f64) / count as f64)
         })?;
         rows.extend(portion.iter().zip(outcomes).map(|(indices, outcome)| Row {
@@ -156,6 +166,7 @@ fn play_portion(
     portion: &[Vec<usize>],
     stroke: &Stroke,
     setup: &Setup,
+    workers: Workers,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<Result<erard::study::Played, String>>, Failure> {
     // Outlines are for drawings.
@@ -189,7 +200,7 @@ fn play_portion(
         jobs.push(Job { instrument: instruments.len() - 1, stroke: job_stroke(stroke, force_n) });
     }
     let mut results: Vec<Option<JobResult>> =
-        play_all(&instruments, jobs, setup, Workers::all(), progress)?.into_iter().map(Some).collect();
+        play_all(&instruments, jobs, setup, workers, progress)?.into_iter().map(Some).collect();
     let outcome = |place: Result<usize, String>| {
         let result = results[place?].take();
         result.ok_or_else(|| "no result".to_owned())?.map_err(|error| error.to_string())

@@ -1,7 +1,7 @@
 //! Erard's side of the comparison in `peers/`: the mechanism as JSON for programs that are not this one, and the engine's own rows.
 //!
-//! `cargo run --release -p erard --example peers -- export|blow|hold [--quick] [FILE.toml]`; the concert grand unless a file is
-//! named. `export` prints the mechanism (its format stands in `export.rs`), `blow` and `hold` one JSON object a line and setting.
+//! `cargo run --release -p erard --example peers -- export|blow|batch|hold [--quick] [FILE.toml]`; the concert grand unless a file is
+//! named. `export` prints the mechanism (its format stands in `export.rs`), the others one JSON object a line and setting.
 
 mod export;
 mod play;
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
 fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let quick = arguments.iter().any(|a| a == "--quick");
     let mut words = arguments.iter().filter(|a| *a != "--quick");
-    let command = words.next().ok_or("expected export, blow or hold")?;
+    let command = words.next().ok_or("expected export, blow, batch or hold")?;
     let instrument = match words.next() {
         Some(file) => Instrument::load(Path::new(file))?,
         None => Instrument::builtin("concert-grand").ok_or("the concert grand is not built in")?,
@@ -36,8 +36,9 @@ fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     match command.as_str() {
         "export" => println!("{}", export::mechanism(&action)?),
         "blow" => rows::blows(&action, quick),
+        "batch" => rows::batches(&action, quick),
         "hold" => rows::holds(&action, quick),
-        other => return Err(format!("unknown command {other}; expected export, blow or hold").into()),
+        other => return Err(format!("unknown command {other}; expected export, blow, batch or hold").into()),
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use batch::{Group, Lanes};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
@@ -43,6 +44,9 @@ pub struct Strike {
     pub angle_rad: f64,
 }
 
+/// Instruments side by side in the processor's lanes.
+pub type Together = Group<B, Z, N>;
+
 /// One timed run.
 pub struct Played {
     /// Speed of the strike point at the string, m/s, and the instant, s.
@@ -71,38 +75,40 @@ const FIRST_STEP_S: f64 = 50e-6;
 struct Watch<'a> {
     strike: Strike,
     found: Option<[f64; 2]>,
+    /// Angle and angular velocity of what strikes, now.
+    now: [f64; 2],
+    /// Its angular acceleration over the last step, rad/s2.
+    slope: f64,
     instants: &'a [f64],
     angles_rad: Vec<f64>,
 }
 
-impl Watch<'_> {
-    /// Angle and angular velocity of what strikes.
-    fn before(&self, state: &State<f64, B, Z>) -> [f64; 2] {
-        [state.angle[self.strike.body], state.velocity[self.strike.body]]
+impl<'a> Watch<'a> {
+    /// From a start at rest.
+    fn new(strike: Strike, angle_rad: f64, instants: &'a [f64]) -> Self {
+        let angles_rad = Vec::with_capacity(instants.len());
+        Watch { strike, found: None, now: [angle_rad, 0.0], slope: 0.0, instants, angles_rad }
     }
 
-    /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both ends.
-    fn look(&mut self, t: f64, h: f64, before: [f64; 2], after: &State<f64, B, Z>) {
-        let ([q0, v0], [q1, v1]) = (before, self.before(after));
+    /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both ends; but the string is
+    /// met as if the step before went on, its acceleration unchanged: at the step's end the string has pushed already.
+    #[inline(always)]
+    fn look(&mut self, t: f64, h: f64, angle: f64, velocity: f64) {
+        let ([q0, v0], [q1, v1]) = (self.now, [angle, velocity]);
+        let Strike { radius_m, angle_rad, .. } = self.strike;
+        if self.found.is_none() && q0 <= angle_rad && q1 > angle_rad {
+            let left = angle_rad - q0;
+            let v = (v0 * v0 + 2.0 * self.slope * left).max(0.0).sqrt();
+            self.found = Some([radius_m * v, t + 2.0 * left / (v0 + v)]);
+        }
         let at = |s: f64| {
             let (a, b) = (v0 * h - (q1 - q0), (q1 - q0) - v1 * h);
             q0 + s * (q1 - q0) + s * (1.0 - s) * ((1.0 - s) * a + s * b)
         };
-        let Strike { radius_m, angle_rad, .. } = self.strike;
-        if self.found.is_none() && q0 <= angle_rad && q1 > angle_rad {
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if at(middle) > angle_rad { high = middle } else { low = middle }
-            }
-            let (a, b) = (v0 * h - (q1 - q0), (q1 - q0) - v1 * h);
-            let s = high;
-            let rate = ((q1 - q0) + (1.0 - 2.0 * s) * ((1.0 - s) * a + s * b) + s * (1.0 - s) * (b - a)) / h;
-            self.found = Some([radius_m * rate.abs(), t + s * h]);
-        }
         while let Some(&instant) = self.instants.get(self.angles_rad.len()).filter(|&&instant| instant <= t + h) {
             self.angles_rad.push(at((instant - t) / h));
         }
+        (self.now, self.slope) = ([q1, v1], (v1 - v0) / h);
     }
 }
 
@@ -126,17 +132,17 @@ impl Action {
         let input = |t: f64, h: f64| Input::Force(force(t + theta * h));
         let start = Instant::now();
         let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
-        let mut watch =
-            Watch { strike: self.strike, found: None, instants, angles_rad: Vec::with_capacity(instants.len()) };
+        let body = self.strike.body;
+        let mut watch = Watch::new(self.strike, self.rest[body], instants);
         let mut taken = 0;
         match steps {
             Steps::Fixed(h) => {
                 let (settings, mut scratch) = (Settings::new(h), Scratch::<f64, B, Z, N>::new());
                 for n in 0..(end / h).ceil() as u64 {
-                    let (t, before) = (n as f64 * h, watch.before(&state));
+                    let t = n as f64 * h;
                     let report = step(&self.model, &settings, &input(t, h), &mut state, &mut scratch);
                     assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
-                    watch.look(t, h, before, &state);
+                    watch.look(t, h, state.angle[body], state.velocity[body]);
                     taken += 1;
                 }
             }
@@ -147,7 +153,6 @@ impl Action {
                 let mut halves = Halves::<f64, B, Z, N>::new(&settings);
                 let mut t = 0.0;
                 while t < end - SMALLEST_STEP_S {
-                    let before = watch.before(&state);
                     let drive = |from: f64, h: f64, _: &State<f64, B, Z>| input(t + from, h);
                     let (model, limit) = (&self.model, end - t);
                     let did = controlled_step(
@@ -161,7 +166,7 @@ impl Action {
                         &mut halves,
                     );
                     assert_ne!(did.outcome, Outcome::NonFinite, "at {t} s");
-                    watch.look(t, did.step, before, &state);
+                    watch.look(t, did.step, state.angle[body], state.velocity[body]);
                     t += did.step;
                     taken += u64::from(did.inner);
                 }
@@ -169,9 +174,39 @@ impl Action {
         }
         let Watch { found, mut angles_rad, .. } = watch;
         if angles_rad.len() < instants.len() {
-            angles_rad.push(state.angle[self.strike.body]);
+            angles_rad.push(state.angle[body]);
         }
         Played { strike: found, angles_rad, seconds: start.elapsed().as_secs_f64(), steps: taken }
+    }
+
+    /// As many instruments side by side as there are lanes, ready to be played in steps of h.
+    pub fn together(&self, h: f64, lanes: Lanes) -> Together {
+        let count = lanes.count();
+        let states = vec![State::at_rest(std::array::from_fn(|i| self.rest[i])); count];
+        Group::new(&vec![self.model.clone(); count], &states, &Settings::new(h), lanes)
+    }
+
+    /// Plays blows side by side, of the stroke's force times the factor of each lane. Speed of the strike point at the string, m/s, and the
+    /// instant, s.
+    pub fn play_together(&self, mut group: Together, h: f64, scales: &[f64]) -> Vec<Option<[f64; 2]>> {
+        let (body, theta) = (self.strike.body, Settings::new(h).theta);
+        let force = self.force(1.0);
+        let mut watches: Vec<_> = scales.iter().map(|_| Watch::new(self.strike, self.rest[body], &[])).collect();
+        let (mut inputs, mut outcomes) = (vec![Input::Free; scales.len()], vec![Outcome::Converged; scales.len()]);
+        for n in 0..(BLOW_S / h).ceil() as u64 {
+            let t = n as f64 * h;
+            let force_n = force(t + theta * h);
+            for (input, scale) in inputs.iter_mut().zip(scales) {
+                *input = Input::Force(scale * force_n);
+            }
+            group.step(&inputs, &mut outcomes);
+            assert!(!outcomes.contains(&Outcome::NonFinite), "at {t} s");
+            for (lane, watch) in watches.iter_mut().enumerate() {
+                let (angle, velocity) = group.motion(lane);
+                watch.look(t, h, angle[body], velocity[body]);
+            }
+        }
+        watches.into_iter().map(|watch| watch.found).collect()
     }
 
     /// The stroke's force times a factor, over time.

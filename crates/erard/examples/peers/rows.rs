@@ -1,13 +1,21 @@
 //! The engine's own rows: error of the hammer speed and seconds at several steps and tolerances, and the held note.
 
+use std::time::Instant;
+
+use batch::Lanes;
 use serde_json::{Value, json};
 
 use super::play::{Action, BLOW_S, HOLD_N, HOLD_S, SCALES, Steps};
 
 /// Steps of the rows, s.
-const STEPS_S: [f64; 11] = [200e-6, 150e-6, 125e-6, 120e-6, 110e-6, 100e-6, 75e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6];
+const STEPS_S: [f64; 14] =
+    [1000e-6, 700e-6, 500e-6, 450e-6, 400e-6, 375e-6, 350e-6, 300e-6, 200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6];
 /// Step of the converged reference, s: a 128th of the finest row.
 const REFERENCE_STEP_S: f64 = 6.25e-6 / 128.0;
+/// So many of them in a quick run.
+const QUICK_STEPS: usize = 11;
+/// Blows in a batch: each factor once in every lane.
+const MOST_LANES: usize = 16;
 const HOLD_STEPS_S: [f64; 3] = [100e-6, 50e-6, 25e-6];
 
 /// Tolerances of the rows with controlled steps.
@@ -17,7 +25,7 @@ const HOLD_TOLERANCES: [f64; 2] = [1e-3, 1e-5];
 /// Prints a row for every step and tolerance, and the reference, which is the same engine at a far finer step.
 pub fn blows(action: &Action, quick: bool) {
     row(action, "reference", Steps::Fixed(REFERENCE_STEP_S), 1);
-    let (steps, repetitions) = if quick { (&STEPS_S[..9], 3) } else { (&STEPS_S[..], 9) };
+    let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 9) };
     for &step in steps {
         row(action, "blow", Steps::Fixed(step), repetitions);
     }
@@ -61,6 +69,74 @@ fn row(action: &Action, task: &str, steps: Steps, repetitions: usize) {
         .collect();
     row.insert("blows".to_owned(), Value::from(blows));
     println!("{}", Value::from(row));
+}
+
+/// Prints a row for every step, of blows side by side in the lanes of as many cores as this process may use. A blow's seconds are those of
+/// all, over their number.
+pub fn batches(action: &Action, quick: bool) {
+    let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 15) };
+    for lanes in [Lanes::most(), Lanes::most_single()] {
+        for &step_s in steps {
+            batch(action, lanes, step_s, repetitions);
+        }
+    }
+}
+
+fn batch(action: &Action, lanes: Lanes, step_s: f64, repetitions: usize) {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let precision = if lanes.is_single() { "single" } else { "double" };
+    eprintln!(
+        "erard: batch, {} lanes of {precision} precision on {cores} cores, step {:.3} us",
+        lanes.count(),
+        step_s * 1e6
+    );
+    // Neighbours in the lanes differ.
+    let groups: Vec<Vec<f64>> = (0..SCALES.len())
+        .map(|first| (0..MOST_LANES).map(|lane| SCALES[(first + lane) % SCALES.len()]).collect())
+        .collect();
+    let (mut best_s, mut strikes) = (f64::INFINITY, Vec::new());
+    for _ in 0..repetitions {
+        let ready = std::sync::Barrier::new(cores);
+        let played: Vec<_> = std::thread::scope(|scope| {
+            let play = || {
+                let groups = groups.iter().flat_map(|scales| scales.chunks(lanes.count()));
+                let assembled: Vec<_> = groups.map(|scales| (action.together(step_s, lanes), scales)).collect();
+                ready.wait();
+                let start = Instant::now();
+                let play = |(group, scales)| action.play_together(group, step_s, scales);
+                let strikes: Vec<_> = assembled.into_iter().flat_map(play).collect();
+                (strikes, start.elapsed().as_secs_f64())
+            };
+            let others: Vec<_> = (1..cores).map(|_| scope.spawn(play)).collect();
+            let own = play();
+            others.into_iter().filter_map(|thread| thread.join().ok()).chain([own]).collect()
+        });
+        assert_eq!(played.len(), cores, "a thread failed");
+        let slowest_s = played.iter().map(|(_, seconds)| *seconds).fold(0.0, f64::max);
+        best_s = best_s.min(slowest_s / (cores * groups.len() * MOST_LANES) as f64);
+        strikes = played.into_iter().flat_map(|(strikes, _)| strikes).collect();
+    }
+    // The first blow of every group: each factor once.
+    let blows: Vec<_> = SCALES
+        .iter()
+        .zip(strikes.chunks(MOST_LANES))
+        .map(|(scale, group)| {
+            json!({
+                "scale": scale,
+                "speed_m_s": group[0].map(|s| s[0]),
+                "contact_s": group[0].map(|s| s[1]),
+                "seconds": best_s,
+                "steps": (BLOW_S / step_s).ceil(),
+            })
+        })
+        .collect();
+    println!(
+        "{}",
+        json!({
+            "task": "blow", "peer": "Erard", "batch_cores": cores, "lanes": lanes.count(), "precision": precision,
+            "step_s": step_s, "blows": blows,
+        })
+    );
 }
 
 /// Prints the held note's row for every step.

@@ -25,6 +25,10 @@ pub struct Many {
     pub batch_speedup_all_cores: f64,
     /// On one core in four lanes (AVX2), where the processor has them, also if it has more.
     pub batch_four_lanes_speedup_per_core: Option<f64>,
+    /// Lanes of single precision; `None` where the processor has none.
+    pub batch_single_lanes: Option<usize>,
+    /// In them on one core, over one after the other in doubles.
+    pub batch_single_speedup_per_core: Option<f64>,
     /// A step of one grand of the study, one after the other, ns.
     pub batch_one_by_one_ns_median: f64,
     /// Distance of its quartiles over the median.
@@ -56,14 +60,15 @@ impl Many {
         let tremolo = Load::tremolo(groups, effort.steps);
         let tremolo = load_times(&tremolo, effort.rounds, &mut |share| progress(0.4 + 0.4 * share))?;
         let stroke = strokes(groups * WIDEST, effort, &mut |share| progress(0.8 + 0.2 * share))?;
-        let four =
-            |times: &LoadTimes| times.lanes.iter().find(|(lanes, _)| *lanes == Lanes::Four).map(|(_, t)| t.median);
+        let single = Lanes::most_single();
         Some(Many {
             cores: cores::count(),
             lanes: Lanes::most().count(),
             batch_speedup_per_core: study.speedup_per_core(),
             batch_speedup_all_cores: study.speedup_all_cores(),
-            batch_four_lanes_speedup_per_core: four(&study).map(|ns| study.one_by_one.median / ns),
+            batch_four_lanes_speedup_per_core: study.speedup(Lanes::Four),
+            batch_single_lanes: single.is_single().then(|| single.count()),
+            batch_single_speedup_per_core: study.speedup(single).filter(|_| single.is_single()),
             batch_one_by_one_ns_median: study.one_by_one.median,
             batch_one_by_one_ns_spread: study.one_by_one.spread(),
             batch_lanes_ns_median: study.most_lanes().median,
@@ -83,19 +88,29 @@ impl Many {
 pub struct LoadTimes {
     /// One grand after the other.
     pub one_by_one: Times,
-    /// In lanes on one core: fewer lanes first, the most that there are last. Without lanes, a group one by one.
+    /// In lanes on one core: all kinds that there are. Without any, a group one by one.
     pub lanes: Vec<(Lanes, Times)>,
-    /// In the most lanes, on all cores.
+    /// In the most lanes of doubles, on all cores.
     pub all_cores: Times,
 }
 
 impl LoadTimes {
-    /// In the most lanes, on one core.
-    pub fn most_lanes(&self) -> Times {
-        self.lanes.last().map_or(self.one_by_one, |(_, times)| *times)
+    /// In some lanes, on one core.
+    pub fn of(&self, lanes: Lanes) -> Option<Times> {
+        self.lanes.iter().find(|(kind, _)| *kind == lanes).map(|(_, times)| *times)
     }
 
-    /// The most lanes over one after the other, on one core.
+    /// Some lanes over one after the other, on one core.
+    pub fn speedup(&self, lanes: Lanes) -> Option<f64> {
+        self.of(lanes).map(|times| self.one_by_one.median / times.median)
+    }
+
+    /// In the most lanes of doubles, on one core.
+    pub fn most_lanes(&self) -> Times {
+        self.of(Lanes::most()).unwrap_or(self.one_by_one)
+    }
+
+    /// The most lanes of doubles over one after the other, on one core.
     pub fn speedup_per_core(&self) -> f64 {
         self.one_by_one.median / self.most_lanes().median
     }
@@ -109,10 +124,8 @@ impl LoadTimes {
 /// Times a load in all ways, in turn; `None` where `progress` ended the work.
 pub fn load_times(load: &Load, rounds: usize, progress: &mut dyn FnMut(f64) -> bool) -> Option<LoadTimes> {
     let most = Lanes::most();
-    let mut kinds: Vec<Lanes> = [Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| *lanes <= most).collect();
-    if kinds.is_empty() {
-        kinds.push(Lanes::One);
-    }
+    let some = Lanes::ALL.into_iter().filter(|lanes| lanes.is_here() && (*lanes != Lanes::One || most == Lanes::One));
+    let kinds: Vec<Lanes> = some.collect();
     // On one core one group says as much as all of them, and on a machine of many cores sooner.
     let mut subjects = vec![Timed {
         count: load.count(1),

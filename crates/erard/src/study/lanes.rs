@@ -339,7 +339,7 @@ fn first_states<const B: usize, const Z: usize, const N: usize>(
         |(lane, at): (&&mut Lane<B, Z>, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
     let inputs: Vec<Input<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
     let models = own.iter().map(|lane| lane.model.clone()).collect();
-    let settled = come_to_rest::<B, Z, N>(models, at_rest.clone(), &inputs, lanes, going)?;
+    let settled = come_to_rest::<B, Z, N>(models, at_rest.clone(), &inputs, lanes.in_doubles(), going)?;
     let mut states = at_rest;
     for (((state, settled), lane), at) in states.iter_mut().zip(settled).zip(own).zip(begins_at_m) {
         match settled.map_or_else(|| alone(lane.player.instrument, setup.settings, at), Ok) {
