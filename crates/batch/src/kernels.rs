@@ -11,24 +11,25 @@ use crate::avx512_single::F32x16;
 ///
 /// # Safety
 /// The processor must have the instructions that the kernel is compiled for.
-type Kernel<T, const B: usize, const Z: usize, const N: usize> = unsafe fn(
-    &Model<T, B, Z>,
-    &Settings<T>,
-    &[Input<f64>],
-    &mut State<T, B, Z>,
-    &mut Scratch<T, B, Z, N>,
-    &mut [Outcome],
-) -> bool;
+type Kernel<T, const B: usize, const Z: usize, const N: usize> =
+    unsafe fn(&mut Stepped<T, B, Z, N>, &[Input<f64>], &mut [Outcome]) -> bool;
 
-/// As many mechanisms as T has lanes, side by side.
-pub struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
-    kernel: Kernel<T, B, Z, N>,
+/// What a step reads and writes, in one place: the kernel then finds all of it from one address, and has registers for other things.
+struct Stepped<T: Real, const B: usize, const Z: usize, const N: usize> {
     model: Model<T, B, Z>,
     state: State<T, B, Z>,
     settings: Settings<T>,
     scratch: Scratch<T, B, Z, N>,
+}
+
+/// As many mechanisms as T has lanes, side by side.
+pub struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
+    kernel: Kernel<T, B, Z, N>,
+    stepped: Stepped<T, B, Z, N>,
     models: Vec<Model<f64, B, Z>>,
     own_settings: Settings<f64>,
+    /// Inputs under which the last step changed nothing; empty where it did.
+    rests_under: Vec<Input<f64>>,
 }
 
 impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
@@ -41,12 +42,15 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
         let (each_model, each_state): (Vec<_>, Vec<_>) = (models.iter().collect(), states.iter().collect());
         Some(Lanes {
             kernel,
-            model: Model::of_lanes(&each_model)?,
-            state: State::of_lanes(&each_state),
-            settings: Settings::in_lanes(settings),
-            scratch: Scratch::new(),
+            stepped: Stepped {
+                model: Model::of_lanes(&each_model)?,
+                state: State::of_lanes(&each_state),
+                settings: Settings::in_lanes(settings),
+                scratch: Scratch::new(),
+            },
             models: models.to_vec(),
             own_settings: *settings,
+            rests_under: Vec::with_capacity(T::LANES),
         })
     }
 
@@ -54,11 +58,32 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     #[inline]
     pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
-        let Lanes { kernel, model, state, settings, scratch, .. } = self;
+        let Lanes { kernel, stepped, rests_under, .. } = self;
+        rests_under.clear();
         // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.
-        if !unsafe { kernel(model, settings, inputs, state, scratch, outcomes) } {
+        if !unsafe { kernel(stepped, inputs, outcomes) } {
             self.one_by_one(inputs, outcomes);
         }
+    }
+
+    /// One step, unless it would change nothing in any lane.
+    pub fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
+        if self.is_at_rest() && inputs.iter().zip(&self.rests_under).all(|(a, b)| a.identical(b)) {
+            outcomes.fill(Outcome::Converged);
+            return;
+        }
+        let before = self.stepped.state.stands().then(|| self.stepped.state.clone());
+        self.step(inputs, outcomes);
+        let same = before.is_some_and(|before| before.identical(&self.stepped.state));
+        if same && outcomes.iter().all(|outcome| *outcome == Outcome::Converged) {
+            self.rests_under.extend_from_slice(inputs);
+        }
+    }
+
+    /// Whether the last step changed nothing.
+    pub fn is_at_rest(&self) -> bool {
+        self.rests_under.len() == T::LANES
     }
 
     /// Inputs of different kinds: each lane alone.
@@ -66,21 +91,24 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     fn one_by_one(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let mut scratch = Scratch::<f64, B, Z, N>::new();
         for (i, outcome) in outcomes.iter_mut().enumerate() {
-            let mut state = self.state.lane(i);
+            let mut state = self.stepped.state.lane(i);
             *outcome = step(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut scratch).outcome;
-            self.state.set_lane(i, &state);
+            self.stepped.state.set_lane(i, &state);
         }
     }
 
     /// One lane's angles and velocities.
     #[inline]
     pub fn motion(&self, lane: usize) -> ([f64; B], [f64; B]) {
-        (self.state.angle.map(|x| x.lane(lane).to_f64()), self.state.velocity.map(|x| x.lane(lane).to_f64()))
+        (
+            self.stepped.state.angle.map(|x| x.lane(lane).to_f64()),
+            self.stepped.state.velocity.map(|x| x.lane(lane).to_f64()),
+        )
     }
 
     /// One lane's state.
     pub fn state(&self, lane: usize) -> State<f64, B, Z> {
-        self.state.lane(lane)
+        self.stepped.state.lane(lane)
     }
 }
 
@@ -100,14 +128,11 @@ macro_rules! width {
 
         #[target_feature(enable = $features)]
         fn $kernel<const B: usize, const Z: usize, const N: usize>(
-            model: &Model<$number, B, Z>,
-            settings: &Settings<$number>,
+            stepped: &mut Stepped<$number, B, Z, N>,
             inputs: &[Input<f64>],
-            state: &mut State<$number, B, Z>,
-            scratch: &mut Scratch<$number, B, Z, N>,
             outcomes: &mut [Outcome],
         ) -> bool {
-            step_all(model, settings, inputs, state, scratch, outcomes)
+            step_all(stepped, inputs, outcomes)
         }
     };
 }
@@ -131,14 +156,12 @@ pub fn has_avx512() -> bool {
 /// The kernel for any number. Inputs are joined in here, so that they are written as wide as they are read.
 #[inline(always)]
 fn step_all<T: Real, const B: usize, const Z: usize, const N: usize>(
-    model: &Model<T, B, Z>,
-    settings: &Settings<T>,
+    stepped: &mut Stepped<T, B, Z, N>,
     inputs: &[Input<f64>],
-    state: &mut State<T, B, Z>,
-    scratch: &mut Scratch<T, B, Z, N>,
     outcomes: &mut [Outcome],
 ) -> bool {
     let Some(input) = Input::of_lanes(inputs) else { return false };
+    let Stepped { model, state, settings, scratch } = stepped;
     let report = step_lanes(model, settings, &input, state, scratch);
     if report.converged.and(report.finite).all() {
         outcomes.fill(Outcome::Converged);

@@ -18,7 +18,7 @@ mod kernels;
 #[cfg(target_arch = "x86_64")]
 mod number;
 
-use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
+use moreau::{Input, Model, Outcome, Repose, Scratch, Settings, State, step};
 
 /// How many mechanisms of a group are stepped at once, and how precisely.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,6 +109,7 @@ struct OneByOne<const B: usize, const Z: usize, const N: usize> {
     states: Vec<State<f64, B, Z>>,
     settings: Settings<f64>,
     scratch: Scratch<f64, B, Z, N>,
+    reposes: Vec<Repose<f64>>,
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
@@ -141,10 +142,14 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             return Group { kind };
         }
         let _ = lanes;
-        let (models, states) = (models.to_vec(), states.to_vec());
-        Group {
-            kind: Kind::OneByOne(Box::new(OneByOne { models, states, settings: *settings, scratch: Scratch::new() })),
-        }
+        let one_by_one = OneByOne {
+            models: models.to_vec(),
+            states: states.to_vec(),
+            settings: *settings,
+            scratch: Scratch::new(),
+            reposes: vec![Repose::none(); models.len()],
+        };
+        Group { kind: Kind::OneByOne(Box::new(one_by_one)) }
     }
 
     /// How many are stepped at once.
@@ -177,11 +182,50 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             #[cfg(target_arch = "x86_64")]
             Kind::SixteenSingle(sixteen) => sixteen.step(inputs, outcomes),
             Kind::OneByOne(one) => {
-                let OneByOne { models, states, settings, scratch } = one.as_mut();
+                let OneByOne { models, states, settings, scratch, reposes } = one.as_mut();
                 for (i, (model, state)) in models.iter().zip(states).enumerate() {
+                    reposes[i].end();
                     outcomes[i] = step(model, settings, &inputs[i], state, scratch).outcome;
                 }
             }
+        }
+    }
+
+    /// The same, but steps that would change nothing are left out: of lanes, where none of them would change. The same bits either way.
+    ///
+    /// # Panics
+    /// As [`Group::step`].
+    pub fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        match &mut self.kind {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Eight(eight) => eight.step_or_rest(inputs, outcomes),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Four(four) => four.step_or_rest(inputs, outcomes),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.step_or_rest(inputs, outcomes),
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(sixteen) => sixteen.step_or_rest(inputs, outcomes),
+            Kind::OneByOne(one) => {
+                let OneByOne { models, states, settings, scratch, reposes } = one.as_mut();
+                for (i, (model, state)) in models.iter().zip(states).enumerate() {
+                    outcomes[i] = reposes[i].step(model, settings, &inputs[i], state, scratch).outcome;
+                }
+            }
+        }
+    }
+
+    /// Whether the last step, if it was one of [`Group::step_or_rest`], changed nothing.
+    pub fn is_at_rest(&self) -> bool {
+        match &self.kind {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Eight(eight) => eight.is_at_rest(),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Four(four) => four.is_at_rest(),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.is_at_rest(),
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(sixteen) => sixteen.is_at_rest(),
+            Kind::OneByOne(one) => one.reposes.iter().all(Repose::is_complete),
         }
     }
 

@@ -5,7 +5,7 @@
 
 use moreau::{
     Accuracy, ControlledStep, Controller, Energies, FrictionLaw, Halves, Input, Ledger, Model, ModelError, Outcome,
-    Pose, Scratch, Settings, State, StepReport, controlled_step, step,
+    Pose, Repose, Scratch, Settings, State, StepReport, controlled_step,
 };
 
 use crate::assembly;
@@ -69,6 +69,7 @@ struct Engine<const B: usize, const Z: usize, const N: usize> {
     state: State<f64, B, Z>,
     before: State<f64, B, Z>,
     scratch: Scratch<f64, B, Z, N>,
+    repose: Repose<f64>,
     /// While steps are controlled.
     control: Option<Box<Control<B, Z, N>>>,
     pose: Pose<f64, B>,
@@ -85,7 +86,8 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     let ledger = Ledger::open(&model, &state);
     let pose = Pose::of(&model, &state.angle);
     let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
-    Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, control: None, pose, ledger, bodies }))
+    let (repose, control) = (Repose::none(), None);
+    Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, repose, control, pose, ledger, bodies }))
 }
 
 struct Control<const B: usize, const Z: usize, const N: usize> {
@@ -148,9 +150,14 @@ impl<const B: usize, const Z: usize, const N: usize> Visible for Engine<B, Z, N>
 impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
     fn step(&mut self, input: &Input<f64>) -> StepReport {
         self.control = None;
-        self.before.clone_from(&self.state);
-        let report = step(&self.model, &self.settings, input, &mut self.state, &mut self.scratch);
-        if report.outcome != Outcome::NonFinite {
+        let rested = self.repose.is_complete();
+        if !rested {
+            self.before.clone_from(&self.state);
+        }
+        let Engine { model, settings, state, scratch, repose, .. } = self;
+        let report = repose.step(model, settings, input, state, scratch);
+        // A step that was left out has nothing to book, nor has one that changed nothing after another.
+        if report.outcome != Outcome::NonFinite && !(rested && self.repose.is_complete()) {
             self.book();
         }
         report
@@ -163,6 +170,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         input: &mut InputDuring,
         look: &mut dyn FnMut(f64, &dyn Mechanism),
     ) -> ControlledStep<f64> {
+        self.repose.end();
         let Engine { model, settings, state, before, control, .. } = self;
         let control = control.get_or_insert_with(|| {
             let controller = Controller::new(settings.step);
@@ -198,6 +206,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn set_settings(&mut self, settings: Settings<f64>) {
         self.control = None;
+        self.repose.end();
         self.settings = settings;
     }
 
@@ -215,6 +224,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn stop(&mut self) {
         self.control = None;
+        self.repose.end();
         self.state.velocity = [0.0; B];
     }
 
@@ -252,6 +262,8 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn open_ledger(&mut self) {
+        // So that what rests is booked at least once.
+        self.repose.end();
         self.ledger = Ledger::open(&self.model, &self.state);
     }
 

@@ -29,6 +29,7 @@ pub mod osnsp;
 mod path;
 mod pose;
 mod real;
+mod repose;
 pub mod rigid;
 mod settings;
 mod state;
@@ -44,6 +45,7 @@ pub use model::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Sp
 pub use osnsp::Solver;
 pub use pose::Pose;
 pub use real::{Mask, Real, Scalar};
+pub use repose::Repose;
 pub use settings::{FrictionLaw, Settings};
 pub use state::{Input, Scratch, State};
 pub use step::{LanesReport, Outcome, StepReport, step, step_lanes};

@@ -59,29 +59,6 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     }
 }
 
-impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
-    /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends on.
-    ///
-    /// A step is a function of state and input. Where one left the state identical, every further step with an identical input
-    /// does so too, and need not be taken. (The survey of zones only tells which of them cannot be touched: with any survey a step
-    /// gives the same bits.)
-    pub fn identical(&self, other: &Self) -> bool {
-        let same = |a: &[T], b: &[T]| a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
-        same(&self.velocity, &other.velocity)
-            && same(&self.angle, &other.angle)
-            && same(&self.trend, &other.trend)
-            && same(&self.pivot_friction, &other.pivot_friction)
-            && same(&self.tangential, &other.tangential)
-            && same(&self.side, &other.side)
-            && same_bits(self.rigid_force, other.rigid_force)
-    }
-}
-
-/// Widening to f64 keeps every bit's meaning.
-fn same_bits<T: Scalar>(a: T, b: T) -> bool {
-    a.to_f64().to_bits() == b.to_f64().to_bits()
-}
-
 /// What drives the mechanism at the model's [`Site`](crate::Site) during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Input<T> {
@@ -102,21 +79,6 @@ pub enum Input<T> {
         /// m/s.
         velocity: T,
     },
-}
-
-impl<T: Scalar> Input<T> {
-    /// Whether two inputs are the same to the bit. What is not a number is identical to itself.
-    pub fn identical(&self, other: &Self) -> bool {
-        match (*self, *other) {
-            (Input::Free, Input::Free) => true,
-            (Input::Force(a), Input::Force(b)) => same_bits(a, b),
-            (Input::Motion { position: a, velocity: v }, Input::Motion { position: b, velocity: w }) => {
-                same_bits(a, b) && same_bits(v, w)
-            }
-            (Input::Rigid { velocity: a }, Input::Rigid { velocity: b }) => same_bits(a, b),
-            _ => false,
-        }
-    }
 }
 
 /// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.

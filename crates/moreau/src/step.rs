@@ -87,71 +87,114 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let mut report = LanesReport { converged: no, finite: T::Mask::splat(true), newton: 0, solver: 0 };
     begin(model, settings, state, &w0, &w, scratch);
     let mut done = no;
-
-    for iteration in 0..settings.newton_limit {
-        let (model, settings) = (opaque::<T, _>(model), opaque::<T, _>(settings));
-        let scratch = opaque::<T, _>(&mut *scratch);
-        let (h, theta) = (settings.step, settings.theta);
-        let timing = Timing::new(h, theta);
-        let q_theta = theta_point(model, &state.angle, &w0, &w, h, theta, scratch);
-        let joint_angle = relative(model, &q_theta);
-        scratch.pose.place(model, &q_theta);
-        if iteration == 0 {
-            if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
-                state.forget_far(model);
-            }
-            scratch.forget_touches();
-        }
-        let near = state.survey.near();
-        look_at_zones(model, &timing, near, iteration > 0, scratch);
-        if iteration == 0 {
-            // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
-            joint_momentum(model, &state.velocity, &w0, scratch);
-        }
-        linearise(model, &timing, input, &w, &joint_angle, scratch);
-        add_zones(model, &timing, &w, scratch);
-        if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
-            regularised_friction(model, &timing, near, [pivot_width, sliding_width], &w, scratch);
-        }
-        one_step_problem(model, settings, input, state, iteration > 0, &w0, &w, scratch);
-        let mut next = [T::ZERO; B];
-        let (solved, sets) = settings.solver.solve(settings, scratch, &mut next);
-        keep_forces(settings, scratch);
-        report.newton = iteration + 1;
-        report.solver += sets;
-
-        let (change, finite) = correction(&w, &next);
-        report.finite = report.finite.and(finite.or(done));
-        if !report.finite.any() {
-            return report;
-        }
-        scratch.change = change;
-        let linear = linear_enough(model, settings, &timing, near, &change, &next, scratch);
-        let enough = if linear.all() { linear } else { linear.or(small(&change, &next, settings.tolerance)) };
-        let settled = enough.and(solved).and(finite).and(done.not());
-        report.converged = report.converged.or(settled);
-        if settled.any() && !settled.or(done).all() {
-            // These lanes are done, and keep their forces while others go on.
-            end(settled, state, scratch);
-        }
-        if settled.all() {
-            w = next;
-            break;
-        }
-        let stopped = done.or(finite.not());
-        let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
-        for i in 0..B {
-            w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * change[i]));
-        }
-        if settled.or(stopped).all() {
-            break;
-        }
-        done = done.or(settled).or(finite.not());
+    // Out of what a loop runs through, and be it once, everything is taken that does not change, stored, and read again. So the first and
+    // mostly only iteration stands by itself; in lanes, where the code would be too long twice, references are made opaque.
+    let (alone, mut next) = (T::LANES == 1, Next::Again);
+    if alone && 0 < settings.newton_limit {
+        next = iterate(model, settings, input, state, scratch, &w0, &mut w, &mut done, &mut report, 0);
     }
-
+    if next == Next::Again {
+        for iteration in u32::from(alone)..settings.newton_limit {
+            let (model, settings) = (opaque::<T, _>(model), opaque::<T, _>(settings));
+            let scratch = opaque::<T, _>(&mut *scratch);
+            next = iterate(model, settings, input, state, scratch, &w0, &mut w, &mut done, &mut report, iteration);
+            if next != Next::Again {
+                break;
+            }
+        }
+    }
+    if next == Next::Nothing {
+        return report;
+    }
     end(done.not().and(report.finite), state, scratch);
     report.finite = finish(model, settings, &w, report.finite, state);
     report
+}
+
+/// What follows a Newton iteration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// One more.
+    Again,
+    /// The step's end.
+    End,
+    /// Nothing: no lane is finite.
+    Nothing,
+}
+
+/// One Newton iteration, from the relative velocities `w` to the next ones. `done`: the lanes that go on no more.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    input: &Input<T>,
+    state: &mut State<T, B, Z>,
+    scratch: &mut Scratch<T, B, Z, N>,
+    w0: &[T; B],
+    w: &mut [T; B],
+    done: &mut T::Mask,
+    report: &mut LanesReport<T::Mask>,
+    iteration: u32,
+) -> Next {
+    let again = iteration > 0;
+    let (h, theta) = (settings.step, settings.theta);
+    let timing = Timing::new(h, theta);
+    let q_theta = theta_point(model, &state.angle, w0, w, h, theta, scratch);
+    let joint_angle = relative(model, &q_theta);
+    scratch.pose.place(model, &q_theta);
+    if !again {
+        if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
+            state.forget_far(model);
+        }
+        scratch.forget_touches();
+    }
+    let near = state.survey.near();
+    look_at_zones(model, &timing, near, again, scratch);
+    if !again {
+        // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
+        joint_momentum(model, &state.velocity, w0, scratch);
+    }
+    linearise(model, &timing, input, w, &joint_angle, scratch);
+    add_zones(model, &timing, w, scratch);
+    if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
+        regularised_friction(model, &timing, near, [pivot_width, sliding_width], w, scratch);
+    }
+    one_step_problem(model, settings, input, state, again, w0, w, scratch);
+    let mut next = [T::ZERO; B];
+    let (solved, sets) = settings.solver.solve(settings, scratch, &mut next);
+    keep_forces(settings, scratch);
+    report.newton = iteration + 1;
+    report.solver += sets;
+
+    let (change, finite) = correction(w, &next);
+    report.finite = report.finite.and(finite.or(*done));
+    if !report.finite.any() {
+        return Next::Nothing;
+    }
+    scratch.change = change;
+    let linear = linear_enough(model, settings, &timing, near, &change, &next, scratch);
+    let enough = if linear.all() { linear } else { linear.or(small(&change, &next, settings.tolerance)) };
+    let settled = enough.and(solved).and(finite).and(done.not());
+    report.converged = report.converged.or(settled);
+    if settled.any() && !settled.or(*done).all() {
+        // These lanes are done, and keep their forces while others go on.
+        end(settled, state, scratch);
+    }
+    if settled.all() {
+        *w = next;
+        return Next::End;
+    }
+    let stopped = done.or(finite.not());
+    let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
+    for i in 0..B {
+        w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * change[i]));
+    }
+    if settled.or(stopped).all() {
+        return Next::End;
+    }
+    *done = done.or(settled).or(finite.not());
+    Next::Again
 }
 
 /// The velocities if they go on changing as they did: the first iterate. What stands still is expected to stick.

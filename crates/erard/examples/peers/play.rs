@@ -7,7 +7,7 @@ use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use erard::{assembly, equilibrium};
-use moreau::{Accuracy, Controller, Halves, Input, Model, Outcome, Scratch, Settings, State, controlled_step, step};
+use moreau::{Accuracy, Controller, Halves, Input, Model, Outcome, Repose, Scratch, Settings, State, controlled_step};
 
 /// The stroke whose hammer speed is compared is the built-in mf, pressed, its force times each of these: a single blow may be met by
 /// luck, a row of them is not.
@@ -138,9 +138,10 @@ impl Action {
         match steps {
             Steps::Fixed(h) => {
                 let (settings, mut scratch) = (Settings::new(h), Scratch::<f64, B, Z, N>::new());
+                let mut repose = Repose::none();
                 for n in 0..(end / h).ceil() as u64 {
                     let t = n as f64 * h;
-                    let report = step(&self.model, &settings, &input(t, h), &mut state, &mut scratch);
+                    let report = repose.step(&self.model, &settings, &input(t, h), &mut state, &mut scratch);
                     assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
                     watch.look(t, h, state.angle[body], state.velocity[body]);
                     taken += 1;
@@ -199,7 +200,7 @@ impl Action {
             for (input, scale) in inputs.iter_mut().zip(scales) {
                 *input = Input::Force(scale * force_n);
             }
-            group.step(&inputs, &mut outcomes);
+            group.step_or_rest(&inputs, &mut outcomes);
             assert!(!outcomes.contains(&Outcome::NonFinite), "at {t} s");
             for (lane, watch) in watches.iter_mut().enumerate() {
                 let (angle, velocity) = group.motion(lane);

@@ -6,7 +6,7 @@
 //! finite time. Under a regularised friction law they do not, and keys never sleep. Nor does a key that friction holds exactly at its
 //! limit, where rounding lets it slip and stick in turn (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
 
-use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
+use moreau::{Input, Model, Outcome, Repose, Scratch, Settings, State};
 use thiserror::Error;
 
 use crate::assembly;
@@ -182,6 +182,7 @@ struct Action<const B: usize, const Z: usize> {
     model: Model<f64, B, Z>,
     state: State<f64, B, Z>,
     input: Input<f64>,
+    repose: Repose<f64>,
     awake: bool,
     bodies: usize,
     hammer: Option<Hammer>,
@@ -229,6 +230,7 @@ fn action<const B: usize, const Z: usize>(
         model: assembly::assemble(instrument).map_err(EquilibriumError::from)?,
         state: State::at_rest(angle),
         input: Input::Free,
+        repose: Repose::none(),
         awake: true,
         bodies: instrument.bodies.len(),
         hammer: Hammer::of(instrument),
@@ -243,11 +245,10 @@ impl<const B: usize, const Z: usize> Action<B, Z> {
         settings: &Settings<f64>,
         scratch: &mut Scratch<f64, B, Z, N>,
     ) -> (bool, Outcome, Option<f64>) {
-        // What moves is no fixed point: only of a key that stands still a copy is kept to compare with.
-        let stands = |state: &State<f64, B, Z>| state.velocity.iter().all(|&v| v == 0.0);
-        let before = stands(&self.state).then(|| self.state.clone());
+        // A key that is stepped is awake: its step is taken.
+        self.repose.end();
         let hammer_rad_s = self.hammer.map_or(0.0, |h| self.state.velocity[h.body]);
-        let report = step(&self.model, settings, &self.input, &mut self.state, scratch);
+        let report = self.repose.step(&self.model, settings, &self.input, &mut self.state, scratch);
         let mut blow = None;
         if let Some(hammer) = self.hammer {
             let force_n = scratch.contact(&self.model, settings, hammer.string).map_or(0.0, |c| c.force);
@@ -256,8 +257,7 @@ impl<const B: usize, const Z: usize> Action<B, Z> {
             }
             self.string_force_n = force_n;
         }
-        let fixed = before.is_some_and(|before| before.identical(&self.state));
-        (fixed, report.outcome, blow)
+        (self.repose.is_complete(), report.outcome, blow)
     }
 }
 

@@ -306,7 +306,7 @@ fn step_all<const B: usize, const Z: usize, const N: usize>(
         }
         let t0 = setup.start_s + n as f64 * h;
         inputs_of(own.iter().map(|lane| lane.input(t0, &setup.settings)), &mut inputs);
-        group.step(&inputs, &mut outcomes);
+        group.step_or_rest(&inputs, &mut outcomes);
         for (i, lane) in own.iter_mut().enumerate().filter(|(_, lane)| lane.failed.is_none()) {
             match outcomes[i] {
                 Outcome::Converged => {}
