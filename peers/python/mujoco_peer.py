@@ -31,7 +31,7 @@ METHODS = {
 }
 # Four evaluations a step are not worth their time below this step, s.
 SHORTEST_OF_RK4_S = 12.5e-6
-STEPS_S = [800e-6, 400e-6, 200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6, 3.125e-6, 1.5625e-6]
+STEPS_S = [800e-6, 400e-6, 200e-6, 100e-6, 90e-6, 80e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6, 3.125e-6, 1.5625e-6]
 # Steps, widths in rad/s (at sliding contacts a tenth of it in m/s), repetitions.
 BLOW = {
     False: (STEPS_S, [0.1, 0.03, 0.01, 3e-3, 1e-3], 3),

@@ -7,7 +7,9 @@ use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use erard::{assembly, equilibrium};
-use moreau::{Accuracy, Controller, Halves, Input, Model, Outcome, Repose, Scratch, Settings, State, controlled_step};
+use moreau::{
+    Accuracy, Controller, Halves, Input, Model, Outcome, Repose, Scratch, Settings, State, controlled_step, step,
+};
 
 /// The stroke whose hammer speed is compared is the built-in mf, pressed, its force times each of these: a single blow may be met by
 /// luck, a row of them is not.
@@ -62,6 +64,8 @@ pub struct Played {
 pub enum Steps {
     /// All as long, s.
     Fixed(f64),
+    /// The same, but for those that would change no bit.
+    FixedOrRest(f64),
     /// As long as an error allows.
     Controlled(f64),
 }
@@ -136,12 +140,18 @@ impl Action {
         let mut watch = Watch::new(self.strike, self.rest[body], instants);
         let mut taken = 0;
         match steps {
-            Steps::Fixed(h) => {
+            Steps::Fixed(h) | Steps::FixedOrRest(h) => {
+                let rests = matches!(steps, Steps::FixedOrRest(_));
                 let (settings, mut scratch) = (Settings::new(h), Scratch::<f64, B, Z, N>::new());
                 let mut repose = Repose::none();
                 for n in 0..(end / h).ceil() as u64 {
                     let t = n as f64 * h;
-                    let report = repose.step(&self.model, &settings, &input(t, h), &mut state, &mut scratch);
+                    let (model, input) = (&self.model, input(t, h));
+                    let report = if rests {
+                        repose.step(model, &settings, &input, &mut state, &mut scratch)
+                    } else {
+                        step(model, &settings, &input, &mut state, &mut scratch)
+                    };
                     assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
                     watch.look(t, h, state.angle[body], state.velocity[body]);
                     taken += 1;

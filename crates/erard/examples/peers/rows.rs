@@ -37,7 +37,7 @@ pub fn blows(action: &Action, quick: bool) {
 /// What a row is of.
 fn named(task: &str, steps: Steps) -> serde_json::Map<String, Value> {
     let row = match steps {
-        Steps::Fixed(step_s) => {
+        Steps::Fixed(step_s) | Steps::FixedOrRest(step_s) => {
             eprintln!("erard: {task}, step {:.3} us", step_s * 1e6);
             json!({ "task": task, "peer": "Erard", "step_s": step_s })
         }
@@ -145,7 +145,7 @@ pub fn holds(action: &Action, quick: bool) {
     let controlled = if quick { &HOLD_TOLERANCES[..1] } else { &HOLD_TOLERANCES[..] };
     let [from, until] = HOLD_S;
     let instants: Vec<f64> = (0..=90).map(|k| from + (until - from) * f64::from(k) / 90.0).collect();
-    let fixed = fixed.iter().map(|&step| Steps::Fixed(step));
+    let fixed = fixed.iter().map(|&step| Steps::FixedOrRest(step));
     for steps in fixed.chain(controlled.iter().map(|&tolerance| Steps::Controlled(tolerance))) {
         let mut row = named("hold", steps);
         let played = action.play(steps, |_| HOLD_N, &instants);
