@@ -49,6 +49,17 @@ fn named(task: &str, steps: Steps) -> serde_json::Map<String, Value> {
     row.as_object().cloned().unwrap_or_default()
 }
 
+/// One blow of a row: its factor, the strike's speed and instant, what it took.
+fn blow(scale: f64, strike: Option<[f64; 2]>, seconds: f64, steps: u64) -> Value {
+    json!({
+        "scale": scale,
+        "speed_m_s": strike.map(|s| s[0]),
+        "contact_s": strike.map(|s| s[1]),
+        "seconds": seconds,
+        "steps": steps,
+    })
+}
+
 fn row(action: &Action, task: &str, steps: Steps, repetitions: usize) {
     let mut row = named(task, steps);
     let blows: Vec<_> = SCALES
@@ -58,13 +69,7 @@ fn row(action: &Action, task: &str, steps: Steps, repetitions: usize) {
                 (0..repetitions).map(|_| action.play(steps, action.force(scale), &[BLOW_S])).collect();
             runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
             let best = &runs[0];
-            json!({
-                "scale": scale,
-                "speed_m_s": best.strike.map(|s| s[0]),
-                "contact_s": best.strike.map(|s| s[1]),
-                "seconds": best.seconds,
-                "steps": best.steps,
-            })
+            blow(scale, best.strike, best.seconds, best.steps)
         })
         .collect();
     row.insert("blows".to_owned(), Value::from(blows));
@@ -120,15 +125,7 @@ fn batch(action: &Action, lanes: Lanes, step_s: f64, repetitions: usize) {
     let blows: Vec<_> = SCALES
         .iter()
         .zip(strikes.chunks(MOST_LANES))
-        .map(|(scale, group)| {
-            json!({
-                "scale": scale,
-                "speed_m_s": group[0].map(|s| s[0]),
-                "contact_s": group[0].map(|s| s[1]),
-                "seconds": best_s,
-                "steps": (BLOW_S / step_s).ceil(),
-            })
-        })
+        .map(|(&scale, group)| blow(scale, group[0], best_s, (BLOW_S / step_s).ceil() as u64))
         .collect();
     println!(
         "{}",

@@ -182,7 +182,6 @@ struct Action<const B: usize, const Z: usize> {
     model: Model<f64, B, Z>,
     state: State<f64, B, Z>,
     input: Input<f64>,
-    repose: Repose<f64>,
     awake: bool,
     bodies: usize,
     hammer: Option<Hammer>,
@@ -230,7 +229,6 @@ fn action<const B: usize, const Z: usize>(
         model: assembly::assemble(instrument).map_err(EquilibriumError::from)?,
         state: State::at_rest(angle),
         input: Input::Free,
-        repose: Repose::none(),
         awake: true,
         bodies: instrument.bodies.len(),
         hammer: Hammer::of(instrument),
@@ -245,10 +243,10 @@ impl<const B: usize, const Z: usize> Action<B, Z> {
         settings: &Settings<f64>,
         scratch: &mut Scratch<f64, B, Z, N>,
     ) -> (bool, Outcome, Option<f64>) {
-        // A key that is stepped is awake: its step is taken.
-        self.repose.end();
+        // A key that is stepped is awake: nothing is known to rest, and its step is taken.
+        let mut repose = Repose::none();
         let hammer_rad_s = self.hammer.map_or(0.0, |h| self.state.velocity[h.body]);
-        let report = self.repose.step(&self.model, settings, &self.input, &mut self.state, scratch);
+        let report = repose.step(&self.model, settings, &self.input, &mut self.state, scratch);
         let mut blow = None;
         if let Some(hammer) = self.hammer {
             let force_n = scratch.contact(&self.model, settings, hammer.string).map_or(0.0, |c| c.force);
@@ -257,7 +255,7 @@ impl<const B: usize, const Z: usize> Action<B, Z> {
             }
             self.string_force_n = force_n;
         }
-        (self.repose.is_complete(), report.outcome, blow)
+        (repose.is_complete(), report.outcome, blow)
     }
 }
 

@@ -1,9 +1,9 @@
 //! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on all its cores.
 //!
 //! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`],
-//! to rounding (of single precision, if that is asked for), and the same bits however many threads there are. Nothing is recorded but the instants of each stroke. Instruments of
-//! another size than a grand action's (six bodies, fourteen zones) go on all cores, but not in lanes; so do steps whose error is
-//! controlled, for lanes share their steps.
+//! to rounding (of single precision, if that is asked for), and the same bits however many threads there are. Nothing is recorded but
+//! the instants of each stroke. Instruments of another size than a grand action's (six bodies, fourteen zones) go on all cores, but not
+//! in lanes; so do steps whose error is controlled, for lanes share their steps.
 
 mod lanes;
 mod parameter;
