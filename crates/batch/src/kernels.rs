@@ -57,7 +57,6 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     /// One step; writes how each mechanism's ended.
     #[inline]
     pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
         let Lanes { kernel, stepped, rests_under, .. } = self;
         rests_under.clear();
         // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.
@@ -88,9 +87,10 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
 
     /// Inputs of different kinds: each lane alone.
     #[cold]
+    #[inline(never)]
     fn one_by_one(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let mut scratch = Scratch::<f64, B, Z, N>::new();
-        for (i, outcome) in outcomes.iter_mut().enumerate() {
+        for (i, outcome) in outcomes[..T::LANES].iter_mut().enumerate() {
             let mut state = self.stepped.state.lane(i);
             *outcome = step(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut scratch).outcome;
             self.stepped.state.set_lane(i, &state);
@@ -160,6 +160,8 @@ fn step_all<T: Real, const B: usize, const Z: usize, const N: usize>(
     inputs: &[Input<f64>],
     outcomes: &mut [Outcome],
 ) -> bool {
+    // Their number is now known to the compiler.
+    let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
     let Some(input) = Input::of_lanes(inputs) else { return false };
     let Stepped { model, state, settings, scratch } = stepped;
     let report = step_lanes(model, settings, &input, state, scratch);

@@ -112,6 +112,25 @@ struct OneByOne<const B: usize, const Z: usize, const N: usize> {
     reposes: Vec<Repose<f64>>,
 }
 
+impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
+    #[inline(never)]
+    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let OneByOne { models, states, settings, scratch, reposes } = self;
+        for (i, (model, state)) in models.iter().zip(states).enumerate() {
+            reposes[i].end();
+            outcomes[i] = step(model, settings, &inputs[i], state, scratch).outcome;
+        }
+    }
+
+    #[inline(never)]
+    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let OneByOne { models, states, settings, scratch, reposes } = self;
+        for (i, (model, state)) in models.iter().zip(states).enumerate() {
+            outcomes[i] = reposes[i].step(model, settings, &inputs[i], state, scratch).outcome;
+        }
+    }
+}
+
 impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     /// Mechanisms where they are now. Where there are as many of them as the processor has `lanes` for, and they differ in their numbers
     /// only, they are stepped at once; otherwise one by one.
@@ -181,13 +200,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::EightSingle(eight) => eight.step(inputs, outcomes),
             #[cfg(target_arch = "x86_64")]
             Kind::SixteenSingle(sixteen) => sixteen.step(inputs, outcomes),
-            Kind::OneByOne(one) => {
-                let OneByOne { models, states, settings, scratch, reposes } = one.as_mut();
-                for (i, (model, state)) in models.iter().zip(states).enumerate() {
-                    reposes[i].end();
-                    outcomes[i] = step(model, settings, &inputs[i], state, scratch).outcome;
-                }
-            }
+            Kind::OneByOne(one) => one.step(inputs, outcomes),
         }
     }
 
@@ -205,12 +218,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::EightSingle(eight) => eight.step_or_rest(inputs, outcomes),
             #[cfg(target_arch = "x86_64")]
             Kind::SixteenSingle(sixteen) => sixteen.step_or_rest(inputs, outcomes),
-            Kind::OneByOne(one) => {
-                let OneByOne { models, states, settings, scratch, reposes } = one.as_mut();
-                for (i, (model, state)) in models.iter().zip(states).enumerate() {
-                    outcomes[i] = reposes[i].step(model, settings, &inputs[i], state, scratch).outcome;
-                }
-            }
+            Kind::OneByOne(one) => one.step_or_rest(inputs, outcomes),
         }
     }
 

@@ -96,6 +96,15 @@ macro_rules! vector_number {
                 // SAFETY: both are the same number of bytes of plain numbers.
                 $number(unsafe { core::mem::transmute::<[$lane; $width], $register>([x; $width]) })
             }
+
+            const fn constants<const K: usize>(x: [f64; K]) -> [Self; K] {
+                let (mut all, mut k) = ([$number::constant(0.0); K], 0);
+                while k < K {
+                    all[k] = $number::constant(x[k] as $lane);
+                    k += 1;
+                }
+                all
+            }
         }
 
         impl moreau::Real for $number {
@@ -105,6 +114,8 @@ macro_rules! vector_number {
             const ZERO: Self = $number::constant(0.0);
             const ONE: Self = $number::constant(1.0);
             const EPSILON: Self = $number::constant($lane::EPSILON);
+            const SINE: &'static [Self; 6] = &$number::constants(moreau::SINE);
+            const COSINE: &'static [Self; 6] = &$number::constants(moreau::COSINE);
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 $number(simd!($splat(x as $lane)))

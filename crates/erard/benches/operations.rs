@@ -82,6 +82,10 @@ impl PartialOrd for Counted {
     }
 }
 
+const fn counted([a, b, c, d, e, f]: [f64; 6]) -> [Counted; 6] {
+    [Counted(a), Counted(b), Counted(c), Counted(d), Counted(e), Counted(f)]
+}
+
 impl Real for Counted {
     type Mask = bool;
     type Lane = Counted;
@@ -89,6 +93,8 @@ impl Real for Counted {
     const ZERO: Self = Counted(0.0);
     const ONE: Self = Counted(1.0);
     const EPSILON: Self = Counted(f64::EPSILON);
+    const SINE: &'static [Self; 6] = &counted(moreau::SINE);
+    const COSINE: &'static [Self; 6] = &counted(moreau::COSINE);
     fn from_f64(x: f64) -> Self {
         Counted(x)
     }

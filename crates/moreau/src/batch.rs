@@ -3,7 +3,6 @@
 use crate::ease::Bending;
 use crate::form::Form;
 use crate::joints::Parent;
-use crate::linear::Symmetric;
 use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
 use crate::path::Path;
 use crate::state::{Input, State};
@@ -52,10 +51,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_torque: numbers(|m| m.spring_torque),
             spring_stiffness: numbers(|m| m.spring_stiffness),
             inertia: numbers(|m| m.inertia),
-            joint_inertia: Symmetric {
-                diagonal: numbers(|m| m.joint_inertia.diagonal),
-                below: core::array::from_fn(|i| join_all(|lane| models[lane].joint_inertia.below[i])),
-            },
+            joint_inertia: numbers(|m| m.joint_inertia),
             moment: o,
             moment_x: numbers(|m| m.moment_x),
             moment_y: numbers(|m| m.moment_y),

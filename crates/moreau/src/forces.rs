@@ -112,22 +112,26 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
         &mut *scratch;
     let (a, b) = (&mut system.a, &mut system.b);
     let mut carried = [T::ZERO; B];
-    if model.deep {
+    let deep;
+    let inertia = if model.deep {
         *a = deep_mass(model, coupling, deep_coupling);
+        deep = a.diagonal;
+        &deep
     } else {
-        a.set(&model.joint_inertia);
+        a.clear_below();
         // c (w_i + w_p) w_p.
         for &i in &model.hinged[..model.hinged_count] {
-            a.below[i][model.parent[i]] += coupling[i];
+            a.below[i][model.parent[i]] = model.inertia[i] + coupling[i];
         }
         row_to_joints(model, &mut carried, coupling);
-    }
+        &model.joint_inertia
+    };
     for i in 0..B {
         let spring = model.spring_torque[i].sub_product(model.spring_stiffness[i], joint_angle[i]);
         let torque = (weights[i] + spring).sub_product(model.viscous[i], joint_velocity[i]);
         let tangent = h_theta * model.viscous[i].add_product(h_theta, model.spring_stiffness[i]);
         b[i] = momentum[i].add_product(h, torque).add_product(tangent, w[i]);
-        a.diagonal[i] += tangent + carried[i] + carried[i];
+        a.diagonal[i] = inertia[i] + (tangent + carried[i] + carried[i]);
     }
     if let Some((force, tangent)) = driven {
         *drive_force = force;

@@ -24,13 +24,7 @@ pub(crate) fn relative<T: Real, const B: usize, const Z: usize>(model: &Model<T,
     for i in 0..B {
         w[i] = w[i].sub_product(first.children[i], speed);
     }
-    for parent in further {
-        let speed = v[parent.body];
-        for i in 0..B {
-            w[i] = w[i].sub_product(parent.children[i], speed);
-        }
-    }
-    w
+    if further.is_empty() { w } else { relative_beyond(further, *v, w) }
 }
 
 /// v from w.
@@ -45,11 +39,8 @@ pub(crate) fn absolute<T: Real, const B: usize, const Z: usize>(model: &Model<T,
     for i in 0..B {
         v[i] = w[i].add_product(first.children[i], speed);
     }
-    for parent in further {
-        let speed = v[parent.body];
-        for i in 0..B {
-            v[i] = v[i].add_product(parent.children[i], speed);
-        }
+    if !further.is_empty() {
+        *v = absolute_beyond(further, *v);
     }
 }
 
@@ -61,15 +52,55 @@ pub(crate) fn row_to_joints<T: Real, const B: usize, const Z: usize>(
     row: &mut [T; B],
     on_parent: &[T; B],
 ) {
-    for parent in model.parents().iter().rev() {
-        let mut sum = T::ZERO;
+    let [first, further @ ..] = model.parents() else { return };
+    if !further.is_empty() {
+        *row = carried_beyond(further, *row, *on_parent);
+    }
+    carry(first, row, on_parent);
+}
+
+/// A parent's share in [`row_to_joints`].
+#[inline(always)]
+fn carry<T: Real, const B: usize>(parent: &Parent<T, B>, row: &mut [T; B], on_parent: &[T; B]) {
+    let mut sum = T::ZERO;
+    for i in 0..B {
+        sum = sum.add_product(parent.children[i], row[i] + on_parent[i]);
+    }
+    for i in 0..B {
+        row[i] = row[i].add_product(parent.own[i], sum);
+    }
+}
+
+// What follows is for mechanisms with more than one parent. Arrays go in and out by value: what a loop changes in place, the compiler keeps
+// in memory for the usual case, too.
+
+#[inline(always)]
+fn relative_beyond<T: Real, const B: usize>(parents: &[Parent<T, B>], v: [T; B], mut w: [T; B]) -> [T; B] {
+    for parent in parents {
         for i in 0..B {
-            sum = sum.add_product(parent.children[i], row[i] + on_parent[i]);
-        }
-        for i in 0..B {
-            row[i] = row[i].add_product(parent.own[i], sum);
+            w[i] = w[i].sub_product(parent.children[i], v[parent.body]);
         }
     }
+    w
+}
+
+#[inline(always)]
+fn absolute_beyond<T: Real, const B: usize>(parents: &[Parent<T, B>], mut v: [T; B]) -> [T; B] {
+    for parent in parents {
+        let speed = v[parent.body];
+        for i in 0..B {
+            v[i] = v[i].add_product(parent.children[i], speed);
+        }
+    }
+    v
+}
+
+#[inline(always)]
+fn carried_beyond<T: Real, const B: usize>(parents: &[Parent<T, B>], mut row: [T; B], on_parent: [T; B]) -> [T; B] {
+    for parent in parents.iter().rev() {
+        carry(parent, &mut row, &on_parent);
+    }
+    row
 }
 
 /// The inverse of [`row_to_joints`].

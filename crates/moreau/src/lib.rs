@@ -44,7 +44,7 @@ pub use ledger::{Energies, Ledger};
 pub use model::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Site, Spring, Zone};
 pub use osnsp::Solver;
 pub use pose::Pose;
-pub use real::{Mask, Real, Scalar};
+pub use real::{COSINE, Mask, Real, SINE, Scalar};
 pub use repose::Repose;
 pub use settings::{FrictionLaw, Settings};
 pub use state::{Input, Scratch, State};

@@ -35,13 +35,12 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
         Symmetric { diagonal: [T::ZERO; B], below: [[T::ZERO; B]; B] }
     }
 
-    /// Becomes another matrix: what is below the diagonal, not what is never read.
+    /// Clears what is below the diagonal: not what is never read.
     #[inline(always)]
-    pub(crate) fn set(&mut self, other: &Self) {
-        self.diagonal = other.diagonal;
+    pub(crate) fn clear_below(&mut self) {
         written_out!(up i, B, {
             for j in 0..i {
-                self.below[i][j] = other.below[i][j];
+                self.below[i][j] = T::ZERO;
             }
         });
     }
@@ -51,16 +50,6 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
         Symmetric {
             diagonal: self.diagonal.map(|x| x.lane(lane)),
             below: self.below.map(|row| row.map(|x| x.lane(lane))),
-        }
-    }
-
-    /// Adds to one entry, and to the one across the diagonal.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, i: usize, j: usize, x: T) {
-        if i == j {
-            self.diagonal[i] += x;
-        } else {
-            self.below[i.max(j)][i.min(j)] += x;
         }
     }
 
@@ -155,8 +144,9 @@ mod tests {
     fn solves_a_gram_matrix() {
         let mut a = Symmetric::<f64, 5>::zero();
         for i in 0..5 {
-            for j in 0..=i {
-                a.add(i, j, 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 0.01 } else { 0.0 });
+            a.diagonal[i] = 1.0 / (1.0 + 2.0 * i as f64) + 0.01;
+            for j in 0..i {
+                a.below[i][j] = 1.0 / (1.0 + i as f64 + j as f64);
             }
         }
         let mut l = [[0.0; 5]; 5];

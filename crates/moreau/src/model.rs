@@ -5,7 +5,6 @@ use core::fmt;
 use crate::ease::Bending;
 use crate::form::Form;
 use crate::joints::Parent;
-use crate::linear::Symmetric;
 use crate::path::Path;
 use crate::vector::{Vector, add, dot, scale, sub};
 use crate::{Real, Scalar};
@@ -177,8 +176,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) spring_stiffness: [T; B],
     /// Diagonal of the mass matrix in absolute velocities: own inertia plus every descendant's mass at its branch's pivot.
     pub(crate) inertia: [T; B],
-    /// What that diagonal contributes to the mass matrix in relative velocities.
-    pub(crate) joint_inertia: Symmetric<T, B>,
+    /// What that diagonal contributes to the one of the mass matrix in relative velocities: a joint turns all that it carries.
+    pub(crate) joint_inertia: [T; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
     pub(crate) moment_x: [T; B],
@@ -272,7 +271,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             spring_torque: [T::ZERO; B],
             spring_stiffness: [T::ZERO; B],
             inertia: [T::ONE; B],
-            joint_inertia: Symmetric::zero(),
+            joint_inertia: [T::ZERO; B],
             moment: [o; B],
             moment_x: [T::ZERO; B],
             moment_y: [T::ZERO; B],
@@ -338,12 +337,9 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             }
         }
         for i in 0..B {
-            // A body turns with every joint that carries it.
             for j in 0..=i {
-                for k in 0..=j {
-                    if model.carries(j, i) && model.carries(k, i) {
-                        model.joint_inertia.add(j, k, model.inertia[i]);
-                    }
+                if model.carries(j, i) {
+                    model.joint_inertia[j] += model.inertia[i];
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! Where every body is: the kinematic tree, evaluated once per Newton iteration.
 
 use crate::contact::{gap_of, gap_row_of};
-use crate::joints::{absolute, row_to_angles};
+use crate::joints::row_to_angles;
 use crate::model::{GROUND, Model};
 use crate::path::Path;
-use crate::real::sin_cos;
+use crate::real::{opaque, sin_cos};
 use crate::vector::{Vector, add, cross, sub};
 use crate::{Real, Scalar};
 
@@ -42,28 +42,40 @@ impl<T: Real, const B: usize> Pose<T, B> {
     /// Places every body for the given absolute angles, parents first.
     #[inline(always)]
     pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
-        let [sin, cos] = sin_cos(angle);
-        (self.sin, self.cos) = (sin, cos);
-        let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
-        let (mut arm_x, mut arm_y) = ([T::ZERO; B], [T::ZERO; B]);
-        for parent in model.parents() {
-            let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
-            for i in 0..B {
-                arm_x[i] = arm_x[i].add_product(parent.children[i], (c * link_x[i]).sub_product(s, link_y[i]));
-                arm_y[i] = arm_y[i].add_product(parent.children[i], (s * link_x[i]).add_product(c, link_y[i]));
-            }
-        }
-        let x = core::array::from_fn(|i| root_x[i] + arm_x[i]);
-        let y = core::array::from_fn(|i| root_y[i] + arm_y[i]);
-        (self.arm_x, self.arm_y) = (arm_x, arm_y);
+        sin_cos(angle, &mut self.sin, &mut self.cos);
         for i in 0..B {
-            let (c, s) = (cos[i], sin[i]);
+            let (c, s) = (self.cos[i], self.sin[i]);
             self.moment_x[i] = (c * model.moment_x[i]).sub_product(s, model.moment_y[i]);
             self.moment_y[i] = (s * model.moment_x[i]).add_product(c, model.moment_y[i]);
         }
-        // A pivot is carried along by its parent's: the same sum as that of velocities.
-        absolute(model, &x, &mut self.pivot_x);
-        absolute(model, &y, &mut self.pivot_y);
+        let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
+        let [first, further @ ..] = model.parents() else {
+            (self.pivot_x, self.pivot_y) = (*root_x, *root_y);
+            return;
+        };
+        // The first of the parents is hinged on the ground.
+        let (c, s) = (self.cos[first.body], self.sin[first.body]);
+        let (x, y) = (root_x[first.body], root_y[first.body]);
+        for i in 0..B {
+            self.arm_x[i] = first.children[i] * (c * link_x[i]).sub_product(s, link_y[i]);
+            self.arm_y[i] = first.children[i] * (s * link_x[i]).add_product(c, link_y[i]);
+            self.pivot_x[i] = (root_x[i] + self.arm_x[i]).add_product(first.children[i], x);
+            self.pivot_y[i] = (root_y[i] + self.arm_y[i]).add_product(first.children[i], y);
+        }
+        // A pivot is carried along by its parent's.
+        for parent in further {
+            let [link_x, link_y] = &opaque::<T, _>(model).link;
+            let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
+            let (x, y) = (self.pivot_x[parent.body], self.pivot_y[parent.body]);
+            for i in 0..B {
+                let arm_x = parent.children[i] * (c * link_x[i]).sub_product(s, link_y[i]);
+                let arm_y = parent.children[i] * (s * link_x[i]).add_product(c, link_y[i]);
+                self.arm_x[i] += arm_x;
+                self.arm_y[i] += arm_y;
+                self.pivot_x[i] += arm_x.add_product(parent.children[i], x);
+                self.pivot_y[i] += arm_y.add_product(parent.children[i], y);
+            }
+        }
     }
 
     /// From the parent's pivot to a body's, in the world.

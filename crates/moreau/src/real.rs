@@ -59,6 +59,7 @@ impl Mask for bool {
 /// A real number, or several of them in lanes.
 pub trait Real:
     Copy
+    + 'static
     + Debug
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -80,6 +81,10 @@ pub trait Real:
     const ONE: Self;
     /// The distance from 1 to the next number.
     const EPSILON: Self;
+    /// [`SINE`].
+    const SINE: &'static [Self; 6];
+    /// [`COSINE`].
+    const COSINE: &'static [Self; 6];
     /// Nearest representable number (in every lane).
     fn from_f64(x: f64) -> Self;
     /// A number per lane.
@@ -140,30 +145,49 @@ pub trait Scalar: Real<Mask = bool, Lane = Self> + PartialOrd {
     fn to_f64(self) -> f64;
 }
 
+/// The sine on [-pi/4, pi/4]: coefficients of x^13, x^11 ... x^3 (fdlibm's `__kernel_sin`).
+pub const SINE: [f64; 6] = [
+    1.589_690_995_211_55e-10,
+    -2.505_076_025_340_686_3e-8,
+    2.755_731_370_707_007e-6,
+    -1.984_126_982_985_795e-4,
+    8.333_333_333_322_49e-3,
+    -1.666_666_666_666_663_2e-1,
+];
+/// The cosine there: coefficients of x^14, x^12 ... x^4 (`__kernel_cos`).
+pub const COSINE: [f64; 6] = [
+    -1.135_964_755_778_819_5e-11,
+    2.087_572_321_298_175e-9,
+    -2.755_731_435_139_066_3e-7,
+    2.480_158_728_947_673e-5,
+    -1.388_888_888_887_411e-3,
+    4.166_666_666_666_66e-2,
+];
+
 /// Sines and cosines of angles, radians.
 ///
-/// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (coefficients of
-/// fdlibm's `__kernel_sin` and `__kernel_cos`, error below one unit in the last place); elsewhere `libm`.
+/// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (error below one unit in the
+/// last place); elsewhere `libm`.
 #[inline(always)]
-pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B]) -> [[T; B]; 2] {
-    let (mut sin, mut cos, mut largest) = ([T::ZERO; B], [T::ZERO; B], T::ZERO);
+pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
+    // Lanes read what they have no registers for as wide as they need it, which the compiler does not know to be the cheaper way.
+    let (sine, cosine) = (opaque::<T, _>(T::SINE), opaque::<T, _>(T::COSINE));
+    let mut largest = T::ZERO;
     for i in 0..B {
-        (sin[i], cos[i]) = near_zero(angle[i]);
+        (sin[i], cos[i]) = near_zero(angle[i], sine, cosine);
     }
     for i in 0..B {
         largest = largest.max(angle[i].abs());
     }
     // What is not a number is not larger either; its sine is not a number in both branches.
     if T::from_f64(core::f64::consts::FRAC_PI_4).lt(largest).any() {
-        far_from_zero(angle, [sin, cos])
-    } else {
-        [sin, cos]
+        far_from_zero(angle, sin, cos);
     }
 }
 
 #[cold]
 #[inline(never)]
-fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], [mut sin, mut cos]: [[T; B]; 2]) -> [[T; B]; 2] {
+fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
     for i in 0..B {
         let far = T::from_f64(core::f64::consts::FRAC_PI_4).lt(angle[i].abs());
         if far.any() {
@@ -171,34 +195,26 @@ fn far_from_zero<T: Real, const B: usize>(angle: &[T; B], [mut sin, mut cos]: [[
             (sin[i], cos[i]) = (T::select(far, s, sin[i]), T::select(far, c, cos[i]));
         }
     }
-    [sin, cos]
 }
 
 #[inline(always)]
-fn near_zero<T: Real>(x: T) -> (T, T) {
-    let c = T::from_f64;
+fn near_zero<T: Real>(x: T, sine: &[T; 6], cosine: &[T; 6]) -> (T, T) {
     let z = x * x;
-    let polynomial = |coefficients: [f64; 5]| {
-        let [first, rest @ ..] = coefficients.map(c);
-        rest.iter().fold(first, |sum, &next| next.add_product(z, sum))
-    };
-    let s = polynomial([
-        1.589_690_995_211_55e-10,
-        -2.505_076_025_340_686_3e-8,
-        2.755_731_370_707_007e-6,
-        -1.984_126_982_985_795e-4,
-        8.333_333_333_322_49e-3,
-    ]);
-    let sin = x.add_product(x * z, c(-1.666_666_666_666_663_2e-1).add_product(z, s));
-    let k = polynomial([
-        -1.135_964_755_778_819_5e-11,
-        2.087_572_321_298_175e-9,
-        -2.755_731_435_139_066_3e-7,
-        2.480_158_728_947_673e-5,
-        -1.388_888_888_887_411e-3,
-    ]);
-    let cos = T::ONE.sub_product(z, c(0.5).sub_product(z, c(4.166_666_666_666_66e-2).add_product(z, k)));
+    let polynomial = |[first, rest @ ..]: &[T; 6]| rest.iter().fold(*first, |sum, &next| next.add_product(z, sum));
+    let sin = x.add_product(x * z, polynomial(sine));
+    let cos = T::ONE.sub_product(z, T::from_f64(0.5).sub_product(z, polynomial(cosine)));
     (sin, cos)
+}
+
+macro_rules! in_precision {
+    ($numbers:ident, $t:ident) => {{
+        let (mut all, mut i) = ([0.0; $numbers.len()], 0);
+        while i < $numbers.len() {
+            all[i] = $numbers[i] as $t;
+            i += 1;
+        }
+        all
+    }};
 }
 
 macro_rules! real_for {
@@ -210,6 +226,8 @@ macro_rules! real_for {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $t::EPSILON;
+            const SINE: &'static [Self; 6] = &in_precision!(SINE, $t);
+            const COSINE: &'static [Self; 6] = &in_precision!(COSINE, $t);
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 x as $t
@@ -286,17 +304,23 @@ real_for!(f32, libm::sqrtf, libm::powf, libm::tanhf, libm::sincosf);
 mod tests {
     use super::*;
 
+    fn sine_and_cosine(x: f64) -> [f64; 2] {
+        let (mut s, mut c) = ([0.0], [0.0]);
+        sin_cos(&[x], &mut s, &mut c);
+        [s[0], c[0]]
+    }
+
     /// The polynomial agrees with `libm` to two units in the last place on its interval.
     #[test]
     fn sin_cos_matches_libm() {
         for i in -1000..=1000 {
             let x = f64::from(i) * core::f64::consts::FRAC_PI_4 / 1000.0;
-            let [[s], [c]] = sin_cos(&[x]);
+            let [s, c] = sine_and_cosine(x);
             let (s_ref, c_ref) = libm::sincos(x);
             assert!((s - s_ref).abs() <= 2.0 * f64::EPSILON * s_ref.abs(), "sin {x}");
             assert!((c - c_ref).abs() <= 2.0 * f64::EPSILON, "cos {x}");
         }
-        let [[s], [c]] = sin_cos(&[10.0_f64]);
+        let [s, c] = sine_and_cosine(10.0);
         assert_eq!((s, c), libm::sincos(10.0));
     }
 }

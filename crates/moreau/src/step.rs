@@ -18,7 +18,7 @@ pub enum Outcome {
     Converged,
     /// The iteration limit was reached; the last (finite) iterate was taken.
     IterationLimit,
-    /// A number that is not finite arose (or came in with the input); the state was left as it was.
+    /// A number that is not finite arose (or came in with the input), or a velocity whose square is not; the state was left as it was.
     NonFinite,
 }
 
@@ -107,7 +107,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         return report;
     }
     end(done.not().and(report.finite), state, scratch);
-    report.finite = finish(model, settings, &w, report.finite, state);
+    finish(model, settings, &w, report.finite, state);
     report
 }
 
@@ -167,14 +167,16 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     report.newton = iteration + 1;
     report.solver += sets;
 
-    let (change, finite) = correction(w, &next);
+    let finite = usable(&next);
     report.finite = report.finite.and(finite.or(*done));
     if !report.finite.any() {
         return Next::Nothing;
     }
-    scratch.change = change;
-    let linear = linear_enough(model, settings, &timing, near, &change, &next, scratch);
-    let enough = if linear.all() { linear } else { linear.or(small(&change, &next, settings.tolerance)) };
+    for i in 0..B {
+        scratch.change[i] = next[i] - w[i];
+    }
+    let linear = linear_enough(model, settings, &timing, near, &next, scratch);
+    let enough = if linear.all() { linear } else { linear.or(small(&scratch.change, &next, settings.tolerance)) };
     let settled = enough.and(solved).and(finite).and(done.not());
     report.converged = report.converged.or(settled);
     if settled.any() && !settled.or(*done).all() {
@@ -188,7 +190,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     let stopped = done.or(finite.not());
     let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
     for i in 0..B {
-        w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * change[i]));
+        w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * scratch.change[i]));
     }
     if settled.or(stopped).all() {
         return Next::End;
@@ -235,16 +237,14 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     q
 }
 
-/// The change of the joints' velocities, and whether all are finite.
+/// Whether velocities are numbers whose squares do not overflow: what the step's end works out from them then does not either.
 #[inline(always)]
-fn correction<T: Real, const B: usize>(w: &[T; B], next: &[T; B]) -> ([T; B], T::Mask) {
-    let (mut change, mut sum) = (*next, T::ZERO);
+fn usable<T: Real, const B: usize>(w: &[T; B]) -> T::Mask {
+    let mut sum = T::ZERO;
     for i in 0..B {
-        change[i] -= w[i];
-        // Zero times what is not finite is not a number.
-        sum = sum.add_product(T::ZERO, next[i]);
+        sum = sum.add_product(w[i], w[i]);
     }
-    (change, sum.finite())
+    sum.finite()
 }
 
 /// Whether all changes of the velocities are small against the tolerance.
@@ -257,7 +257,7 @@ fn small<T: Real, const B: usize>(change: &[T; B], next: &[T; B], tolerance: T) 
     small
 }
 
-/// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes. Returns the lanes whose angles are finite.
+/// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes.
 #[inline(always)]
 fn finish<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
@@ -265,28 +265,25 @@ fn finish<T: Real, const B: usize, const Z: usize>(
     w: &[T; B],
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
-) -> T::Mask {
+) {
     let (h, theta, mut v) = (settings.step, settings.theta, *w);
     absolute(model, w, &mut v);
-    let (mut q, mut sum) = (state.angle, T::ZERO);
-    for i in 0..B {
-        let mean = state.velocity[i].add_product(theta, v[i] - state.velocity[i]);
-        q[i] = q[i].add_product(h, mean);
-        sum = sum.add_product(T::ZERO, q[i]);
-    }
-    let lanes = lanes.and(sum.finite());
     if lanes.all() {
         for i in 0..B {
             state.trend[i] = v[i] - state.velocity[i];
+            let mean = state.velocity[i].add_product(theta, state.trend[i]);
+            state.angle[i] = state.angle[i].add_product(h, mean);
+            state.velocity[i] = v[i];
         }
-        (state.angle, state.velocity) = (q, v);
-        return lanes;
+        return;
     }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
-        keep(&mut state.angle[i], q[i]);
-        keep(&mut state.trend[i], v[i] - state.velocity[i]);
+        let change = v[i] - state.velocity[i];
+        let mean = state.velocity[i].add_product(theta, change);
+        let angle = state.angle[i].add_product(h, mean);
+        keep(&mut state.angle[i], angle);
+        keep(&mut state.trend[i], change);
         keep(&mut state.velocity[i], v[i]);
     }
-    lanes
 }

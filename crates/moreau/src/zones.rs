@@ -78,7 +78,7 @@ fn look_at<T: Real, const B: usize, const Z: usize, const N: usize, const K: usi
     touched.any()
 }
 
-/// Whether the linearisation holds where `change` has taken the velocities, to `next`: for every joint, what the felts' curvature,
+/// Whether the linearisation holds where the last change has taken the velocities, to `next`: for every joint, what the felts' curvature,
 /// weight and centrifugal force may still bring about (what one more Newton iteration would remove) is below the tolerance.
 ///
 /// A quick bound ([`Ease`]) settles most steps; the others are looked at zone by zone.
@@ -88,7 +88,6 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
     settings: &Settings<T>,
     timing: &Timing<T>,
     near: &[usize],
-    change: &[T; B],
     next: &[T; B],
     scratch: &mut Scratch<T, B, Z, N>,
 ) -> T::Mask {
@@ -97,14 +96,14 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
     let mut holds = T::Mask::splat(!settings.friction.is_regularised());
     if T::ZERO.lt(scratch.drive_tangent).any() {
         let pushed = T::ZERO.lt(scratch.drive_pull);
-        scratch.drive_pull -= scratch.drive_tangent * model.site_path.product(&scratch.site_row, change) / h;
+        scratch.drive_pull -= scratch.drive_tangent * model.site_path.product(&scratch.site_row, &scratch.change) / h;
         scratch.drive_force = scratch.drive_pull.max(T::ZERO);
         // The finger may have come or gone.
         let pushes = T::ZERO.lt(scratch.drive_pull);
         holds = holds.and(pushed.and(pushes).or(pushed.or(pushes).not()));
     }
     let mut largest = T::ZERO;
-    for x in change {
+    for x in &scratch.change {
         largest = largest.max(x.abs());
     }
     if !T::ZERO.lt(largest).any() {
@@ -113,11 +112,11 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
     }
     let (terms, mut surely) = scratch.ease.bound(&model.bending, timing, largest);
     for i in 0..B {
-        let impulse = terms.add_to(carried(model, timing, change, scratch, i), &model.bending, i);
+        let impulse = terms.add_to(carried(model, timing, scratch, i), &model.bending, i);
         surely = surely.and(impulse.le(allowed(settings, next, scratch, i)));
     }
     if !surely.or(holds.not()).all() {
-        holds = holds.and(surely.or(zone_by_zone(model, settings, timing, near, change, next, scratch)));
+        holds = holds.and(surely.or(zone_by_zone(model, settings, timing, near, next, scratch)));
     }
     holds
 }
@@ -128,12 +127,11 @@ pub(crate) fn linear_enough<T: Real, const B: usize, const Z: usize, const N: us
 fn carried<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
-    change: &[T; B],
     scratch: &Scratch<T, B, Z, N>,
     i: usize,
 ) -> T {
     let spin = T::from_f64(2.0) * scratch.velocity[i].abs() * model.whirl[i];
-    timing.h_theta * spin.add_product(timing.step, model.weight[i]) * change[i].abs()
+    timing.h_theta * spin.add_product(timing.step, model.weight[i]) * scratch.change[i].abs()
 }
 
 /// The impulse on joint i, N m s, that changes its velocity by the tolerance.
@@ -153,15 +151,14 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
     timing: &Timing<T>,
     near: &[usize],
-    change: &[T; B],
     next: &[T; B],
     scratch: &Scratch<T, B, Z, N>,
 ) -> T::Mask {
-    let mut impulse: [T; B] = core::array::from_fn(|i| carried(model, timing, change, scratch, i));
+    let mut impulse: [T; B] = core::array::from_fn(|i| carried(model, timing, scratch, i));
     for &z in near {
         let (form, path, contact) = (&model.forms[z], &model.paths[z], &scratch.contacts[z]);
         if contact.in_reach.any() {
-            let p = timing.step * contact.remainder(form, path, change, timing, scratch.active[z]);
+            let p = timing.step * contact.remainder(form, path, &scratch.change, timing, scratch.active[z]);
             for (k, j) in path.joints() {
                 impulse[j] = impulse[j].add_product(p, contact.row[k].abs());
             }

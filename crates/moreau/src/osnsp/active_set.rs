@@ -152,6 +152,8 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             lacking[i] = lacking[i].sub_product(system.sliding[k].row[i], impulses.sliding[k]);
         }
     }
+    // Mostly none has turned: lanes find that out sooner of all pivots together, a number alone of each that slides.
+    let turning = T::LANES > 1 && tolerance.lt(fastest(&guess.pivot, w)).any();
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
         if !slides.all() {
@@ -168,7 +170,8 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
                 changed = changed.or(exceeded);
             }
         }
-        if slides.any() {
+        let may_have_turned = if T::LANES > 1 { turning } else { slides.any() };
+        if may_have_turned {
             let turned = slides.and(tolerance.lt(guess.pivot[i] * w[i])).and(T::ZERO.lt(system.pivot_bound[i]));
             let turned = turned.and(may_change::<T>(changed, single));
             if turned.any() {
@@ -178,6 +181,16 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
         }
     }
     changed
+}
+
+/// The largest velocity in the direction against which a pivot is expected to be opposed.
+#[inline(always)]
+fn fastest<T: Real, const B: usize>(guess: &[T; B], w: &[T; B]) -> T {
+    let mut fastest = T::ZERO;
+    for i in 0..B {
+        fastest = fastest.max(guess[i] * w[i]);
+    }
+    fastest
 }
 
 /// In which lanes a guess may be corrected, after it has been in some.
