@@ -142,18 +142,13 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
     }
 }
 
-/// Stores the laws' forces p/h and sides: the next warm start, and what the run reports.
+/// Stores the sliding laws' forces p/h and sides: the next warm start, and what the run reports.
 #[inline(always)]
 pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
     scratch: &mut Scratch<T, B, Z, N>,
 ) {
     let inverse_h = T::ONE / settings.step;
-    if !settings.friction.is_regularised() {
-        for i in 0..B {
-            scratch.pivot_friction[i] = scratch.impulses.pivot[i] * inverse_h;
-        }
-    }
     for k in 0..scratch.system.count {
         let f = scratch.impulses.sliding[k] * inverse_h;
         match scratch.laws[k] {
@@ -172,13 +167,17 @@ pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usiz
 /// What a step that ends keeps of the laws, in the lanes in which it ends.
 #[inline(always)]
 pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
+    settings: &Settings<T>,
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
     scratch: &Scratch<T, B, Z, N>,
 ) {
-    if lanes.all() {
+    let inverse_h = T::ONE / settings.step;
+    if lanes.all() && !settings.friction.is_regularised() {
         // The usual case by itself: storing some lanes only is far slower than storing all.
-        state.pivot_friction = scratch.pivot_friction;
+        for i in 0..B {
+            state.pivot_friction[i] = scratch.impulses.pivot[i] * inverse_h;
+        }
         state.rigid_force = scratch.rigid_force;
         for &z in state.survey.sliding() {
             (state.tangential[z], state.side[z]) = (scratch.tangential[z], scratch.side[z]);
@@ -187,7 +186,9 @@ pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
-        keep(&mut state.pivot_friction[i], scratch.pivot_friction[i]);
+        let regularised = settings.friction.is_regularised();
+        let force = if regularised { scratch.pivot_friction[i] } else { scratch.impulses.pivot[i] * inverse_h };
+        keep(&mut state.pivot_friction[i], force);
     }
     keep(&mut state.rigid_force, scratch.rigid_force);
     for &z in state.survey.sliding() {

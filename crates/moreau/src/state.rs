@@ -88,8 +88,9 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub pose: Pose<T, B>,
     /// The zones there, as far as they are touched during the step.
     pub(crate) contacts: [Touch<T, B>; Z],
+    /// The lanes in which they are, for the zones that were looked at; of others it says nothing (see `touched_in`).
     pub(crate) active: [T::Mask; Z],
-    /// The zones that are active in any lane, as they come.
+    /// The zones that are touched in any lane, as they come.
     pub(crate) touched: [usize; Z],
     pub(crate) touched_count: usize,
     /// What the zones say about how far the linearisation holds.
@@ -125,8 +126,9 @@ pub struct Scratch<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) condensed: Condensed<T, B, N>,
     /// What the sliding laws stand for.
     pub(crate) laws: [Law; N],
-    /// Forces and sides of the set-valued laws, kept from iteration to iteration.
+    /// Torques of the pivots where their friction is regularised.
     pub(crate) pivot_friction: [T; B],
+    /// Forces and sides of the sliding laws, kept from iteration to iteration.
     pub(crate) tangential: [T; Z],
     pub(crate) side: [T; Z],
     pub(crate) rigid_force: T,
@@ -170,23 +172,16 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
         }
     }
 
-    /// Before a step, nothing is touched.
-    #[inline(always)]
-    pub(crate) fn forget_touches(&mut self) {
-        if T::LANES == 1 {
-            self.active = [T::Mask::splat(false); Z];
-            return;
-        }
-        // A mask is as wide as a number there.
-        for &z in &self.touched[..self.touched_count] {
-            self.active[z] = T::Mask::splat(false);
-        }
+    /// The lanes in which a zone was touched during the last step.
+    pub(crate) fn touched_in(&self, zone: usize) -> T::Mask {
+        let anywhere = self.touched[..self.touched_count].contains(&zone);
+        if anywhere { self.active[zone] } else { T::Mask::splat(false) }
     }
 
     /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative velocities, m/s; zero if
     /// it was not touched.
     pub(crate) fn slip(&self, model: &Model<T, B, Z>, zone: usize, joints: &[[T; B]; 2]) -> [T; 2] {
-        if !(self.active[zone].any() && model.forms[zone].slides) {
+        if !(self.touched_in(zone).any() && model.forms[zone].slides) {
             return [T::ZERO; 2];
         }
         let [u0, u1] = joints.each_ref().map(|w| model.paths[zone].product(&self.slip_row[zone], w));
@@ -196,11 +191,12 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Scratch<T, B, Z, N
 
     /// A zone as it acted during the last step; `None` if it was not touched.
     pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T>> {
-        if !self.active[zone].any() {
+        let touched = self.touched_in(zone);
+        if !touched.any() {
             return None;
         }
         let (form, path, timing) = (&model.forms[zone], &model.paths[zone], Timing::new(settings.step, settings.theta));
-        Some(self.contacts[zone].contact(form, path, &self.pose, &self.change, &timing, self.active[zone]))
+        Some(self.contacts[zone].contact(form, path, &self.pose, &self.change, &timing, touched))
     }
 }
 

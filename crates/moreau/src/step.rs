@@ -106,7 +106,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     if next == Next::Nothing {
         return report;
     }
-    end(done.not().and(report.finite), state, scratch);
+    end(settings, done.not().and(report.finite), state, scratch);
     finish(model, settings, &w, report.finite, state);
     report
 }
@@ -143,11 +143,8 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     let q_theta = theta_point(model, &state.angle, w0, w, h, theta, scratch);
     let joint_angle = relative(model, &q_theta);
     scratch.pose.place(model, &q_theta);
-    if !again {
-        if state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
-            state.forget_far(model);
-        }
-        scratch.forget_touches();
+    if !again && state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
+        state.forget_far(model);
     }
     let near = state.survey.near();
     look_at_zones(model, &timing, near, again, scratch);
@@ -181,7 +178,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     report.converged = report.converged.or(settled);
     if settled.any() && !settled.or(*done).all() {
         // These lanes are done, and keep their forces while others go on.
-        end(settled, state, scratch);
+        end(settings, settled, state, scratch);
     }
     if settled.all() {
         *w = next;

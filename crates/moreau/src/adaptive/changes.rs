@@ -88,8 +88,8 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
             let side = states.map(|s| s.side[z]);
             let touched = [
                 side[0] != T::ZERO || start.tangential[z] != T::ZERO,
-                halves.scratch[0].active[z],
-                halves.scratch[1].active[z],
+                halves.scratch[0].touched_in(z),
+                halves.scratch[1].touched_in(z),
             ];
             let force = [halves.middle.tangential[z], halves.end.tangential[z]];
             let bound = [0, 1].map(|half| mu * halves.scratch[half].contacts[z].force);

@@ -252,7 +252,7 @@ fn slips<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     let w = relative(model, &state.velocity);
     let mut slips = [T::ZERO; Z];
     for &z in &model.sliding_zones[..model.sliding_count] {
-        if scratch.active[z] {
+        if scratch.touched_in(z) {
             slips[z] = model.paths[z].product(&scratch.slip_row[z], &w);
         }
     }
