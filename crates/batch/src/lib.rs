@@ -36,8 +36,11 @@ pub enum Lanes {
 }
 
 impl Lanes {
-    /// All, the narrow ones first.
-    pub const ALL: [Lanes; 5] = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle, Lanes::SixteenSingle];
+    /// All that this processor has instructions for, the narrow ones first.
+    pub fn here() -> impl Iterator<Item = Self> {
+        let all = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle, Lanes::SixteenSingle];
+        all.into_iter().filter(|lanes| lanes.is_here())
+    }
 
     /// The most doubles that this processor has instructions for.
     pub fn most() -> Self {

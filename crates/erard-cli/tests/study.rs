@@ -65,6 +65,28 @@ fn a_study_is_many_presses() {
     assert!(folder.read("erard-out/study.svg").ends_with("</svg>\n"));
 }
 
+/// In single precision the same strokes, right to what it is good for; where the processor has no lanes, the same numbers.
+#[test]
+fn single_precision_is_asked_for() {
+    let folder = Folder::new("study-single");
+    let study = ["study", "--vary", "force=2..20N:9", "--duration", "0.2", "--out"];
+    folder.good(&[&study[..], &["double"]].concat());
+    folder.good(&[&study[..], &["single", "--single"]].concat());
+    let both = |name: &str| ["double/study.csv", "single/study.csv"].map(|file| column(&folder, file, name));
+    let [doubles, singles] = both("hammer_speed_m_per_s");
+    assert!(doubles.len() == 9 && doubles.iter().all(Option::is_some));
+    for (double, single) in doubles.iter().flatten().zip(singles.iter().flatten()) {
+        assert!((single / double - 1.0).abs() < 2e-4, "{single} {double}");
+    }
+    #[cfg(target_arch = "x86_64")]
+    let lanes = std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    let lanes = false;
+    assert_eq!(doubles != singles, lanes);
+    let [doubles, singles] = both("strikes");
+    assert_eq!(doubles, singles);
+}
+
 /// A force too weak for a sound leaves its cells empty; a setting that cannot be is a row that failed, and the others stand.
 #[test]
 fn what_does_not_happen_is_empty_and_what_cannot_be_fails_alone() {

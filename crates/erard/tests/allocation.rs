@@ -52,7 +52,7 @@ fn a_step_never_allocates() {
 fn a_group_step_never_allocates() {
     let (model, state) = grand();
     let usual = Settings::new(50e-6);
-    for lanes in Lanes::ALL.into_iter().filter(|lanes| lanes.is_here()) {
+    for lanes in Lanes::here() {
         for settings in [usual, Settings { tolerance: 0.0, newton_limit: 3, ..usual }] {
             let count = lanes.count();
             let mut group = GrandGroup::new(&vec![model.clone(); count], &vec![state.clone(); count], &settings, lanes);

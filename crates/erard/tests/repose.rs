@@ -49,7 +49,7 @@ fn a_mechanism_at_rest_takes_no_steps() {
 #[test]
 fn a_group_at_rest_takes_no_steps() {
     let (model, start) = grand();
-    for lanes in Lanes::ALL.into_iter().filter(|lanes| lanes.is_here()) {
+    for lanes in Lanes::here() {
         let count = lanes.count();
         let group =
             || GrandGroup::new(&vec![model.clone(); count], &vec![start.clone(); count], &Settings::new(50e-6), lanes);

@@ -77,11 +77,6 @@ fn threads(threads: usize) -> Workers {
     Workers { threads, ..Workers::all() }
 }
 
-/// Every kind of lanes that this processor has.
-fn kinds_of_lanes() -> impl Iterator<Item = Lanes> {
-    Lanes::ALL.into_iter().filter(|lanes| lanes.is_here())
-}
-
 fn played(results: Vec<JobResult>) -> Vec<Played> {
     results.into_iter().map(|result| result.expect("plays")).collect()
 }
@@ -93,7 +88,7 @@ fn a_study_gives_what_simulate_gives() {
     let (instruments, plan) = (instruments(), plan());
     let runs: Vec<Run> =
         plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
-    for lanes in kinds_of_lanes().filter(|lanes| !lanes.is_single()) {
+    for lanes in Lanes::here().filter(|lanes| !lanes.is_single()) {
         let apart = compare(lanes, &plan, &runs);
         assert!(apart.seconds < 1e-9 && apart.speed < 1e-7 && apart.rise_m < 1e-9, "{apart:?}");
     }
@@ -105,7 +100,7 @@ fn in_single_precision_the_same_to_its_rounding() {
     let (instruments, plan) = (instruments(), plan());
     let runs: Vec<Run> =
         plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
-    for lanes in kinds_of_lanes().filter(|lanes| lanes.is_single()) {
+    for lanes in Lanes::here().filter(|lanes| lanes.is_single()) {
         let apart = compare(lanes, &plan, &runs);
         assert!(apart.seconds < 1e-4 && apart.speed < 1e-3 && apart.rise_m < 1e-5, "{apart:?}");
     }
@@ -165,7 +160,7 @@ fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) -> Apart {
 fn the_same_bits_with_any_number_of_threads() {
     let plan = plan();
     assert!(plan.len() % 2 == 1, "the last groups are not full");
-    for lanes in kinds_of_lanes() {
+    for lanes in Lanes::here() {
         let alone = played(study(&plan, Workers { threads: 1, lanes }));
         for threads in [2, 3] {
             assert_eq!(played(study(&plan, Workers { threads, lanes })), alone, "{threads} threads, {lanes:?}");

@@ -115,11 +115,13 @@ impl<T: Real> Ease<T> {
         let (reach, x) = (timing.h_theta + timing.node, timing.theta * change);
         let square = timing.step * reach * x * x;
         let stiffness = reach * square;
-        let damping = square * (reach * self.speed + two * self.depth);
+        // The bend is largest where the change presses the felt deepest.
+        let (gained, rate) = (x * bending.lever * reach, x * bending.lever);
+        let depth = self.depth + gained;
+        let damping = square * (reach * self.speed + two * depth);
         // Half the distance and half the pace: a felt with r of up to 3 that is half as deep has at least half its pace.
-        let rate = two * x * bending.lever;
-        let sure = (reach * rate).lt(self.clear).and(rate.lt(self.pace));
-        (Terms { stiffness, stiffness_by_depth: stiffness * self.depth, damping }, sure)
+        let sure = (two * gained).lt(self.clear).and((two * rate).lt(self.pace));
+        (Terms { stiffness, stiffness_by_depth: stiffness * depth, damping }, sure)
     }
 }
 
@@ -211,5 +213,49 @@ mod tests {
             }
         }
         assert!(held > 2_000 && tight > 0.1, "{held} {tight}");
+    }
+
+    /// One felt on a lever as long as a row can have it, and at theta = 1 both Gauss points at one place: the bound has little to spare,
+    /// and must hold all the same.
+    #[test]
+    fn the_quick_bound_holds_where_the_lever_is_the_longest() {
+        let exponents = [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three];
+        let felts = exponents.map(|e| [(e, 0.0), (e, 2e3)]).concat();
+        for ((exponent, damping), theta) in felts.into_iter().flat_map(|felt| [(felt, 0.5), (felt, 1.0)]) {
+            let timing = Timing::new(50e-6, theta);
+            let reach = timing.h_theta + timing.node;
+            let zone = Zone {
+                disc_body: 0,
+                center: [0.1, 0.0],
+                radius: 0.01,
+                curve_body: GROUND,
+                curve: Curve::Line { point: [0.0, -0.009], normal: [0.0, 1.0] },
+                felt: Felt { stiffness: 3e6, exponent, damping },
+                friction: None,
+            };
+            let body = Body { parent: GROUND, pivot: [0.0, 0.0], mass: 1.0, ..Body::inert() };
+            let model = Model::<f64, 1, 1>::new(&[body], &[], &[zone], None, 0.0).unwrap();
+            let (pose, path, form) = (Pose::of(&model, &[0.0]), &model.paths[0], &model.forms[0]);
+            let (mut touch, mut ease) = (Touch::apart(), Ease::new());
+            let look = touch.evaluate::<1>(form, path, &pose, &[0.0], &timing, true, &mut ease);
+            touch.press(form, &timing, look.touched, &mut ease);
+            assert!((touch.row[0].abs() - path.lever(0)).abs() < 1e-15 && look.gap > 0.9e-3);
+            let mut tight = 0.0_f64;
+            // Up to half of what would leave the felt: farther the bound does not speak.
+            for share in [1e-4, 1e-2, 0.1, 0.4, 0.499] {
+                let change = -touch.row[0].signum() * share * look.gap / (timing.theta * reach * path.lever(0));
+                for change in [change, -change] {
+                    let (terms, sure) = ease.bound(&model.bending, &timing, change.abs());
+                    let after = touch.contact(form, path, &pose, &[change], &timing, true).force;
+                    let linear = touch.force + touch.tangent / timing.step * path.product(&touch.row, &[change]);
+                    let exact = timing.step * (after - linear).abs() * path.lever(0);
+                    let bound = terms.add_to(0.0, &model.bending, 0);
+                    let right = !sure || exact <= bound * (1.0 + 1e-9);
+                    assert!(right, "{exponent:?} {damping} {theta} {change}: {exact} {bound}");
+                    tight = tight.max(if sure { exact / bound } else { 0.0 });
+                }
+            }
+            assert!(tight > 0.3, "{exponent:?} {damping} {theta}: {tight}");
+        }
     }
 }

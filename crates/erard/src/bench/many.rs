@@ -124,7 +124,7 @@ impl LoadTimes {
 /// Times a load in all ways, in turn; `None` where `progress` ended the work.
 pub fn load_times(load: &Load, rounds: usize, progress: &mut dyn FnMut(f64) -> bool) -> Option<LoadTimes> {
     let most = Lanes::most();
-    let some = Lanes::ALL.into_iter().filter(|lanes| lanes.is_here() && (*lanes != Lanes::One || most == Lanes::One));
+    let some = Lanes::here().filter(|lanes| *lanes != Lanes::One || most == Lanes::One);
     let kinds: Vec<Lanes> = some.collect();
     // On one core one group says as much as all of them, and on a machine of many cores sooner.
     let mut subjects = vec![Timed {
