@@ -51,6 +51,7 @@ impl<T: Real, const B: usize> Pose<T, B> {
         let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
         let [first, further @ ..] = model.parents() else {
             (self.pivot_x, self.pivot_y) = (*root_x, *root_y);
+            (self.arm_x, self.arm_y) = ([T::ZERO; B], [T::ZERO; B]);
             return;
         };
         // The first of the parents is hinged on the ground.
