@@ -3,6 +3,7 @@
 mod common;
 
 use common::Folder;
+use erard::study::Lanes;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
@@ -78,11 +79,7 @@ fn single_precision_is_asked_for() {
     for (double, single) in doubles.iter().flatten().zip(singles.iter().flatten()) {
         assert!((single / double - 1.0).abs() < 2e-4, "{single} {double}");
     }
-    #[cfg(target_arch = "x86_64")]
-    let lanes = std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
-    #[cfg(not(target_arch = "x86_64"))]
-    let lanes = false;
-    assert_eq!(doubles != singles, lanes);
+    assert_eq!(doubles != singles, Lanes::most_single().is_single());
     let [doubles, singles] = both("strikes");
     assert_eq!(doubles, singles);
 }

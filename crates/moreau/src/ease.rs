@@ -115,8 +115,9 @@ impl<T: Real> Ease<T> {
         let (reach, x) = (timing.h_theta + timing.node, timing.theta * change);
         let square = timing.step * reach * x * x;
         let stiffness = reach * square;
+        let rate = x * bending.lever;
+        let gained = rate * reach;
         // The bend is largest where the change presses the felt deepest.
-        let (gained, rate) = (x * bending.lever * reach, x * bending.lever);
         let depth = self.depth + gained;
         let damping = square * (reach * self.speed + two * depth);
         // Half the distance and half the pace: a felt with r of up to 3 that is half as deep has at least half its pace.
