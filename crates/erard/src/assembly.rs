@@ -73,7 +73,7 @@ fn curve<T: Scalar>(curve: &instrument::Curve) -> Curve<T> {
         instrument::Curve::Line { point_m, normal } => Curve::Line { point: vector(point_m), normal: vector(normal) },
         instrument::Curve::Segment { from_m, to_m, rounding_m } => {
             let [x, y] = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
-            let length = x.hypot(y);
+            let length = libm::hypot(x, y);
             Curve::Segment {
                 from: vector(from_m),
                 direction: vector([x / length, y / length]),

@@ -46,7 +46,7 @@ impl<const B: usize, const Z: usize> Visible for Sight<'_, B, Z> {
             let row = self.pose.velocity_row(self.model, body, point, n);
             row.iter().zip(self.velocity).map(|(r, v)| r * v).sum::<f64>()
         };
-        along([1.0, 0.0]).hypot(along([0.0, 1.0]))
+        libm::hypot(along([1.0, 0.0]), along([0.0, 1.0]))
     }
 
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {

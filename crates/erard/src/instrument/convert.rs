@@ -246,7 +246,7 @@ fn read_curve(
             let from_m = reader.point_m(&segment.from_mm)?;
             let to_m = reader.point_m(&segment.to_mm)?;
             let rounding_mm = reader.scalar_or_zero(segment.rounding_mm.as_ref(), Limits::up_to(1e4, "mm"))?;
-            if (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1]) < 1e-9 {
+            if libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) < 1e-9 {
                 let expected = "another point than `from_mm` (for a disc use `other_disc`)";
                 return Err(Fault::at(segment.to_mm.value_span(), "a segment must have a length", expected));
             }

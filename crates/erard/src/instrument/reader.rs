@@ -87,7 +87,7 @@ impl<'a> Reader<'a> {
     /// A direction of any length but zero, as a unit vector.
     pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
         let [x, y] = self.pair(number, Limits::symmetric(1e6, ""))?;
-        let length = x.hypot(y);
+        let length = libm::hypot(x, y);
         if length < 1e-6 {
             return Err(Fault::at(number.value_span(), "a direction must have a length", "two numbers, not both 0"));
         }

@@ -69,6 +69,6 @@ impl Instrument {
 
 /// A direction turned counter-clockwise by an angle, rad.
 fn turned_by([x, y]: Vec2, angle: f64) -> Vec2 {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     [cos * x - sin * y, sin * x + cos * y]
 }

@@ -42,7 +42,7 @@ impl Curve {
                 let share = (key - a.key) as f64 / (b.key - a.key) as f64;
                 match self.between {
                     Between::Linear => a.value + share * (b.value - a.value),
-                    Between::Logarithmic => a.value * (b.value / a.value).powf(share),
+                    Between::Logarithmic => a.value * libm::pow(b.value / a.value, share),
                 }
             }
             (Some(p), None) | (None, Some(p)) => p.value,

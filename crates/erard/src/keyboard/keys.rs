@@ -202,7 +202,7 @@ impl Hammer {
     fn of(instrument: &Instrument) -> Option<Self> {
         let Roles { hammer, hammer_head_m: [x, y], string, .. } = instrument.roles;
         let (body, string) = (hammer?, string?);
-        instrument.bodies[body].parent.is_none().then_some(Hammer { body, arm_m: x.hypot(y), string })
+        instrument.bodies[body].parent.is_none().then_some(Hammer { body, arm_m: libm::hypot(x, y), string })
     }
 }
 

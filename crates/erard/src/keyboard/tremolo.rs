@@ -121,6 +121,6 @@ impl Finger {
 
 /// Force of the finger at a time after a stroke's start, N: up, held, and away.
 fn force_n(time_s: f64) -> f64 {
-    let ramp = |x: f64| 0.5 - 0.5 * (PI * x.clamp(0.0, 1.0)).cos();
+    let ramp = |x: f64| 0.5 - 0.5 * libm::cos(PI * x.clamp(0.0, 1.0));
     FORCE_N * ramp(time_s / RISE_S) * (1.0 - ramp((time_s - LIFT_S) / LIFTING_S))
 }

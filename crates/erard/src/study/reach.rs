@@ -18,10 +18,10 @@ pub(super) fn lever(instrument: &Instrument) -> Option<(usize, f64)> {
     let zone = &instrument.zones[instrument.roles.string?];
     let [x, y] = zone.disc_center_m;
     let (body, lever_m) = match (zone.disc_body, zone.curve_body) {
-        (Some(body), None) => (body, x.hypot(y)),
+        (Some(body), None) => (body, libm::hypot(x, y)),
         (None, Some(body)) => {
             let pivot = instrument.bodies[body].pivot_m;
-            (body, (x - pivot[0]).hypot(y - pivot[1]))
+            (body, libm::hypot(x - pivot[0], y - pivot[1]))
         }
         _ => return None,
     };
