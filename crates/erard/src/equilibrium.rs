@@ -3,6 +3,7 @@
 use moreau::{FrictionLaw, Input, ModelError, Outcome, Settings};
 use thiserror::Error;
 
+use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
@@ -21,10 +22,14 @@ const CREEP_RAD_PER_S: f64 = 1e-9;
 pub enum EquilibriumError {
     /// The mechanism keeps moving.
     #[error(
-        "the mechanism finds no rest within {LIMIT_S} s: after that time a body still turns at {speed:.1e} rad/s. Is a stop missing, or does a body hang in unstable balance?"
+        "{instrument}: the mechanism finds no rest within {LIMIT_S} s: after that time the body `{body}` still turns at {speed:.1e} rad/s. Is a stop missing, or does it hang in unstable balance?"
     )]
     NoRest {
-        /// Largest angular speed, rad/s.
+        /// The instrument's name.
+        instrument: String,
+        /// The fastest body.
+        body: String,
+        /// Its angular speed, rad/s.
         speed: f64,
     },
     /// A number overflowed.
@@ -35,6 +40,9 @@ pub enum EquilibriumError {
     /// Not assembled.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// How a mechanism is stepped toward its rest: with true dry friction, and with theta = 1, which damps what the felts leave and does
@@ -63,16 +71,29 @@ impl Settling {
     }
 }
 
+/// How often the caller is asked whether to go on, steps: well below a tenth of a second.
+const ASK_EVERY: u64 = 512;
+
 /// Lets a mechanism come to rest under a constant input, with true dry friction whatever its settings say; they are
-/// restored, and the velocities are zero, at the end. Returns the simulated time it took, s.
+/// restored, and the velocities are zero, at the end. `instrument` is what it was assembled from. `going` is asked now and then, and
+/// ends the search by returning false. Returns the simulated time it took, s.
 ///
 /// # Errors
 /// See [`EquilibriumError`].
-pub fn settle(mechanism: &mut dyn Mechanism, input: &Input<f64>) -> Result<f64, EquilibriumError> {
+pub fn settle(
+    mechanism: &mut dyn Mechanism,
+    instrument: &Instrument,
+    input: &Input<f64>,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<f64, EquilibriumError> {
     let own = *mechanism.settings();
     mechanism.set_settings(settings());
-    let (mut settling, mut energy) = (Settling::default(), 0.0_f64);
+    let (mut settling, mut energy, mut steps) = (Settling::default(), 0.0_f64, 0_u64);
     let result = loop {
+        if steps.is_multiple_of(ASK_EVERY) && !going() {
+            break Err(EquilibriumError::Interrupted);
+        }
+        steps += 1;
         if mechanism.step(input).outcome == Outcome::NonFinite {
             break Err(EquilibriumError::NonFinite);
         }
@@ -80,7 +101,13 @@ pub fn settle(mechanism: &mut dyn Mechanism, input: &Input<f64>) -> Result<f64, 
             break Ok(settling.time_s);
         }
         if settling.time_s > LIMIT_S {
-            break Err(EquilibriumError::NoRest { speed: settling.speed });
+            let fastest = mechanism.velocities().iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let body = fastest.and_then(|(body, _)| instrument.bodies.get(body));
+            break Err(EquilibriumError::NoRest {
+                instrument: instrument.name.clone(),
+                body: body.map_or_else(String::new, |body| body.name.clone()),
+                speed: settling.speed,
+            });
         }
         if settling.time_s > PATIENCE_S {
             // Kinetic damping (dynamic relaxation): at every peak of the kinetic energy, start again from standstill.

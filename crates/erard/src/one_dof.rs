@@ -59,7 +59,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     let key = full.roles.key.ok_or(OneDofError::NoKey)?;
     let settings = Settings::new(equilibrium::STEP_S);
     let mut rest = mechanism(full, settings).map_err(EquilibriumError::from)?;
-    equilibrium::settle(rest.as_mut(), &moreau::Input::Free)?;
+    equilibrium::settle(rest.as_mut(), full, &moreau::Input::Free, &mut || true)?;
 
     let rows: Vec<Vec<f64>> = full.roles.transmits.iter().map(|&z| rest.gap_row(z)).collect();
     let ratios = ratios(&rows, key, full.bodies.len()).ok_or_else(|| undetermined(full, &rows, key))?;

@@ -103,6 +103,16 @@ pub enum SimulationError {
     Interrupted,
 }
 
+impl SimulationError {
+    /// An interruption is one, wherever it is heard.
+    fn settling(error: EquilibriumError) -> Self {
+        match error {
+            EquilibriumError::Interrupted => SimulationError::Interrupted,
+            error => error.into(),
+        }
+    }
+}
+
 impl Setup {
     /// Checks the numbers, and says how many steps they make.
     ///
@@ -150,12 +160,15 @@ pub fn simulate(
         return Err(SimulationError::NoKey);
     }
     let mut m = mechanism(instrument, setup.settings)?;
-    equilibrium::settle(m.as_mut(), &Input::Free)?;
+    let settled = equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || progress(0.0));
+    settled.map_err(SimulationError::settling)?;
     let rest = Rest::of(instrument, m.as_ref());
     if let Drive::Motion(position) | Drive::Rigid(position) = drive {
         let at = position(setup.start_s)[0];
         if at > 0.0 {
-            equilibrium::settle(m.as_mut(), &Input::Motion { position: rest.site_m + at, velocity: 0.0 })?;
+            let input = Input::Motion { position: rest.site_m + at, velocity: 0.0 };
+            let settled = equilibrium::settle(m.as_mut(), instrument, &input, &mut || progress(0.0));
+            settled.map_err(SimulationError::settling)?;
         }
     }
     m.open_ledger();

@@ -88,7 +88,7 @@ fn add_mass(instrument: &mut Instrument, name: &str, mass_kg: f64, at: Vec2) {
 /// Absolute angle of the hammer at rest, rad.
 fn hammer_at_rest(instrument: &Instrument) -> f64 {
     let mut m = mechanism(instrument, Settings::new(equilibrium::STEP_S)).unwrap();
-    equilibrium::settle(m.as_mut(), &Input::Free).unwrap();
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || true).unwrap();
     m.angles()[body(instrument, "hammer")]
 }
 
@@ -370,7 +370,7 @@ fn let_off_distance(instrument: &Instrument) -> f64 {
     let press = slow_loop(instrument, 10e-3, &go).unwrap();
     let string = instrument.roles.string.unwrap();
     let mut m = mechanism(instrument, Settings::new(equilibrium::STEP_S)).unwrap();
-    equilibrium::settle(m.as_mut(), &Input::Free).unwrap();
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || true).unwrap();
     -m.gap(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
 

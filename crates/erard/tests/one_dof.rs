@@ -68,7 +68,7 @@ fn inertia_and_moment_from_first_principles() {
     let grand = grand();
     let one = reduce(&grand).unwrap();
     let mut rest = mechanism(&grand, Settings::new(USUAL_STEP_S)).unwrap();
-    equilibrium::settle(rest.as_mut(), &Input::Free).unwrap();
+    equilibrium::settle(rest.as_mut(), &grand, &Input::Free, &mut || true).unwrap();
     let r = &one.ratios;
     let along = |row: Vec<f64>| row.iter().zip(r).map(|(a, b)| a * b).sum::<f64>();
     let mut inertia = 0.0;

@@ -5,9 +5,13 @@
 mod common;
 
 use common::{Play, USUAL_STEP_S, body, grand, largest, regularised};
+use erard::equilibrium::{EquilibriumError, settle};
+use erard::instrument::Instrument;
+use erard::mechanism::mechanism;
 use erard::run::Run;
+use erard::simulation::{Drive, Setup, SimulationError, simulate};
 use erard::stroke::Touch;
-use moreau::{FrictionLaw, Settings};
+use moreau::{FrictionLaw, Input, Settings};
 
 /// Widths of the regularised law, rad/s: a tenth of the velocities of a soft blow, and a hundredth and a thousandth of that.
 const WIDTHS: [f64; 3] = [0.1, 0.01, 0.001];
@@ -140,4 +144,31 @@ fn the_caught_angle_is_of_second_order() {
         println!("  slopes {slopes:.2?}");
         assert!((order - expected).abs() < 0.15, "theta {theta}: {errors:?}");
     }
+}
+
+/// A wheel that a constant torque drives round, beside one that rests.
+const RESTLESS: &str = "format = \"erard-instrument/1\"\nname = \"A mill\"\ngravity_m_s2 = 9.81\n\
+    body = [{ name = \"post\", pivot_mm = [0, 0], mass_g = 1, inertia_kg_m2 = 1e-3, center_of_mass_mm = [0, 0] },\n\
+            { name = \"wheel\", pivot_mm = [9, 0], mass_g = 1, inertia_kg_m2 = 1e-3, center_of_mass_mm = [0, 0] }]\n\
+    spring = [{ name = \"water\", body = \"wheel\", torque_N_m = 1e-4, stiffness_N_m_per_rad = 0 }]\n";
+
+/// What finds no rest is named, with the body that goes on; and the search ends when it is asked to.
+#[test]
+fn a_search_for_a_rest_that_does_not_end_well() {
+    let mill = Instrument::parse(RESTLESS, "mill").unwrap();
+    let search = |going: &mut dyn FnMut() -> bool| {
+        let mut m = mechanism(&mill, Settings::new(USUAL_STEP_S)).unwrap();
+        settle(m.as_mut(), &mill, &Input::Free, going)
+    };
+    let (mut asked, error) = (0, search(&mut || true).unwrap_err().to_string());
+    assert!(error.starts_with("A mill: ") && error.contains("`wheel`") && !error.contains("post"), "{error}");
+    let error = search(&mut || {
+        asked += 1;
+        asked < 3
+    });
+    assert!(matches!(error, Err(EquilibriumError::Interrupted)) && asked == 3, "{error:?}");
+    let settings = Settings::new(USUAL_STEP_S);
+    let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None };
+    let free = simulate(&mill, &Drive::Free, &setup, &mut |_| false);
+    assert!(matches!(free, Err(SimulationError::Interrupted)), "{free:?}");
 }

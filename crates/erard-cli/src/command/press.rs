@@ -90,5 +90,9 @@ pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<R
         DriveName::Rigid => Drive::Rigid(&position),
     };
     let mut progress = Progress::new("simulating");
-    Ok(simulate(instrument, &drive, setup, &mut |share| progress.tell(share))?)
+    let mut tell = |share: f64| {
+        progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
+        progress.tell(share)
+    };
+    Ok(simulate(instrument, &drive, setup, &mut tell)?)
 }

@@ -120,7 +120,7 @@ impl Action {
     /// Lets the instrument come to rest.
     pub fn new(instrument: Instrument) -> Result<Self, Box<dyn std::error::Error>> {
         let mut settled = mechanism(&instrument, Settings::new(equilibrium::STEP_S))?;
-        equilibrium::settle(settled.as_mut(), &Input::Free)?;
+        equilibrium::settle(settled.as_mut(), &instrument, &Input::Free, &mut || true)?;
         let rest = settled.angles().to_vec();
         let stroke =
             Series::builtin("mf", Touch::Pressed).and_then(|s| s.force).ok_or("the mf stroke is not built in")?;

@@ -38,7 +38,7 @@ pub fn instrument() -> Instrument {
 /// Where it finds no rest.
 pub fn at_rest(instrument: &Instrument) -> Result<(GrandModel, GrandState), SimulationError> {
     let mut rest = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(rest.as_mut(), &Input::Free)?;
+    equilibrium::settle(rest.as_mut(), instrument, &Input::Free, &mut || true)?;
     let angles = core::array::from_fn(|i| rest.angles().get(i).copied().unwrap_or(0.0));
     Ok((assembly::assemble(instrument)?, State::at_rest(angles)))
 }

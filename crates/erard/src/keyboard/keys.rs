@@ -223,7 +223,7 @@ fn action<const B: usize, const Z: usize>(
     settings: Settings<f64>,
 ) -> Result<Action<B, Z>, EquilibriumError> {
     let mut rest = mechanism(instrument, settings)?;
-    equilibrium::settle(rest.as_mut(), &Input::Free)?;
+    equilibrium::settle(rest.as_mut(), instrument, &Input::Free, &mut || true)?;
     let angle = core::array::from_fn(|i| rest.angles().get(i).copied().unwrap_or(0.0));
     Ok(Action {
         model: assembly::assemble(instrument).map_err(EquilibriumError::from)?,

@@ -99,7 +99,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let parts = Parts::find(instrument, key, hammer)?;
 
     let mut mechanism = mechanism(instrument, Settings::new(equilibrium::STEP_S))?;
-    equilibrium::settle(mechanism.as_mut(), &Input::Free)?;
+    equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
     let rest = AtRest { instrument, mechanism };
     let capstan_zone = parts.capstan_zone(&rest)?;
 

@@ -64,7 +64,7 @@ pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Res
     let levers = derive(instrument)?.levers;
     let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;
     let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), &Input::Free)?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
     let rest_m = m.site_position();
     let (mut pedal_down_kg, mut dampers_down_kg) = (Vec::new(), Vec::new());
     let mut before_m = 0.0;
@@ -82,7 +82,7 @@ pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Res
     let half =
         poses.get(POINTS / 2).ok_or_else(|| MeasureError::NotAnAction("its levers stop before let-off".into()))?;
     let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), &Input::Free)?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
     carry_on(m.as_mut(), rest_m, [0.0, half.key])?;
     let rates = Rates::new(instrument, &parts, half);
     let share = |of: &dyn Fn(usize) -> bool| {

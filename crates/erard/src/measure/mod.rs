@@ -67,6 +67,7 @@ impl MeasureError {
         matches!(
             self,
             MeasureError::Simulation(SimulationError::Interrupted)
+                | MeasureError::Equilibrium(EquilibriumError::Interrupted)
                 | MeasureError::Distances(regulation::MeasureError::Interrupted)
         )
     }

@@ -87,7 +87,7 @@ fn held(
     going: Interrupt<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
     let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), &Input::Free)?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
     let rest_m = m.site_position();
     let mut watch = Watch::new(instrument);
     let mut finger = Finger::Presses(0.0);

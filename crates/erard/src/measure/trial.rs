@@ -95,10 +95,10 @@ fn moves(
     going: Interrupt<'_>,
 ) -> Result<bool, MeasureError> {
     let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), &Input::Free)?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
     let rest_m = m.site_position();
     if from_m > 0.0 {
-        hold_at(m.as_mut(), rest_m, from_m)?;
+        hold_at(m.as_mut(), instrument, rest_m, from_m)?;
     }
     let way = (to_m - from_m).signum();
     let (mut still_s, mut before_m, mut arrived) = (0.0, m.site_position(), false);
@@ -130,7 +130,7 @@ fn moves(
 }
 
 /// Brings the key slowly to `travel_m` and lets everything come to rest there.
-fn hold_at(m: &mut dyn Mechanism, rest_m: f64, travel_m: f64) -> Result<(), MeasureError> {
+fn hold_at(m: &mut dyn Mechanism, instrument: &Instrument, rest_m: f64, travel_m: f64) -> Result<(), MeasureError> {
     let steps = (APPROACH_S / STEP_S) as u64;
     for n in 0..steps {
         let s = (n as f64 + 0.5) / steps as f64;
@@ -138,7 +138,8 @@ fn hold_at(m: &mut dyn Mechanism, rest_m: f64, travel_m: f64) -> Result<(), Meas
         let velocity = travel_m * 6.0 * s * (1.0 - s) / APPROACH_S;
         step(m, &Input::Motion { position, velocity }, n as f64 * STEP_S)?;
     }
-    equilibrium::settle(m, &Input::Motion { position: rest_m + travel_m, velocity: 0.0 })?;
+    let input = Input::Motion { position: rest_m + travel_m, velocity: 0.0 };
+    equilibrium::settle(m, instrument, &input, &mut || true)?;
     Ok(())
 }
 

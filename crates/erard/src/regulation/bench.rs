@@ -51,7 +51,7 @@ impl<'i> Bench<'i> {
     /// The action at rest, nothing touching the key.
     pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, MeasureError> {
         let mut mechanism = mechanism(instrument, Settings::new(step_s))?;
-        equilibrium::settle(mechanism.as_mut(), &Input::Free)?;
+        equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
         let rest_m = mechanism.site_position();
         let view = View { key_m: 0.0, below_string_m: -mechanism.gap(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
         Ok(Bench {

@@ -134,10 +134,10 @@ fn alone<const B: usize, const Z: usize>(
     begins_at_m: f64,
 ) -> Result<State<f64, B, Z>, EquilibriumError> {
     let mut m = mechanism(instrument, settings)?;
-    equilibrium::settle(m.as_mut(), &Input::Free)?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || true)?;
     if begins_at_m > 0.0 {
         let position = m.site_position() + begins_at_m;
-        equilibrium::settle(m.as_mut(), &Input::Motion { position, velocity: 0.0 })?;
+        equilibrium::settle(m.as_mut(), instrument, &Input::Motion { position, velocity: 0.0 }, &mut || true)?;
     }
     let of = |values: &[f64]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
     let mut state = State::at_rest(of(m.angles()));

@@ -163,7 +163,7 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
     let mut m = mechanism(&instrument, settings).expect("a valid instrument assembles");
-    match equilibrium::settle(m.as_mut(), &Input::Free) {
+    match equilibrium::settle(m.as_mut(), &instrument, &Input::Free, &mut || true) {
         Ok(time) => fate.settling_s = time,
         Err(EquilibriumError::NoRest { .. }) => fate.restless = true,
         Err(_) => {
