@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use erard::compare::CompareError;
 use erard::instrument::FileError;
-use erard::kinematics::DeriveError;
-use erard::measure::MeasureError;
 use erard::one_dof::OneDofError;
-use erard::regulate::RegulateError;
-use erard::regulation::MeasureError as DistanceError;
-use erard::reproduce::ReproduceError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
+use erard_lab::compare::CompareError;
+use erard_lab::reproduce::ReproduceError;
+use erard_workshop::kinematics::DeriveError;
+use erard_workshop::measure::MeasureError;
+use erard_workshop::regulate::RegulateError;
+use erard_workshop::regulation::MeasureError as DistanceError;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 
 /// Why a command failed.

@@ -4,10 +4,11 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
-use erard::keyboard::{KEYS, WeighedKey};
+use erard::keyboard::KEYS;
+use erard_workshop::weighing::WeighedKey;
 
-use crate::figure::{self, Curve, Dash, Figure, Layout, PALETTE, Panel, Window};
 use crate::table::shortest;
+use erard_figures::figure::{self, Curve, Dash, Figure, Layout, PALETTE, Panel, Window};
 
 /// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
 /// weighed stand in the text.

@@ -7,18 +7,14 @@
 
 pub mod cli_reference;
 pub mod command;
-pub mod drawing;
 pub mod failure;
-pub mod figure;
 pub mod keyboard;
 pub mod kinematics;
 pub mod measure;
 pub mod output;
-pub mod page;
 pub mod progress;
 pub mod regulation;
 pub mod report;
 pub mod study;
 pub mod summary;
-pub mod svg;
 pub mod table;

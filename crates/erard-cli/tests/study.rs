@@ -3,7 +3,7 @@
 mod common;
 
 use common::Folder;
-use erard::study::Lanes;
+use erard_workshop::study::Lanes;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 

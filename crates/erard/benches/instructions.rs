@@ -10,10 +10,10 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use batch::Lanes;
-use erard::bench::callgrind::{CountError, instructions, is_available};
-use erard::bench::{Load, STEP_S, STEPS, WIDEST, grand, press};
+use erard_lab::bench::callgrind::{CountError, instructions, is_available};
+use erard_lab::bench::{Load, STEP_S, STEPS, WIDEST, grand, press};
 use moreau::Settings;
+use moreau_lanes::Lanes;
 
 /// What is counted: its name on the command line, the option that bounds it, how often it is done for every step, and what does so many
 /// steps.

@@ -6,10 +6,10 @@
 //! worth it: beside the times stands how many of four are awake where one is. Below 4/3 even lanes that are three times as fast gain
 //! nothing.
 
-use erard::bench::latency::clock_ns;
-use erard::bench::{Effort, STEP_S, Ticks, keyboard};
 use erard::keyboard::KEYS;
 use erard::keyboard::tremolo::TEN;
+use erard_lab::bench::latency::clock_ns;
+use erard_lab::bench::{Effort, STEP_S, Ticks, keyboard};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();

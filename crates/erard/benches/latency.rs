@@ -5,9 +5,9 @@
 //! steps by the clock are those that the operating system interrupts; the slowest by work (Newton iterations, active sets) is printed
 //! beside, because it repeats.
 
-use batch::Lanes;
-use erard::bench::Effort;
-use erard::bench::latency::{Latency, clock_ns, of_group_steps, of_steps};
+use erard_lab::bench::Effort;
+use erard_lab::bench::latency::{Latency, clock_ns, of_group_steps, of_steps};
+use moreau_lanes::Lanes;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();

@@ -23,7 +23,7 @@ const RIGID_CORRECTION_S: f64 = 50e-6;
 type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
 
 /// A run under way.
-pub(crate) struct Course<'a> {
+pub struct Course<'a> {
     drive: &'a Drive<'a>,
     setup: &'a Setup,
     /// Steps of the setup's length, and every how many a row is kept.
@@ -219,7 +219,7 @@ impl ControlWork {
 
 /// What travels are measured from.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rest {
+pub struct Rest {
     pub site_m: f64,
     pub head_m: f64,
 }

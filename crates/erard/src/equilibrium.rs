@@ -9,7 +9,7 @@ use crate::mechanism::Mechanism;
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
 pub const STEP_S: f64 = 50e-6;
 /// A mechanism that has not come to rest by itself after this time is slowed down by force.
-pub(crate) const PATIENCE_S: f64 = 2.0;
+pub const PATIENCE_S: f64 = 2.0;
 /// Largest settling time in all.
 const LIMIT_S: f64 = 20.0;
 /// Rest has to last this long.
@@ -47,13 +47,13 @@ pub enum EquilibriumError {
 
 /// How a mechanism is stepped toward its rest: with true dry friction, and with theta = 1, which damps what the felts leave and does
 /// not move the rest position.
-pub(crate) fn settings() -> Settings<f64> {
+pub fn settings() -> Settings<f64> {
     Settings { theta: 1.0, friction: FrictionLaw::SetValued, ..Settings::new(STEP_S) }
 }
 
 /// Watches a mechanism come to rest.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Settling {
+pub struct Settling {
     /// Simulated time so far, s.
     pub time_s: f64,
     quiet_s: f64,

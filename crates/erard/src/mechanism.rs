@@ -275,7 +275,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
 /// The sizes that the engine is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Size {
+pub enum Size {
     /// One body: the one-degree-of-freedom model.
     One,
     /// A grand action.
@@ -298,7 +298,7 @@ pub(crate) use with_size;
 
 impl Size {
     /// The smallest that holds an instrument.
-    pub(crate) fn of(instrument: &Instrument, settings: &Settings<f64>) -> Self {
+    pub fn of(instrument: &Instrument, settings: &Settings<f64>) -> Self {
         let (bodies, zones) = (instrument.bodies.len(), instrument.zones.len());
         let pivots = instrument.bodies.iter().filter(|b| b.friction_torque_n_m > 0.0).count();
         let sliding = instrument.zones.iter().filter(|z| z.friction_coefficient > 0.0).count();

@@ -17,13 +17,15 @@ pub trait Visible {
 }
 
 /// Height of the hammer's strike point, m; zero where there is no hammer.
-pub(crate) fn head_height(instrument: &Instrument, seen: &dyn Visible) -> f64 {
+pub fn head_height(instrument: &Instrument, seen: &dyn Visible) -> f64 {
     instrument.roles.hammer.map_or(0.0, |h| seen.point(Some(h), instrument.roles.hammer_head_m)[1])
 }
 
 /// A model in one pose, moving.
-pub(crate) struct Sight<'a, const B: usize, const Z: usize> {
+pub struct Sight<'a, const B: usize, const Z: usize> {
+    /// What it is.
     pub model: &'a Model<f64, B, Z>,
+    /// Where its bodies are.
     pub pose: &'a Pose<f64, B>,
     /// Absolute angular velocities, rad/s.
     pub velocity: &'a [f64; B],

@@ -2,11 +2,11 @@
 //!
 //! The counting allocator belongs to this test's process only (`allocation-counter`).
 
-use batch::Lanes;
-use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
+use erard_lab::bench::{GrandGroup, grand};
 use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
+use moreau_lanes::Lanes;
 
 /// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step occurs.
 fn input(n: u64) -> Input<f64> {

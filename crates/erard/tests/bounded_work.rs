@@ -1,10 +1,10 @@
 //! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
 
-use batch::Lanes;
-use erard::bench::{GrandGroup, grand};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
+use erard_lab::bench::{GrandGroup, grand};
 use moreau::{Input, Outcome, Settings};
+use moreau_lanes::Lanes;
 
 /// With no tolerance at all, an iteration is accepted only when it changes nothing: steps that move run into the bound. Two seconds of blows of 40 N and
 /// releases, with one, two and five iterations allowed.

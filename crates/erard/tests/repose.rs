@@ -1,8 +1,8 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use batch::Lanes;
-use erard::bench::{GrandGroup, GrandScratch, grand};
+use erard_lab::bench::{GrandGroup, GrandScratch, grand};
 use moreau::{Input, Outcome, Repose, Settings, step};
+use moreau_lanes::Lanes;
 
 /// Struck, held in check, held harder, let go: each for a while.
 fn input(n: usize) -> Input<f64> {

@@ -10,13 +10,13 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use erard::bench::callgrind::{CountError, instructions, is_available};
-use erard::bench::{STEP_S, instrument};
-use erard::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
 use erard::simulation::Setup;
-use erard::study::{Job, Lanes, Stroke, Workers, play_all};
-use erard_cli::figure::png_from_svg;
 use erard_cli::report::chart_svg;
+use erard_figures::figure::png_from_svg;
+use erard_lab::bench::callgrind::{CountError, instructions, is_available};
+use erard_lab::bench::{STEP_S, instrument};
+use erard_lab::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_workshop::study::{Job, Lanes, Stroke, Workers, play_all};
 use levers::{BODIES, BODIES_AND_STOPS, Size, Stops, Tree, ZONES};
 use moreau::Settings;
 

@@ -1,8 +1,8 @@
 //! `erard bench`.
 
 use clap::Args;
-use erard::bench::{Effort, Report, measure};
 use erard::simulation::SimulationError;
+use erard_lab::bench::{Effort, Report, measure};
 
 use crate::failure::Failure;
 use crate::progress::Progress;

@@ -5,17 +5,17 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use erard::compare::{Comparison, DRIVES, Driven, Errors, Trial, Which, compare};
 use erard::simulation::Setup;
 use erard::stroke::Series;
+use erard_lab::compare::{Comparison, DRIVES, Driven, Errors, Trial, Which, compare};
 use serde::Serialize;
 
 use super::options::{StepOptions, check, load_instrument};
 use crate::failure::Failure;
-use crate::figure::{Curve, Dash, Figure, Layout, PALETTE, Panel, Window, figure_svg, png_from_svg};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
+use erard_figures::figure::{Curve, Dash, Figure, Layout, PALETTE, Panel, Window, figure_svg, png_from_svg};
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
 #[derive(Debug, Args)]

@@ -9,11 +9,11 @@ use moreau::Settings;
 
 use super::options::{InstrumentOption, StrokeOptions};
 use super::press::play;
-use crate::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
 use crate::failure::Failure;
-use crate::figure::png_from_svg;
 use crate::output::Output;
 use crate::say;
+use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
+use erard_figures::figure::png_from_svg;
 
 /// Draws the action in one pose, as SVG and PNG.
 #[derive(Debug, Args)]

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::keyboard::{KEYS, weigh};
+use erard::keyboard::KEYS;
+use erard_workshop::weighing::weigh;
 
 use super::options::{KeyboardKey, load_keyboard};
 use crate::failure::Failure;
-use crate::figure::png_from_svg;
 use crate::keyboard::{figure_svg, text, write_csv};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
+use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\

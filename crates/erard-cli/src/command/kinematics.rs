@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::kinematics::{Agreement, Derived, Design, LinkageFile, SlowPress, derive, slow_press};
-use linkage::three_lever::{Drive, Levers, Move, Regulation};
-use linkage::{Linkage, latex_align};
+use erard_workshop::kinematics::{Agreement, Derived, Design, LinkageFile, SlowPress, derive, slow_press};
+use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation};
+use moreau_linkage::{Linkage, latex_align};
 
 use super::options::load_instrument;
 use crate::failure::Failure;
-use crate::figure::png_from_svg;
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::summary::Summary;
 use crate::kinematics::{Shown, figures, table};
 use crate::output::Output;
 use crate::say;
+use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\

@@ -4,19 +4,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::measure::{Sheet, measure};
 use erard::simulation::{Drive, Setup, simulate};
+use erard_workshop::measure::{Sheet, measure};
 use moreau::Settings;
 
 use super::options::load_instrument;
-use crate::drawing::{PoseOptions, angles_at, pose_svg};
 use crate::failure::Failure;
-use crate::figure::png_from_svg;
 use crate::measure::figures::{Drawn, figures};
 use crate::measure::{Measured, page, table};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
+use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
+use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\

@@ -9,13 +9,13 @@ use erard::simulation::{Drive, Setup, simulate};
 
 use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use crate::failure::Failure;
-use crate::figure::{png_from_svg, run_svg};
 use crate::output::Output;
-use crate::page::page_html;
 use crate::progress::Progress;
 use crate::say;
 use crate::summary::Summary;
 use crate::table;
+use erard_figures::figure::{png_from_svg, run_svg};
+use erard_figures::page::page_html;
 
 /// Simulates one key press and shows what happened.
 #[derive(Debug, Args)]

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use erard::regulate::{Goal, Regulated, Specification, Status, regulate};
-use erard::regulation::Protocol;
+use erard_workshop::regulate::{Goal, Regulated, Specification, Status, regulate};
+use erard_workshop::regulation::Protocol;
 
 use super::options::{instrument_path, load_instrument_and_text};
 use crate::failure::Failure;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use erard::reproduce::{Subject, subjects};
+use erard_lab::reproduce::{Subject, subjects};
 
 use super::options::load_instrument;
 use crate::failure::Failure;

@@ -5,17 +5,17 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::simulation::Setup;
-use erard::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
+use erard_workshop::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
 
 use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use crate::failure::Failure;
-use crate::figure::png_from_svg;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::report::chart_svg;
 use crate::say;
 use crate::study::{Axis, Row, Target, chart, columns, lines};
 use crate::table;
+use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -168,7 +168,7 @@ fn play_portion(
     setup: &Setup,
     workers: Workers,
     progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Vec<Result<erard::study::Played, String>>, Failure> {
+) -> Result<Vec<Result<erard_workshop::study::Played, String>>, Failure> {
     // Outlines are for drawings.
     let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
     let mut instruments: Vec<Instrument> = Vec::new();

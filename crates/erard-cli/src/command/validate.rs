@@ -4,16 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use erard::validate::{Blow, Published, Row, Validation, Verdict, validate};
+use erard_lab::validate::{Blow, Published, Row, Validation, Verdict, validate};
 use serde::Serialize;
 
 use super::options::load_instrument;
 use crate::failure::Failure;
-use crate::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, png_from_svg};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
 use crate::table::three;
+use erard_figures::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, png_from_svg};
 
 /// What stands below the options.
 const AFTER: &str = "\

@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
-use erard::kinematics::{Agreement, Design, SlowPress};
-use linkage::three_lever::StrokePose;
+use erard_workshop::kinematics::{Agreement, Design, SlowPress};
+use moreau_linkage::three_lever::StrokePose;
 
 use super::Shown;
-use crate::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, padded_range};
+use erard_figures::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, padded_range};
 
 /// Width of a figure, px: a page's text is as wide.
 const WIDTH_PX: f64 = 860.0;

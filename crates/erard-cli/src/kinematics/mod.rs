@@ -5,8 +5,8 @@ pub mod moves;
 pub mod summary;
 pub mod table;
 
-use erard::kinematics::{Case, Digest};
-use linkage::three_lever::{Stroke, StrokePose};
+use erard_workshop::kinematics::{Case, Digest};
+use moreau_linkage::three_lever::{Stroke, StrokePose};
 
 /// One case as it was asked for: the design as it is, or with parts moved.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! `--move capstan=-10mm`: what is moved, and by how much.
 
-use linkage::three_lever::Move;
+use moreau_linkage::three_lever::Move;
 
 /// Name of the case in which nothing is moved.
 pub const UNMOVED: &str = "unmoved";

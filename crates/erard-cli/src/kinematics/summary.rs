@@ -3,8 +3,8 @@
 use std::fmt;
 use std::io::Write;
 
-use erard::kinematics::{Agreement, Derived, Design, Spot};
-use linkage::three_lever::LeverArms;
+use erard_workshop::kinematics::{Agreement, Derived, Design, Spot};
+use moreau_linkage::three_lever::LeverArms;
 use serde::Serialize;
 
 use super::Shown;

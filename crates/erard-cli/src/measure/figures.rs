@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
-use erard::measure::TimingRow;
-use erard::measure::range::MIDI_MAP;
+use erard_workshop::measure::TimingRow;
+use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
-use crate::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg};
+use erard_figures::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg};
 
 /// Width of a figure, px: a page's text is as wide.
 const WIDTH_PX: f64 = 860.0;
@@ -197,7 +197,7 @@ fn inertia(measured: &[Measured]) -> String {
 fn range(measured: &[Measured]) -> String {
     let forces: Vec<Vec<f64>> =
         measured.iter().map(|one| one.sheet.dynamic_range.iter().map(|l| l.force_n).collect()).collect();
-    let curves = |value: &dyn Fn(&erard::measure::range::Loudness) -> Option<f64>| -> Vec<Curve<'_>> {
+    let curves = |value: &dyn Fn(&erard_workshop::measure::range::Loudness) -> Option<f64>| -> Vec<Curve<'_>> {
         let each = measured.iter().zip(&forces).enumerate();
         each.map(|(index, (one, x))| {
             let y = one.sheet.dynamic_range.iter().map(|l| value(l).unwrap_or(f64::NAN)).collect();

@@ -5,7 +5,7 @@ pub mod page;
 pub mod table;
 
 use erard::instrument::Instrument;
-use erard::measure::Sheet;
+use erard_workshop::measure::Sheet;
 
 /// One action that was measured.
 #[derive(Debug, Clone)]

@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
-use erard::measure::TimingRow;
-use erard::measure::norms::{GROUPS, Line};
-use erard::measure::range::MIDI_MAP;
+use erard_workshop::measure::TimingRow;
+use erard_workshop::measure::norms::{GROUPS, Line};
+use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
 use super::figures::Drawn;
-use crate::page::base64::encode;
-use crate::svg::escape;
+use erard_figures::page::base64::encode;
+use erard_figures::svg::escape;
 
 const STYLE: &str = include_str!("page.css");
 

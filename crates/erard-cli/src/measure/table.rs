@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use erard::measure::Sheet;
-use erard::measure::norms::{GROUPS, Line};
+use erard_workshop::measure::Sheet;
+use erard_workshop::measure::norms::{GROUPS, Line};
 
 use super::Measured;
 

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use erard::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_lab::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
 
-use crate::drawing::FONTS;
-use crate::figure::{PALETTE, decimate, padded_range};
-use crate::svg::{escape, number};
+use erard_figures::drawing::FONTS;
+use erard_figures::figure::{PALETTE, decimate, padded_range};
+use erard_figures::svg::{escape, number};
 
 /// Sizes, px: as wide as a page's text.
 const WIDTH: f64 = 860.0;
@@ -48,9 +48,9 @@ impl Axis {
     /// Numbers along the axis, as places and labels.
     fn ticks(&self, most: usize) -> Vec<(f64, String)> {
         if !self.log {
-            let marks = crate::figure::round_ticks((self.low, self.high), most);
+            let marks = erard_figures::figure::round_ticks((self.low, self.high), most);
             let step = if marks.len() > 1 { marks[1] - marks[0] } else { 1.0 };
-            return marks.into_iter().map(|t| (self.share(t), crate::figure::round_label(t, step))).collect();
+            return marks.into_iter().map(|t| (self.share(t), erard_figures::figure::round_label(t, step))).collect();
         }
         let decades = (self.high - self.low).ceil().max(1.0);
         let mut ticks = Vec::new();
@@ -286,7 +286,7 @@ mod tests {
                 let svg = chart_svg(&chart(x_log, y_log, y.clone()), "c");
                 assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("<a>"), "{svg}");
                 assert_eq!(svg, chart_svg(&chart(x_log, y_log, y.clone()), "c"));
-                crate::figure::png_from_svg(&svg, 0.5).unwrap();
+                erard_figures::figure::png_from_svg(&svg, 0.5).unwrap();
             }
         }
     }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use erard::reproduce::{Section, Subject, Table};
+use erard_lab::reproduce::{Section, Subject, Table};
 
 use super::chart_svg;
-use crate::svg::escape;
+use erard_figures::svg::escape;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -154,7 +154,7 @@ fn is_number(cell: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use erard::reproduce::{Claim, subjects};
+    use erard_lab::reproduce::{Claim, subjects};
 
     fn reproduced() -> Vec<Reproduced> {
         let section = Section {

@@ -1,7 +1,7 @@
 //! The rows of a study: printed, and as columns of a file.
 
 use erard::run::Events;
-use erard::study::Played;
+use erard_workshop::study::Played;
 
 use super::Axis;
 use crate::table::three;

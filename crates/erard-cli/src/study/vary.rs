@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::stroke::MAX_FORCE_N;
-use erard::study::Parameter;
+use erard_workshop::study::Parameter;
 
 use crate::regulation::screw_unit;
 

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use batch::{Group, Lanes};
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
@@ -10,6 +9,7 @@ use erard::{assembly, equilibrium};
 use moreau::{
     Accuracy, Controller, Halves, Input, Model, Outcome, Repose, Scratch, Settings, State, controlled_step, step,
 };
+use moreau_lanes::{Group, Lanes};
 
 /// The stroke whose hammer speed is compared is the built-in mf, pressed, its force times each of these: a single blow may be met by
 /// luck, a row of them is not.

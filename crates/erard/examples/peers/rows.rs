@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use batch::Lanes;
+use moreau_lanes::Lanes;
 use serde_json::{Value, json};
 
 use super::play::{Action, BLOW_S, HOLD_N, HOLD_S, SCALES, Steps};

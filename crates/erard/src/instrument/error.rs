@@ -52,7 +52,7 @@ impl std::fmt::Display for FileError {
 
 /// A fault that knows its place in the text only as a span; [`FileError`] is this plus file, line and key.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Fault {
+pub struct Fault {
     /// Bytes of the text.
     pub span: Range<usize>,
     /// What is wrong.
@@ -67,12 +67,12 @@ pub(crate) struct Fault {
 
 impl Fault {
     /// A fault whose found text is what stands under the span.
-    pub(crate) fn at(span: Range<usize>, message: impl Into<String>, expected: impl Into<String>) -> Self {
+    pub fn at(span: Range<usize>, message: impl Into<String>, expected: impl Into<String>) -> Self {
         Self { span, message: message.into(), found: None, expected: expected.into(), child_key: None }
     }
 
     /// A key that must stand in the table at `span` and does not.
-    pub(crate) fn missing(span: Range<usize>, key: &str, expected: impl Into<String>) -> Self {
+    pub fn missing(span: Range<usize>, key: &str, expected: impl Into<String>) -> Self {
         Self {
             span,
             message: format!("the key `{key}` is missing"),
@@ -83,13 +83,13 @@ impl Fault {
     }
 
     /// The same fault in other words.
-    pub(crate) fn message(mut self, message: impl Into<String>) -> Self {
+    pub fn message(mut self, message: impl Into<String>) -> Self {
         self.message = message.into();
         self
     }
 
     /// The same fault with another description of what was found; an empty one leaves it out.
-    pub(crate) fn found(mut self, found: impl Into<String>) -> Self {
+    pub fn found(mut self, found: impl Into<String>) -> Self {
         self.found = Some(found.into());
         self
     }

@@ -119,7 +119,7 @@ impl Instrument {
 }
 
 /// Refuses text that is too long or empty; `expected` is what it should hold.
-pub(crate) fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box<FileError>> {
+pub fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box<FileError>> {
     if text.len() > MAX_FILE_BYTES {
         return Err(whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), ""));
     }
@@ -130,7 +130,7 @@ pub(crate) fn check_size(text: &str, file_name: &str, expected: &str) -> Result<
 }
 
 /// The bytes of a file as text.
-pub(crate) fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileError>> {
+pub fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileError>> {
     std::str::from_utf8(bytes).map_err(|error| {
         if bytes.len() > MAX_FILE_BYTES {
             return whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), "");
@@ -145,7 +145,7 @@ pub(crate) fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<
 }
 
 /// A file's name as errors show it, and its bytes: not more of them than tell that it is too large.
-pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
+pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
     let name = path.display().to_string();
     let mut bytes = Vec::new();
     std::fs::File::open(path)
@@ -156,7 +156,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError
 }
 
 /// An error about a file as a whole.
-pub(crate) fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<FileError> {
+pub fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<FileError> {
     Box::new(FileError {
         file: file.to_owned(),
         line: 0,

@@ -8,19 +8,28 @@
 //! `provenance` keeps where every number comes from, `screws` turns the regulating screws, `rewrite` puts their settings
 //! back into the file, and `edit` is how numbers in its text are changed.
 
+// Hidden modules are the reader that all kinds of files share; the linkage files of `erard-workshop` are read by it, too. They promise
+// nothing to others.
 mod convert;
 pub(crate) mod edit;
-pub(crate) mod error;
-pub(crate) mod file;
+#[doc(hidden)]
+pub mod error;
+#[doc(hidden)]
+pub mod file;
 mod format;
-pub(crate) mod locate;
+#[doc(hidden)]
+pub mod locate;
 pub(crate) mod provenance;
-pub(crate) mod quantity;
-pub(crate) mod reader;
+#[doc(hidden)]
+pub mod quantity;
+#[doc(hidden)]
+pub mod reader;
 mod rewrite;
-pub(crate) mod schema;
+#[doc(hidden)]
+pub mod schema;
 mod screws;
-pub(crate) mod serde_fault;
+#[doc(hidden)]
+pub mod serde_fault;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES};

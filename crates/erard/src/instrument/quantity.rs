@@ -13,11 +13,11 @@ use super::provenance::Certainty;
 
 /// A value that remembers where in the text it stood; invisible in the schema.
 #[derive(Debug, Clone)]
-pub(crate) struct At<T>(toml::Spanned<T>);
+pub struct At<T>(toml::Spanned<T>);
 
 impl<T> At<T> {
     /// Bytes of the text.
-    pub(crate) fn span(&self) -> Range<usize> {
+    pub fn span(&self) -> Range<usize> {
         self.0.span()
     }
 }
@@ -51,7 +51,7 @@ impl<T: JsonSchema> JsonSchema for At<T> {
 }
 
 /// What can be bare or cited: a number of some range, or a pair of them.
-pub(crate) trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
+pub trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
     /// What an error says should stand there.
     const EXPECTED: &'static str;
     /// The numbers.
@@ -63,7 +63,7 @@ macro_rules! scalar_kind {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, serde::Deserialize)]
         #[serde(transparent)]
-        pub(crate) struct $name(pub f64);
+        pub struct $name(pub f64);
 
         impl Kind for $name {
             const EXPECTED: &'static str = $expected;
@@ -101,7 +101,7 @@ scalar_kind!(
 
 /// A point or direction, `[x, y]`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pair(pub [f64; 2]);
+pub struct Pair(pub [f64; 2]);
 
 impl Kind for Pair {
     const EXPECTED: &'static str = "two numbers [x, y]";
@@ -150,7 +150,7 @@ impl JsonSchema for Pair {
 #[derive(Debug, Clone, serde::Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(bound = "T: JsonSchema")]
-pub(crate) struct Cited<T> {
+pub struct Cited<T> {
     /// The number, in the unit that ends the key's name.
     pub value: At<T>,
     /// Where it comes from: a name in `[sources]`.
@@ -171,17 +171,17 @@ scalar_kind!(
 
 /// A number, bare or cited.
 #[derive(Debug, Clone)]
-pub(crate) enum Quantity<T> {
+pub enum Quantity<T> {
     Bare(T),
     Cited(Box<Cited<T>>),
 }
 
 /// A number of the file: bare or cited, with its place in the text.
-pub(crate) type Num<T> = At<Quantity<T>>;
+pub type Num<T> = At<Quantity<T>>;
 
 impl<T> At<Quantity<T>> {
     /// The number itself.
-    pub(crate) fn kind(&self) -> &T {
+    pub fn kind(&self) -> &T {
         match &**self {
             Quantity::Bare(value) => value,
             Quantity::Cited(cited) => &cited.value,
@@ -189,7 +189,7 @@ impl<T> At<Quantity<T>> {
     }
 
     /// Where the number itself stands, without its citation.
-    pub(crate) fn value_span(&self) -> Range<usize> {
+    pub fn value_span(&self) -> Range<usize> {
         match &**self {
             Quantity::Bare(_) => self.span(),
             Quantity::Cited(cited) => cited.value.span(),

@@ -9,16 +9,16 @@ use super::quantity::{At, Kind, Num, Quantity};
 use super::{Instrument, Vec2};
 
 /// Millimetres in a metre. Dividing by it rounds correctly: 142.23 mm is the same bits as 0.14223 m.
-pub(crate) const MM_PER_M: f64 = 1000.0;
+pub const MM_PER_M: f64 = 1000.0;
 /// Grams in a kilogram.
-pub(crate) const G_PER_KG: f64 = 1000.0;
+pub const G_PER_KG: f64 = 1000.0;
 
 /// Longest length of a name: it becomes a column title.
 const LONGEST_NAME: usize = 40;
 
 /// The range outside which a number is a slip of the pen rather than an instrument. Wide: an anvil and a watch fit in.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Limits {
+pub struct Limits {
     /// Smallest value.
     pub least: f64,
     /// Largest value.
@@ -29,63 +29,63 @@ pub(crate) struct Limits {
 
 impl Limits {
     /// From minus `most` to `most`.
-    pub(crate) const fn symmetric(most: f64, unit: &'static str) -> Self {
+    pub const fn symmetric(most: f64, unit: &'static str) -> Self {
         Self { least: -most, most, unit }
     }
     /// From 0 to `most`.
-    pub(crate) const fn up_to(most: f64, unit: &'static str) -> Self {
+    pub const fn up_to(most: f64, unit: &'static str) -> Self {
         Self { least: 0.0, most, unit }
     }
     /// From `least` (above 0) to `most`.
-    pub(crate) const fn between(least: f64, most: f64, unit: &'static str) -> Self {
+    pub const fn between(least: f64, most: f64, unit: &'static str) -> Self {
         Self { least, most, unit }
     }
 }
 
 /// A number on its way into the provenance; its key is found later, from its span.
-pub(crate) struct ReadNumber {
+pub struct ReadNumber {
     pub span: Range<usize>,
     pub values: Vec<f64>,
     pub citation: Option<Citation>,
 }
 
 /// Reads values and keeps a record of the numbers.
-pub(crate) struct Reader<'a> {
+pub struct Reader<'a> {
     sources: &'a BTreeMap<String, Source>,
     /// All numbers read so far.
     pub numbers: Vec<ReadNumber>,
 }
 
 impl<'a> Reader<'a> {
-    pub(crate) fn new(sources: &'a BTreeMap<String, Source>) -> Self {
+    pub fn new(sources: &'a BTreeMap<String, Source>) -> Self {
         Self { sources, numbers: Vec::new() }
     }
 
     /// A scalar within `limits`, in the file's unit.
-    pub(crate) fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<f64, Fault> {
+    pub fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<f64, Fault> {
         self.checked(number, limits)?;
         Ok(number.kind().numbers()[0])
     }
 
     /// A scalar that may be absent, then 0.
-    pub(crate) fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
+    pub fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
         number.map_or(Ok(0.0), |number| self.scalar(number, limits))
     }
 
     /// A pair within `limits`, in the file's unit.
-    pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
+    pub fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
         self.checked(number, limits)?;
         let numbers = number.kind().numbers();
         Ok([numbers[0], numbers[1]])
     }
 
     /// A point given in millimetres, in metres.
-    pub(crate) fn point_m<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
+    pub fn point_m<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
         Ok(self.pair(number, LENGTH_MM)?.map(|mm| mm / MM_PER_M))
     }
 
     /// A direction of any length but zero, as a unit vector.
-    pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
+    pub fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
         let [x, y] = self.pair(number, Limits::symmetric(1e6, ""))?;
         let length = libm::hypot(x, y);
         if length < 1e-6 {
@@ -151,7 +151,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A corner of an outline, in metres.
-    pub(crate) fn corner_m(&self, corner_mm: Vec2, span: Range<usize>) -> Result<Vec2, Fault> {
+    pub fn corner_m(&self, corner_mm: Vec2, span: Range<usize>) -> Result<Vec2, Fault> {
         for value in corner_mm {
             self.check_value(value, span.clone(), "numbers [x, y]", LENGTH_MM)?;
         }
@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A citation whose source exists.
-    pub(crate) fn citation(
+    pub fn citation(
         &self,
         source: &At<String>,
         certainty: Certainty,
@@ -175,14 +175,10 @@ impl<'a> Reader<'a> {
 }
 
 /// Lengths and coordinates: ten metres is a room, not an action.
-pub(crate) const LENGTH_MM: Limits = Limits::symmetric(1e4, "mm");
+pub const LENGTH_MM: Limits = Limits::symmetric(1e4, "mm");
 
 /// A new name for a body, spring, zone or screw: fit for a column title and not taken.
-pub(crate) fn new_name<'n>(
-    name: &At<String>,
-    what: &str,
-    taken: impl IntoIterator<Item = &'n str>,
-) -> Result<String, Fault> {
+pub fn new_name<'n>(name: &At<String>, what: &str, taken: impl IntoIterator<Item = &'n str>) -> Result<String, Fault> {
     let expected = format!("1 to {LONGEST_NAME} lower-case letters, digits and underscores, starting with a letter");
     let well_formed = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.len() <= LONGEST_NAME
@@ -201,7 +197,7 @@ fn plural(what: &str) -> String {
 }
 
 /// Index of a named thing.
-pub(crate) fn index_of<'n>(
+pub fn index_of<'n>(
     name: &At<String>,
     what: &str,
     names: impl Iterator<Item = &'n str> + Clone,
@@ -212,7 +208,7 @@ pub(crate) fn index_of<'n>(
 }
 
 /// Index of a named body; `None` for `ground`.
-pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Result<Option<usize>, Fault> {
+pub fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Result<Option<usize>, Fault> {
     if name.as_str() == GROUND {
         return Ok(None);
     }
@@ -224,7 +220,7 @@ pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Resu
 }
 
 /// What the world is called in a file.
-pub(crate) const GROUND: &str = "ground";
+pub const GROUND: &str = "ground";
 
 /// A limit as a person writes it.
 fn round(limit: f64) -> String {

@@ -13,7 +13,7 @@ pub fn json_schema() -> String {
 }
 
 /// The schema of a file format.
-pub(crate) fn schema_of<T: JsonSchema>() -> String {
+pub fn schema_of<T: JsonSchema>() -> String {
     let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<T>();
     let mut schema = schema.to_value();
     drop_null(&mut schema);

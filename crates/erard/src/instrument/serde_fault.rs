@@ -4,7 +4,7 @@ use super::error::Fault;
 
 /// A fault from what serde and the TOML parser say. They tell mistakes apart by their wording only, so this reads their
 /// wording; what it does not recognise it quotes.
-pub(crate) fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
+pub fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
     let span = error.span().unwrap_or(0..0);
     let message = error.message();
     let quoted = |start: &str| message.strip_prefix(start)?.strip_prefix('`')?.split_once('`');

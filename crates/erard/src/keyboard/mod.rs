@@ -5,12 +5,11 @@
 //! together, in which a key at rest costs nothing; [`tremolo`] plays them.
 
 mod curve;
-pub(crate) mod file;
+mod file;
 mod format;
 mod grading;
 mod keys;
 pub mod tremolo;
-mod weighing;
 
 use std::collections::BTreeMap;
 
@@ -18,7 +17,6 @@ pub use curve::{Between, Curve, Point};
 pub use file::{is_keyboard, json_schema};
 pub use grading::{Graded, Grading};
 pub use keys::{Blow, Keys, KeysError, Tick};
-pub use weighing::{WeighedKey, weigh};
 
 use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
 

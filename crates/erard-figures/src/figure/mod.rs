@@ -1,0 +1,309 @@
+//! Figures: panels of curves over a shared abscissa, time or the key's travel, as SVG and PNG.
+//!
+//! Drawn as plain SVG rather than through a plotting crate: those tried place everything on whole pixels (slow curves
+//! turn into stairs), cannot clip a curve to a window and draw dashes as thousands of separate strokes.
+//!
+//! One or several windows of time stand side by side over the same panels: a blow takes ten milliseconds of a run
+//! that takes a second, and both are worth seeing.
+
+mod axes;
+mod decimate;
+mod lanes;
+mod markers;
+mod png;
+mod run;
+mod ticks;
+
+pub use decimate::decimate;
+pub use png::{PngError, png_from_svg};
+pub use run::{events, instants, run_figure, run_svg, windows};
+pub use ticks::{range as padded_range, tick_label as round_label, ticks as round_ticks};
+
+use crate::drawing::FONTS;
+use crate::svg::{escape, number};
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// Colours told apart by everybody, also in grey print when combined with [`Dash`] (Okabe and Ito's set, yellow left
+/// out because it vanishes on paper).
+pub const PALETTE: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"];
+
+/// How a curve's line is broken.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Dash {
+    /// Unbroken.
+    #[default]
+    Solid,
+    /// Long strokes.
+    Dashed,
+    /// Dots.
+    Dotted,
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve<'a> {
+    /// Name in the legend.
+    pub label: String,
+    /// Abscissae, ascending, in the unit of the data (time: s).
+    pub x: &'a [f64],
+    /// Ordinates, in the unit of the panel.
+    pub y: Cow<'a, [f64]>,
+    /// CSS colour, usually from [`PALETTE`].
+    pub colour: &'static str,
+    /// Line style.
+    pub dash: Dash,
+}
+
+/// How a panel's curves share it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Layout {
+    /// All over one axis.
+    Together,
+    /// Each in a lane of its own, all lanes with the same logarithmic axis from `floor` to `ceiling`: for many
+    /// curves that start and stop and span decades, such as contact forces.
+    Lanes {
+        /// Values below are drawn as nothing.
+        floor: f64,
+        /// Values above are cut.
+        ceiling: f64,
+    },
+}
+
+/// One panel of the stack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel<'a> {
+    /// Quantity, e.g. `key`.
+    pub quantity: String,
+    /// Unit of the ordinates, e.g. `mm`.
+    pub unit: &'static str,
+    /// Height, px.
+    pub height_px: f64,
+    /// How the curves share the panel.
+    pub layout: Layout,
+    /// Range of the axis; `None` fits it to what the windows show.
+    pub y_range: Option<(f64, f64)>,
+    /// The curves.
+    pub curves: Vec<Curve<'a>>,
+}
+
+/// An instant, drawn as a thin line through all panels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Marker {
+    /// When.
+    pub x: f64,
+    /// What.
+    pub label: String,
+}
+
+/// A stretch of the abscissa.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// Start, in the unit of the data.
+    pub from: f64,
+    /// End.
+    pub to: f64,
+    /// Share of the figure's width.
+    pub weight: f64,
+    /// A word above it; may be empty.
+    pub heading: String,
+    /// Whether the markers are named here (their lines are always drawn).
+    pub names_markers: bool,
+}
+
+/// A whole figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure<'a> {
+    /// Headline.
+    pub title: String,
+    /// A smaller line below it; may be empty.
+    pub subtitle: String,
+    /// Width, px.
+    pub width_px: f64,
+    /// Quantity and unit of the abscissa, e.g. `time (ms)`.
+    pub x_label: String,
+    /// Factor from the data's unit to the axis' (s to ms: 1000).
+    pub x_unit: f64,
+    /// Stretches of the abscissa, side by side.
+    pub windows: Vec<Window>,
+    /// The panels, from top to bottom.
+    pub panels: Vec<Panel<'a>>,
+    /// The instants.
+    pub markers: Vec<Marker>,
+}
+
+/// A rectangle of the figure, px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Area {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Area {
+    pub(crate) fn right(&self) -> f64 {
+        self.left + self.width
+    }
+
+    pub(crate) fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+}
+
+/// Room for the ordinates' numbers and names, px.
+const LEFT: f64 = 78.0;
+/// Room for legends, px.
+const RIGHT: f64 = 216.0;
+/// Room for the abscissa's numbers and name, px.
+const BOTTOM: f64 = 48.0;
+/// Between panels, px.
+const PANEL_GAP: f64 = 12.0;
+/// Between windows, px.
+const WINDOW_GAP: f64 = 34.0;
+
+/// The style of all figures.
+const STYLE: &str = ".ink{fill:#222}.soft{fill:#555}.frame{fill:none;stroke:#777;stroke-width:.8}\
+.grid{stroke:#e3e3e3;stroke-width:.7}.tick{stroke:#777;stroke-width:.8}\
+.mark{stroke:#444;stroke-width:.7;stroke-dasharray:3 2.5}.lead{stroke:#444;stroke-width:.6;fill:none}";
+
+/// The figure as an SVG document. The same figure gives the same bytes.
+pub fn figure_svg(figure: &Figure) -> String {
+    let named = figure.windows.iter().any(|window| window.names_markers) && !figure.markers.is_empty();
+    let heading = if figure.windows.iter().all(|window| window.heading.is_empty()) { 0.0 } else { 18.0 };
+    let top = 30.0 + if figure.subtitle.is_empty() { 0.0 } else { 18.0 } + heading;
+    let marks = if named { markers::HEIGHT } else { 8.0 };
+    let heights: f64 = figure.panels.iter().map(|panel| panel.height_px).sum();
+    let gaps = PANEL_GAP * figure.panels.len().saturating_sub(1) as f64;
+    let (width, height) = (figure.width_px, top + marks + heights + gaps + BOTTOM);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+         font-family=\"{FONTS}\" font-size=\"12\" role=\"img\"><title>{title}</title><style>{STYLE}</style>\
+         <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
+         <text class=\"ink\" x=\"{LEFT}\" y=\"22\" font-size=\"16\">{title}</text>",
+        w = number(width),
+        h = number(height),
+        title = escape(&figure.title),
+    );
+    if !figure.subtitle.is_empty() {
+        let _ = write!(out, "<text class=\"soft\" x=\"{LEFT}\" y=\"41\">{}</text>", escape(&figure.subtitle));
+    }
+    let columns = columns(figure, width);
+    for (window, (left, wide)) in figure.windows.iter().zip(&columns) {
+        if !window.heading.is_empty() {
+            let _ = write!(
+                out,
+                "<text class=\"soft\" x=\"{}\" y=\"{}\">{}</text>",
+                number(*left),
+                number(top - 5.0),
+                escape(&window.heading)
+            );
+        }
+        if window.names_markers {
+            let strip = Area { left: *left, top, width: *wide, height: marks };
+            markers::names(&mut out, figure, window, strip);
+        }
+    }
+    let mut y = top + marks;
+    for (index, panel) in figure.panels.iter().enumerate() {
+        let is_last = index + 1 == figure.panels.len();
+        for (column, (window, (left, wide))) in figure.windows.iter().zip(&columns).enumerate() {
+            let area = Area { left: *left, top: y, width: *wide, height: panel.height_px };
+            let clip = format!("clip-{index}-{column}");
+            let _ = write!(
+                out,
+                "<clipPath id=\"{clip}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>",
+                number(area.left),
+                number(area.top),
+                number(area.width),
+                number(area.height)
+            );
+            axes::abscissa(&mut out, figure, window, area, is_last);
+            match panel.layout {
+                Layout::Together => axes::together(&mut out, figure, panel, window, area, column == 0, &clip),
+                Layout::Lanes { floor, ceiling } => {
+                    lanes::lanes(&mut out, panel, window, area, (floor, ceiling), column == 0, &clip);
+                }
+            }
+            markers::lines(&mut out, figure, window, area);
+            let _ = write!(
+                out,
+                "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                number(area.left),
+                number(area.top),
+                number(area.width),
+                number(area.height)
+            );
+        }
+        axes::panel_name(&mut out, panel, y);
+        match panel.layout {
+            Layout::Together => axes::legend(&mut out, panel, width - RIGHT + 12.0, y),
+            Layout::Lanes { .. } => lanes::names(&mut out, panel, width - RIGHT + 12.0, y),
+        }
+        y += panel.height_px + PANEL_GAP;
+    }
+    if let (Some((first, _)), Some((last, wide))) = (columns.first(), columns.last()) {
+        let _ = write!(
+            out,
+            "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+            number(0.5 * (first + last + wide)),
+            number(height - 12.0),
+            escape(&figure.x_label)
+        );
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
+/// Left edge and width of every window, px.
+fn columns(figure: &Figure, width: f64) -> Vec<(f64, f64)> {
+    let gaps = WINDOW_GAP * figure.windows.len().saturating_sub(1) as f64;
+    let room = (width - LEFT - RIGHT - gaps).max(50.0);
+    let weights: f64 = figure.windows.iter().map(|window| window.weight).sum();
+    let mut left = LEFT;
+    figure
+        .windows
+        .iter()
+        .map(|window| {
+            let wide = room * window.weight / weights;
+            let column = (left, wide);
+            left += wide + WINDOW_GAP;
+            column
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drawing::fixture::two_levers_run;
+
+    #[test]
+    fn the_same_run_gives_the_same_bytes() {
+        let run = two_levers_run(500);
+        assert_eq!(run_svg(&run), run_svg(&run));
+    }
+
+    #[test]
+    fn labels_from_files_are_escaped() {
+        let mut run = two_levers_run(500);
+        run.instrument = "a<b>&\"".into();
+        run.zones[0].label = "</svg><script>".into();
+        let svg = run_svg(&run);
+        assert!(svg.contains("a&lt;b&gt;&amp;&quot;") && svg.contains("&lt;/svg&gt;"));
+        assert_eq!(svg.matches("</svg>").count(), 1);
+    }
+
+    /// A run that is empty, has one row, or is full of NaN still gives a figure that can be rendered.
+    #[test]
+    fn odd_runs_do_not_break_the_figure() {
+        let mut broken = two_levers_run(300);
+        broken.force_n.fill(f64::NAN);
+        broken.zones[0].normal_n[7] = f64::INFINITY;
+        for run in [two_levers_run(0), two_levers_run(1), broken] {
+            let svg = run_svg(&run);
+            assert!(!svg.contains("NaN") && !svg.contains("inf"));
+            png_from_svg(&svg, 0.5).unwrap();
+        }
+    }
+}

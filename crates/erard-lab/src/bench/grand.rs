@@ -1,0 +1,68 @@
+//! What is timed: the concert grand in the engine's own types, and one played note.
+
+use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
+
+use erard::assembly;
+use erard::equilibrium;
+use erard::instrument::Instrument;
+use erard::mechanism::mechanism;
+use erard::simulation::SimulationError;
+
+/// The usual step, s.
+pub const STEP_S: f64 = 50e-6;
+/// Steps of one second.
+pub const STEPS: u64 = 20_000;
+/// A mezzo forte, N.
+pub const MF_N: f64 = 5.0;
+
+/// The grand's engine size: six bodies, fourteen zones.
+pub type GrandModel = Model<f64, 6, 14>;
+/// The same.
+pub type GrandState = State<f64, 6, 14>;
+/// The same; ten set-valued laws, one of them a rigid drive's.
+pub type GrandScratch = Scratch<f64, 6, 14, 10>;
+/// As many of them as there are lanes.
+pub type GrandGroup = moreau_lanes::Group<6, 14, 10>;
+
+/// The concert grand.
+///
+/// # Panics
+/// If the built-in file cannot be read, which a test rules out; so do all functions here.
+pub fn instrument() -> Instrument {
+    Instrument::builtin("concert-grand").expect("built in")
+}
+
+/// An instrument of the grand's topology, at rest.
+///
+/// # Errors
+/// Where it finds no rest.
+pub fn at_rest(instrument: &Instrument) -> Result<(GrandModel, GrandState), SimulationError> {
+    let mut rest = mechanism(instrument, Settings::new(STEP_S))?;
+    equilibrium::settle(rest.as_mut(), instrument, &Input::Free, &mut || true)?;
+    let angles = core::array::from_fn(|i| rest.angles().get(i).copied().unwrap_or(0.0));
+    Ok((assembly::assemble(instrument)?, State::at_rest(angles)))
+}
+
+/// The concert grand, at rest.
+pub fn grand() -> (GrandModel, GrandState) {
+    at_rest(&instrument()).expect("the built-in grand comes to rest")
+}
+
+/// The force on the key at a step: a mezzo forte for half a second, then nothing.
+#[inline(always)]
+pub fn note(n: u64) -> Input<f64> {
+    Input::Force(if n < STEPS / 2 { MF_N } else { 0.0 })
+}
+
+/// Plays the first `steps` steps of the note.
+///
+/// # Panics
+/// If a number becomes infinite.
+pub fn press((model, state): &(GrandModel, GrandState), settings: &Settings<f64>, steps: u64) -> GrandState {
+    let (mut state, mut scratch) = (state.clone(), GrandScratch::new());
+    for n in 0..steps {
+        let report = step(model, settings, &note(n), &mut state, &mut scratch);
+        assert_ne!(report.outcome, Outcome::NonFinite);
+    }
+    state
+}

@@ -1,0 +1,105 @@
+//! How fast this machine is at it: a step, a press, many at once, a keyboard, the worst step, the kinematics.
+//!
+//! What the benchmarks in `benches/` and the command `erard bench` time is here, so that both time the same. Times are medians over
+//! rounds in which everything that is compared has its turn, and come with their quartiles; ratios are ratios of medians of one run.
+
+pub mod callgrind;
+mod grand;
+mod keys;
+pub mod latency;
+mod load;
+mod many;
+mod sampling;
+mod single;
+
+pub use grand::{
+    GrandGroup, GrandModel, GrandScratch, GrandState, STEP_S, STEPS, at_rest, grand, instrument, note, press,
+};
+pub use keys::{KeyboardTimes, Ticks, keyboard};
+pub use load::{Load, WIDEST};
+pub use many::{LoadTimes, Many, load_times};
+pub use sampling::{Timed, Times, in_turn};
+pub use single::Single;
+
+use moreau_lanes::Lanes;
+use serde::Serialize;
+
+use latency::{Latencies, of_group_steps, of_steps};
+
+/// How long to measure.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// Rounds of everything that is timed in turn.
+    pub rounds: usize,
+    /// Steps of a note in one round.
+    pub steps: u64,
+    /// Groups of [`WIDEST`] grands for every core.
+    pub groups_per_core: usize,
+    /// Steps timed one by one; of groups as many as make the same number of single ones.
+    pub single_steps: u64,
+    /// Ticks of the keyboard timed one by one.
+    pub ticks: usize,
+}
+
+impl Effort {
+    /// Half a minute or so.
+    pub const USUAL: Effort =
+        Effort { rounds: 21, steps: STEPS, groups_per_core: 2, single_steps: 10_000_000, ticks: 200_000 };
+    /// A second or so: it shows that everything works; its times are worth little.
+    pub const QUICK: Effort =
+        Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000, ticks: 2_000 };
+}
+
+/// What was measured: wall-clock times of this machine while it did whatever else it was doing. Serialised it is flat: the parts'
+/// names side by side.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// What of the processor's vector instructions was found.
+    pub instruction_sets: Vec<&'static str>,
+    /// One action.
+    #[serde(flatten)]
+    pub single: Single,
+    /// Many at once.
+    #[serde(flatten)]
+    pub many: Many,
+    /// A whole keyboard.
+    #[serde(flatten)]
+    pub keyboard: KeyboardTimes,
+    /// The worst steps.
+    #[serde(flatten)]
+    pub latencies: Latencies,
+}
+
+/// Told what is going on and the share of all work done; ends the work by returning false.
+pub type Progress<'a> = dyn FnMut(&str, f64) -> bool + 'a;
+
+/// Measures everything; `None` where `progress` ended the work.
+pub fn measure(effort: &Effort, progress: &mut Progress) -> Option<Report> {
+    // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
+    let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
+    let single = Single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
+    let many = Many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
+    let keyboard = KeyboardTimes::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.75, share))?;
+    let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
+    let lanes = Lanes::most();
+    let group_steps = effort.single_steps / lanes.count() as u64;
+    let of_group = of_group_steps(group_steps, lanes, &mut |share| part("group steps", 0.9, 1.0, share))?;
+    let latencies = Latencies::new(&of_one, &of_group);
+    Some(Report { instruction_sets: instruction_sets(), single, many, keyboard, latencies })
+}
+
+/// What of the processor's vector instructions there is.
+pub fn instruction_sets() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    let all = [
+        ("sse2", true),
+        ("avx2", std::arch::is_x86_feature_detected!("avx2")),
+        ("fma", std::arch::is_x86_feature_detected!("fma")),
+        ("avx512", Lanes::most() == Lanes::Eight),
+    ];
+    #[cfg(target_arch = "aarch64")]
+    let all = [("neon", std::arch::is_aarch64_feature_detected!("neon"))];
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let all: [(&str, bool); 0] = [];
+    all.into_iter().filter(|(_, found)| *found).map(|(name, _)| name).collect()
+}

@@ -1,0 +1,185 @@
+//! Runs that the subjects have in common: a stroke or a force step, and the blow that comes of it.
+//!
+//! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that phase. The
+//! root mean square over steps that are nearly the same, with phases that are not, is what follows a law.
+
+use moreau::{FrictionLaw, Settings};
+
+use super::{Progress, ReproduceError};
+use erard::instrument::Instrument;
+use erard::run::Run;
+use erard::simulation::{Drive, Setup, simulate};
+use erard::stroke::{Series, Touch};
+
+/// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
+pub const NEIGHBOURS: u32 = 8;
+
+/// What is played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Play {
+    /// Nothing.
+    Free,
+    /// A constant force, N.
+    Force(f64),
+    /// A built-in stroke's force.
+    Stroke(&'static str, Touch),
+    /// A built-in stroke's motion, with a soft finger.
+    Motion(&'static str, Touch),
+}
+
+impl Play {
+    /// Runs it, keeping every so many steps.
+    pub fn run(
+        self,
+        instrument: &Instrument,
+        settings: Settings<f64>,
+        duration_s: f64,
+        record_every: u64,
+    ) -> Result<Run, ReproduceError> {
+        self.run_told(instrument, settings, duration_s, record_every, &mut |_| true)
+    }
+
+    /// The same for runs that take seconds, with progress.
+    pub fn run_told(
+        self,
+        instrument: &Instrument,
+        settings: Settings<f64>,
+        duration_s: f64,
+        record_every: u64,
+        progress: &mut Progress,
+    ) -> Result<Run, ReproduceError> {
+        let setup = Setup { settings, start_s: 0.0, duration_s, record_every: Some(record_every), tolerance: None };
+        let mut go = |drive: &Drive| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
+        let missing = |name: &str| ReproduceError::Instrument(format!("the built-in stroke {name} cannot be read"));
+        match self {
+            Play::Free => go(&Drive::Free),
+            Play::Force(force) => go(&Drive::Force(&|_| force)),
+            Play::Stroke(name, touch) => {
+                let series = Series::builtin(name, touch).and_then(|s| s.force).ok_or_else(|| missing(name))?;
+                go(&Drive::Force(&series.drive()))
+            }
+            Play::Motion(name, touch) => {
+                let series = Series::builtin(name, touch).and_then(|s| s.position).ok_or_else(|| missing(name))?;
+                go(&Drive::Motion(&series.drive()))
+            }
+        }
+    }
+
+    /// Its name.
+    pub fn label(self) -> String {
+        match self {
+            Play::Free => "nothing".into(),
+            Play::Force(force) => format!("{force} N held"),
+            Play::Stroke(name, touch) => format!("{name} {}, by force", touched(touch)),
+            Play::Motion(name, touch) => format!("{name} {}, by motion", touched(touch)),
+        }
+    }
+}
+
+fn touched(touch: Touch) -> &'static str {
+    match touch {
+        Touch::Pressed => "pressed",
+        Touch::Struck => "struck",
+    }
+}
+
+/// tanh-regularised friction of a width in rad/s, a tenth of it in m/s at sliding contacts.
+pub fn regularised(width: f64) -> FrictionLaw<f64> {
+    FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width }
+}
+
+/// A blow on the string.
+#[derive(Debug, Clone, Copy)]
+pub struct Blow {
+    /// Speed of the strike point, m/s; not a number if the string was not struck.
+    pub speed: f64,
+    /// Instant, s.
+    pub contact: f64,
+    /// Newton iterations.
+    pub newton: f64,
+    /// Steps that did not converge, and all steps.
+    pub unconverged: u64,
+    /// All steps.
+    pub steps: u64,
+    /// Elapsed over simulated time.
+    pub of_real_time: f64,
+}
+
+/// The first blow of a run.
+pub fn blow(instrument: &Instrument, play: Play, settings: Settings<f64>, until: f64) -> Result<Blow, ReproduceError> {
+    let run = play.run(instrument, settings, until, u64::MAX)?;
+    Ok(Blow {
+        speed: run.events.hammer_speed_m_s.unwrap_or(f64::NAN),
+        contact: run.events.hammer_contact_s.unwrap_or(f64::NAN),
+        newton: run.work.newton_iterations as f64,
+        unconverged: run.work.unconverged_steps,
+        steps: run.work.steps,
+        of_real_time: 1.0 / run.work.real_time_factor,
+    })
+}
+
+/// Errors of a blow at a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Rung {
+    /// h, s.
+    pub step: f64,
+    /// The run at exactly h.
+    pub blow: Blow,
+    /// Root mean square of the relative error of the hammer speed over the neighbouring steps.
+    pub speed: f64,
+    /// The same of the contact instant, s.
+    pub contact: f64,
+}
+
+/// Errors of a blow at several steps against an exact one.
+pub fn ladder(
+    instrument: &Instrument,
+    play: Play,
+    settings: Settings<f64>,
+    steps: &[f64],
+    exact: &Blow,
+    until: f64,
+    progress: &mut Progress,
+) -> Result<Vec<Rung>, ReproduceError> {
+    let mut rungs = Vec::new();
+    // A rung at half the step takes twice as long.
+    let all: f64 = steps.iter().map(|h| 1.0 / h).sum();
+    let mut done = 0.0;
+    for &step in steps {
+        let (mut speed, mut contact) = (0.0, 0.0);
+        let mut own = None;
+        for k in 0..NEIGHBOURS {
+            tell(progress, done / all)?;
+            let h = step * (1.0 - f64::from(k) / 64.0);
+            let b = blow(instrument, play, Settings { step: h, ..settings }, until)?;
+            speed += (b.speed / exact.speed - 1.0).powi(2);
+            contact += (b.contact - exact.contact).powi(2);
+            // The clock is read on all of them: the least disturbed counts.
+            let own: &mut Blow = own.get_or_insert(b);
+            own.of_real_time = own.of_real_time.min(b.of_real_time);
+            done += 1.0 / step / f64::from(NEIGHBOURS);
+        }
+        let n = f64::from(NEIGHBOURS);
+        let Some(blow) = own else { continue };
+        rungs.push(Rung { step, blow, speed: (speed / n).sqrt(), contact: (contact / n).sqrt() });
+    }
+    Ok(rungs)
+}
+
+/// Observed order of an error over a whole ladder.
+pub fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
+    match (rungs.first(), rungs.last()) {
+        (Some(a), Some(b)) if a.step > b.step => (error(a) / error(b)).ln() / (a.step / b.step).ln(),
+        _ => f64::NAN,
+    }
+}
+
+/// `count` steps from `first` on, each half of the one before, s.
+pub fn halvings(first: f64, count: i32) -> Vec<f64> {
+    (0..count).map(|k| first * 0.5_f64.powi(k)).collect()
+}
+
+/// Passes progress on; an error if the work is to end.
+pub fn tell(progress: &mut Progress, share: f64) -> Result<(), ReproduceError> {
+    if progress(share.clamp(0.0, 1.0)) { Ok(()) } else { Err(erard::simulation::SimulationError::Interrupted.into()) }
+}

@@ -1,0 +1,51 @@
+//! What the papers leave for later, and what of it is here.
+
+use super::{Progress, ReproduceError, Section, Table};
+use erard::instrument::Instrument;
+
+pub(super) fn section(_: &Instrument, _: &mut Progress) -> Result<Section, ReproduceError> {
+    let mut table = Table::new("Honestly", &["what", "whose wish", "here", "how, or what is missing"]);
+    let mut row =
+        |what: &str, whose: &str, here: &str, how: &str| table.row([what, whose, here, how].map(str::to_owned));
+    row(
+        "run time below real time",
+        "[T13]",
+        "yes",
+        "`erard reproduce --only paper2-run-time`; the papers' was 20 times slower than real time",
+    );
+    row("true stick at rest and in the check", "[T12]", "yes", "`erard reproduce --only paper2-rest`");
+    row(
+        "impacts, sliding and planar-free joints, closed loops, moving surfaces (all of the inclusion set K)",
+        "[T12], [T13]",
+        "engine only",
+        "a rigid multibody step of its own with the textbook problems 9 to 14; no instrument file uses it",
+    );
+    row(
+        "a six-body model beside the three levers of the kinematic model",
+        "[H]",
+        "yes",
+        "one instrument file gives both; a slow press agrees with the geometry",
+    );
+    row(
+        "comparison with measured force and motion",
+        "[T12], [T13]",
+        "tool only",
+        "`erard compare FILE`; the papers' series and parameters are not published, none has been measured here",
+    );
+    row(
+        "identified parameters of one real action",
+        "[T13]",
+        "no",
+        "most numbers of the instrument file are estimates, and say so",
+    );
+    row("bending of the hammer shank and of the key", "[T13]", "no", "all bodies are rigid");
+    row("the string's own motion", "[T13]", "no", "the string is a felt on the ground");
+    row(
+        "the finger as part of a hand and an arm",
+        "[T12]",
+        "no",
+        "a spring and a damper between a prescribed motion and the key",
+    );
+    row("wear, humidity, hysteresis of felt beyond its law", "-", "no", "F = k g^r + b g^2 dg/dt only");
+    Ok(Section { tables: vec![table], ..Section::default() })
+}

@@ -1,0 +1,74 @@
+//! An instrument against what has been measured on real pianos.
+//!
+//! `published` is the table: one row per published number, with its source, its certainty and the range in which a simulated value
+//! meets it. `blows` and `touches` simulate what the technician's sheet ([`erard_workshop::measure`]) does not hold: the order of events
+//! against loudness, and pressed against struck keys. [`validate`] puts both beside each other; what misses is said to miss.
+
+mod blows;
+mod published;
+mod touches;
+mod values;
+
+pub use blows::Blow;
+pub use published::{Published, PublishedError, Row};
+pub use values::NAMES;
+
+use erard::instrument::Instrument;
+use erard_workshop::measure::{MeasureError, measure};
+
+/// How a simulated value stands to a published one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Verdict {
+    /// Within the published range.
+    Met {
+        /// What was simulated, in the row's unit.
+        simulated: f64,
+    },
+    /// Outside of it.
+    Missed {
+        /// What was simulated, in the row's unit.
+        simulated: f64,
+        /// By how much, in the row's unit: negative is too small.
+        by: f64,
+    },
+    /// It did not happen in the simulation.
+    Absent,
+    /// The model has nothing that could be compared.
+    Silent,
+}
+
+/// An instrument beside the published measurements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// Instrument name.
+    pub instrument: String,
+    /// One verdict per row of the table, in its order.
+    pub verdicts: Vec<Verdict>,
+    /// Blows of constant forces, soft to loud: the order of events against loudness.
+    pub blows: Vec<Blow>,
+}
+
+/// Share of the work that the technician's sheet takes, and the blows after it.
+const SHEET: f64 = 0.8;
+const BLOWS: f64 = 0.1;
+
+/// Simulates everything that the table asks about. `progress` is told the share that is done and ends the work by returning false.
+///
+/// # Errors
+/// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no error.
+pub fn validate(
+    instrument: &Instrument,
+    published: &Published,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Validation, MeasureError> {
+    let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
+    let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;
+    let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + (1.0 - SHEET - BLOWS) * share))?;
+    let value = |name: &str| values::value(name, &sheet, &loudness, &touches);
+    let verdicts = published
+        .rows
+        .iter()
+        .map(|row| row.measure.as_deref().map_or(Verdict::Silent, |m| row.judge(value(m))))
+        .collect();
+    Ok(Validation { instrument: instrument.name.clone(), verdicts, blows: loudness.blows })
+}

@@ -1,0 +1,146 @@
+//! The table of published measurements, `validation/published.toml`.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use super::{Verdict, values};
+use erard::instrument::{Certainty, Source};
+
+/// What comes with the program.
+const BUILTIN: &str = include_str!("../../../../validation/published.toml");
+
+/// The table.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// `erard-published/1`.
+    pub format: String,
+    /// Sources by name.
+    pub sources: BTreeMap<String, Source>,
+    /// The rows.
+    #[serde(rename = "row")]
+    pub rows: Vec<Row>,
+}
+
+/// One published number.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Identifier, unique.
+    pub name: String,
+    /// What it is, for people.
+    pub quantity: String,
+    /// Which simulated value it is compared with, one of [`super::NAMES`]; `None` where the model has none.
+    pub measure: Option<String>,
+    /// Unit of all its numbers; empty for ratios.
+    pub unit: String,
+    /// The one number that was published, where it is not a range.
+    pub number: Option<f64>,
+    /// What was published, in words, where neither range nor number says it.
+    pub published: Option<String>,
+    /// Lower end of what counts as met.
+    pub at_least: Option<f64>,
+    /// Upper end.
+    pub at_most: Option<f64>,
+    /// Name of its source.
+    pub source: String,
+    /// How sure it is.
+    pub certainty: Certainty,
+    /// What the simulation does, and what part of the range is ours.
+    pub how: String,
+    /// Likely reason of a miss.
+    pub if_missed: Option<String>,
+}
+
+/// Why a table cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum PublishedError {
+    /// It is no table of this format.
+    #[error("{0}")]
+    Syntax(String),
+    /// A row contradicts itself or the rest of the table.
+    #[error("row `{row}`: {what}")]
+    Row {
+        /// Its name.
+        row: String,
+        /// What is wrong, and what is expected.
+        what: String,
+    },
+}
+
+impl Published {
+    /// The table that comes with the program.
+    ///
+    /// # Panics
+    /// Never: a test reads it.
+    #[must_use]
+    pub fn builtin() -> Self {
+        Self::parse(BUILTIN).expect("the built-in table reads")
+    }
+
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// See [`PublishedError`].
+    pub fn parse(text: &str) -> Result<Self, PublishedError> {
+        let table: Published = toml::from_str(text).map_err(|error| PublishedError::Syntax(error.to_string()))?;
+        if table.format != "erard-published/1" {
+            return Err(PublishedError::Syntax(format!(
+                "`format` is `{}`; expected `erard-published/1`",
+                table.format
+            )));
+        }
+        for (index, row) in table.rows.iter().enumerate() {
+            let wrong = |what: String| Err(PublishedError::Row { row: row.name.clone(), what });
+            if table.rows[..index].iter().any(|other| other.name == row.name) {
+                return wrong("its name stands in the table already; expected another".into());
+            }
+            if !table.sources.contains_key(&row.source) {
+                return wrong(format!("`source` is `{}`; expected one of `sources`", row.source));
+            }
+            if let Some(measure) = &row.measure
+                && !values::NAMES.contains(&measure.as_str())
+            {
+                return wrong(format!("`measure` is `{measure}`; expected one of {}", values::NAMES.join(", ")));
+            }
+            let ordered = row.at_least.is_none_or(|low| row.at_most.is_none_or(|high| low < high));
+            let finite = [row.at_least, row.at_most, row.number].into_iter().flatten().all(f64::is_finite);
+            if !ordered || !finite {
+                return wrong("expected finite numbers, `at_least` below `at_most`".into());
+            }
+            if row.measure.is_some() && row.at_least.is_none() && row.at_most.is_none() {
+                return wrong("expected `at_least` or `at_most`".into());
+            }
+        }
+        Ok(table)
+    }
+}
+
+impl Row {
+    /// How a simulated value stands to this row.
+    #[must_use]
+    pub fn judge(&self, simulated: Option<f64>) -> Verdict {
+        let Some(simulated) = simulated.filter(|x| x.is_finite()) else { return Verdict::Absent };
+        match (self.at_least, self.at_most) {
+            (Some(low), _) if simulated < low => Verdict::Missed { simulated, by: simulated - low },
+            (_, Some(high)) if simulated > high => Verdict::Missed { simulated, by: simulated - high },
+            _ => Verdict::Met { simulated },
+        }
+    }
+
+    /// What was published: its words, its number, or the range.
+    #[must_use]
+    pub fn range(&self) -> String {
+        let number = |x: f64| format!("{x}");
+        match (&self.published, self.number, self.at_least, self.at_most) {
+            (Some(words), ..) => words.clone(),
+            (None, Some(x), ..) => number(x),
+            (None, None, Some(low), Some(high)) => format!("{}-{}", number(low), number(high)),
+            (None, None, Some(low), None) => format!("at least {}", number(low)),
+            (None, None, None, Some(high)) => format!("at most {}", number(high)),
+            (None, None, None, None) => String::new(),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Independent work on several of the processor's cores.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use erard::simulation::SimulationError;
+
+/// Asked now and then during long work; false ends it.
+pub type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// How often the caller is told, and asked whether to go on.
+const TELL_EVERY: Duration = Duration::from_millis(20);
+
+/// One piece of work; it keeps its own result.
+pub type Job<'a, E> = Box<dyn FnOnce(Interrupt<'_>) -> Result<(), E> + Send + 'a>;
+
+/// A piece of work that leaves its result in `place`.
+pub fn job<'a, T: Send, E>(
+    place: &'a mut Option<T>,
+    work: impl FnOnce(Interrupt<'_>) -> Result<T, E> + Send + 'a,
+) -> Job<'a, E> {
+    Box::new(move |going| {
+        *place = Some(work(going)?);
+        Ok(())
+    })
+}
+
+/// Number of threads that this process can run at once, at least 1.
+pub fn count() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Why work ends; an interruption is told from what failed.
+pub trait Ending: From<SimulationError> + Send {
+    /// Whether the caller asked to stop.
+    fn is_interruption(&self) -> bool;
+}
+
+impl Ending for SimulationError {
+    fn is_interruption(&self) -> bool {
+        matches!(self, SimulationError::Interrupted)
+    }
+}
+
+/// Does all jobs on so many threads. `progress` is told the share that is done and ends the work by returning false. The results do
+/// not depend on the number of threads: no job sees another's.
+///
+/// # Errors
+/// The first job's, in their order, that failed; [`SimulationError::Interrupted`].
+pub fn do_all<E: Ending>(
+    jobs: Vec<Job<'_, E>>,
+    threads: usize,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), E> {
+    let count = jobs.len();
+    let queue: Vec<Mutex<Option<Job<'_, E>>>> = jobs.into_iter().map(|job| Mutex::new(Some(job))).collect();
+    let failures: Mutex<Vec<(usize, E)>> = Mutex::new(Vec::new());
+    let (next, done, stop) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
+    let caller = std::thread::current();
+    let going = || !stop.load(Ordering::Relaxed);
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(place) = queue.get(index) else { break };
+            let job = place.lock().ok().and_then(|mut place| place.take());
+            if let Some(Err(error)) = job.map(|job| job(&going)) {
+                stop.store(true, Ordering::Relaxed);
+                if let Ok(mut failures) = failures.lock() {
+                    failures.push((index, error));
+                }
+            }
+            if done.fetch_add(1, Ordering::Relaxed) + 1 == count {
+                caller.unpark();
+            }
+        }
+    };
+    let mut interrupted = false;
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads.clamp(1, count.max(1))).map(|_| scope.spawn(work)).collect();
+        while done.load(Ordering::Relaxed) < count && workers.iter().any(|worker| !worker.is_finished()) {
+            if !progress(done.load(Ordering::Relaxed) as f64 / count as f64) {
+                interrupted = true;
+                stop.store(true, Ordering::Relaxed);
+            }
+            std::thread::park_timeout(TELL_EVERY);
+        }
+    });
+    if interrupted {
+        return Err(SimulationError::Interrupted.into());
+    }
+    let mut failures = failures.into_inner().unwrap_or_default();
+    // What was stopped because another failed is not the reason.
+    failures.sort_by_key(|(index, error)| (error.is_interruption(), *index));
+    failures.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::MeasureError;
+
+    fn failing(message: &str) -> MeasureError {
+        MeasureError::NotAnAction(message.to_owned())
+    }
+
+    #[test]
+    fn every_job_is_done_and_the_first_failure_told() {
+        for threads in [1, 2, 7] {
+            let mut places = vec![None; 20];
+            let jobs = places.iter_mut().enumerate().map(|(i, place)| job(place, move |_| Ok(i * i))).collect();
+            do_all::<MeasureError>(jobs, threads, &mut |_| true).unwrap();
+            assert!(places.iter().enumerate().all(|(i, place)| *place == Some(i * i)));
+        }
+
+        let (mut a, mut b) = (None::<()>, None::<()>);
+        let waiting = job(&mut a, |going| {
+            while going() {
+                std::thread::yield_now();
+            }
+            Err(SimulationError::Interrupted.into())
+        });
+        let error = do_all(vec![waiting, job(&mut b, |_| Err(failing("b")))], 2, &mut |_| true);
+        assert!(error.unwrap_err().to_string().ends_with(": b"));
+    }
+
+    #[test]
+    fn an_interruption_ends_all() {
+        let mut place = None::<()>;
+        let waiting = job(&mut place, |going| {
+            while going() {
+                std::thread::yield_now();
+            }
+            Err(SimulationError::Interrupted.into())
+        });
+        assert!(do_all::<MeasureError>(vec![waiting], 1, &mut |_| false).unwrap_err().is_interruption());
+    }
+
+    #[test]
+    fn no_jobs_are_done_at_once() {
+        do_all::<SimulationError>(Vec::new(), 2, &mut |_| true).unwrap();
+    }
+}

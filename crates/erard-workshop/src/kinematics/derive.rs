@@ -1,0 +1,393 @@
+//! Three levers from an instrument file: the same one that a key press is simulated with.
+//!
+//! The levers stand as the instrument rests, friction and felts included. Whippen, jack and repetition lever turn as one
+//! body, as they do until the jack's toe meets its button. A felt that is compressed at rest stays as thick as it is there;
+//! a contact that is open at rest (a jack just below the knuckle, which the repetition lever carries) is closed first,
+//! because the levers work only once that play is taken up.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use moreau::{Input, ModelError, Settings};
+use moreau_linkage::three_lever::{
+    DiscLevers, Lengths, LeverTrain, Line, Regulation, StrokePose, ThreeLever, ThreeLeverError, Touch,
+};
+
+use super::case::{Design, LetOff};
+use super::file::USUAL_LET_OFF_M;
+use erard::equilibrium::{self, EquilibriumError};
+use erard::instrument::{Curve, Instrument, Vec2, Zone};
+use erard::mechanism::{Mechanism, mechanism};
+
+/// Play at rest that is worth telling, m.
+const NOTABLE_PLAY_M: f64 = 1e-5;
+
+/// Why no three levers can be found in an instrument.
+#[derive(Debug, thiserror::Error)]
+pub enum DeriveError {
+    /// A part is not there, or not as three levers need it.
+    #[error("the instrument has no three levers: {0}")]
+    NotThreeLevers(String),
+    /// No rest.
+    #[error(transparent)]
+    Equilibrium(#[from] EquilibriumError),
+    /// Not assembled.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The levers do not reach each other.
+    #[error(transparent)]
+    Levers(#[from] ThreeLeverError),
+}
+
+fn lacking<T>(what: impl Into<String>) -> Result<T, DeriveError> {
+    Err(DeriveError::NotThreeLevers(what.into()))
+}
+
+/// The three levers of an instrument.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derived {
+    /// The levers with their discs, and where the hammer is let off.
+    pub design: Design,
+    /// The same as [`Design::levers`].
+    pub levers: DiscLevers,
+    /// The nearest levers of lengths L1 to L10: knuckle and jack exactly (the knuckle's centre on a line that far above the
+    /// jack's top), the capstan as the point of the heel that it touches at rest, sliding on a straight key.
+    pub lengths: ThreeLever,
+    /// Name of the zone between key and whippen.
+    pub capstan_zone: String,
+    /// Name of the zone between jack and hammer.
+    pub knuckle_zone: String,
+    /// What to know about the instrument's rest, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// A lever's place at rest in the world: pivot (m) and angle (rad).
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    pivot: Vec2,
+    angle: f64,
+}
+
+impl Place {
+    fn direction_of(&self, [x, y]: Vec2) -> Vec2 {
+        let (s, c) = self.angle.sin_cos();
+        [c * x + s * y, c * y - s * x]
+    }
+
+    fn point_of(&self, [x, y]: Vec2) -> Vec2 {
+        self.direction_of([x - self.pivot[0], y - self.pivot[1]])
+    }
+}
+
+/// The instrument at rest.
+struct AtRest<'i> {
+    instrument: &'i Instrument,
+    mechanism: Box<dyn Mechanism>,
+}
+
+/// Finds the three levers of an instrument.
+///
+/// They are: the key of `roles`; the hammer of `roles`; and the whippen, the body on the ground that carries (or is) what
+/// pushes the knuckle. That is the zone of `roles.knuckle` whose pusher meets the let-off button, or the first one. The
+/// capstan's zone is the one between key and whippen, the most compressed of them if there are several.
+///
+/// # Errors
+/// When a part is missing, the instrument finds no rest, or a contact is one of two discs.
+pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
+    let roles = &instrument.roles;
+    let Some(key) = roles.key else { return lacking("`roles` names no key") };
+    let Some(hammer) = roles.hammer else { return lacking("`roles` names no hammer") };
+    let parts = Parts::find(instrument, key, hammer)?;
+
+    let mut mechanism = mechanism(instrument, Settings::new(equilibrium::STEP_S))?;
+    equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
+    let rest = AtRest { instrument, mechanism };
+    let capstan_zone = parts.capstan_zone(&rest)?;
+
+    let place = |body: usize, turned: f64| Place {
+        pivot: rest.mechanism.point(Some(body), [0.0; 2]),
+        angle: rest.mechanism.angles()[body] + turned,
+    };
+    // The key's x axis is its surface's normal.
+    let key_place = place(key, FRAC_PI_2);
+    let (whippen_place, hammer_place) = (place(parts.whippen, 0.0), place(hammer, 0.0));
+    let front = rest.mechanism.point(Some(key), roles.key_front_m);
+    // The arm's level part: what the finger goes down is this times the key's turning.
+    let key_front = key_place.pivot[0] - front[0];
+    if key_front <= 0.0 {
+        return lacking("the finger presses the key behind its pivot");
+    }
+    let mut notes = Vec::new();
+    let whippen = (parts.whippen, whippen_place);
+    let capstan = rest.touch(capstan_zone, whippen, key_place, [1.0, -1.0])?;
+    let knuckle = rest.touch(parts.knuckle_zone, whippen, hammer_place, [-1.0, 1.0])?;
+    rest.tell_play(capstan_zone, &mut notes);
+    rest.tell_play(parts.knuckle_zone, &mut notes);
+    let from_key = |[x, y]: Vec2| [x - key_place.pivot[0], y - key_place.pivot[1]];
+    let levers = DiscLevers {
+        whippen_pivot: from_key(whippen_place.pivot),
+        hammer_pivot: from_key(hammer_place.pivot),
+        capstan,
+        knuckle,
+        key_front,
+        key_rest: key_place.angle,
+        head: roles.hammer_head_m,
+        near: [whippen_place.angle, hammer_place.angle],
+    };
+    let train = levers.assemble()?;
+    let let_off = rest.let_off(whippen, &levers, &train, key_place.pivot)?;
+    let design = Design { name: instrument.name.clone(), levers: levers.into(), let_off };
+    if let Some(key) = design.case(&[], Regulation::AsMoved)?.let_off_key_m {
+        let poses = train.stroke(0.0, key, 100).poses;
+        rest.tell_end_of_face(&instrument.zones[parts.knuckle_zone], whippen, &levers, &poses, &mut notes);
+    }
+    Ok(Derived {
+        lengths: nearest_lengths(&levers, &train.rest()),
+        design,
+        levers,
+        capstan_zone: instrument.zones[capstan_zone].name.clone(),
+        knuckle_zone: instrument.zones[parts.knuckle_zone].name.clone(),
+        notes,
+    })
+}
+
+/// Who is who among bodies and zones.
+struct Parts {
+    key: usize,
+    whippen: usize,
+    knuckle_zone: usize,
+}
+
+fn is_between(zone: &Zone, a: Option<usize>, b: Option<usize>) -> bool {
+    (zone.disc_body, zone.curve_body) == (a, b) || (zone.disc_body, zone.curve_body) == (b, a)
+}
+
+fn other_than(zone: &Zone, body: usize) -> Option<usize> {
+    if zone.disc_body == Some(body) { zone.curve_body } else { zone.disc_body }
+}
+
+impl Parts {
+    fn find(instrument: &Instrument, key: usize, hammer: usize) -> Result<Self, DeriveError> {
+        let (roles, zones) = (&instrument.roles, &instrument.zones);
+        let bodies = &instrument.bodies;
+        for body in [key, hammer] {
+            if bodies[body].parent.is_some() {
+                return lacking(format!("`{}` is not hinged on the ground", bodies[body].name));
+            }
+        }
+        let meets_button = |body: Option<usize>| {
+            let button = roles.let_off.map(|zone| &zones[zone]);
+            body.is_some() && button.is_some_and(|button| button.disc_body == body || button.curve_body == body)
+        };
+        let pushers = || roles.knuckle.iter().map(|&zone| (zone, other_than(&zones[zone], hammer)));
+        let found = pushers().find(|(_, body)| meets_button(*body)).or_else(|| pushers().next());
+        let Some((knuckle_zone, Some(pusher))) = found else {
+            return lacking("`roles.knuckle` names no zone in which a body pushes the hammer");
+        };
+        let mut whippen = pusher;
+        while let Some(parent) = bodies[whippen].parent {
+            whippen = parent;
+        }
+        if whippen == key || whippen == hammer {
+            return lacking(format!("`{}` pushes the knuckle without a whippen", bodies[pusher].name));
+        }
+        Ok(Parts { key, whippen, knuckle_zone })
+    }
+
+    fn capstan_zone(&self, rest: &AtRest<'_>) -> Result<usize, DeriveError> {
+        let zones = rest.instrument.zones.iter().enumerate();
+        let between = zones.filter(|(_, zone)| is_between(zone, Some(self.key), Some(self.whippen)));
+        match between.map(|(zone, _)| zone).max_by(|&a, &b| rest.gap(a).total_cmp(&rest.gap(b))) {
+            Some(zone) => Ok(zone),
+            None => {
+                let name = |body: usize| &rest.instrument.bodies[body].name;
+                lacking(format!("no zone between `{}` and `{}`", name(self.key), name(self.whippen)))
+            }
+        }
+    }
+}
+
+impl AtRest<'_> {
+    /// Compression of a zone, m; negative where it is open.
+    fn gap(&self, zone: usize) -> f64 {
+        self.mechanism.gap(zone)
+    }
+
+    /// Whether a body is the whippen or rides on it.
+    fn rides_on(&self, whippen: usize, mut body: Option<usize>) -> bool {
+        while let Some(b) = body {
+            if b == whippen {
+                return true;
+            }
+            body = self.instrument.bodies[b].parent;
+        }
+        false
+    }
+
+    /// A zone's disc and line in the frames of the two levers at rest. The line is directed away from the player (+1) or
+    /// toward him (-1), as `senses` says for a line on the whippen and one on the other lever.
+    fn touch(
+        &self,
+        zone_index: usize,
+        (whippen_body, whippen): (usize, Place),
+        other: Place,
+        senses: [f64; 2],
+    ) -> Result<Touch, DeriveError> {
+        let zone = &self.instrument.zones[zone_index];
+        let disc_on_whippen = self.rides_on(whippen_body, zone.disc_body);
+        let (disc, line, sense) =
+            if disc_on_whippen { (whippen, other, senses[1]) } else { (other, whippen, senses[0]) };
+        let center = self.mechanism.point(zone.disc_body, zone.disc_center_m);
+        let (point, normal) = self.surface(zone, center)?;
+        // Left of this direction is the side that the normal points to.
+        let along = [normal[1], -normal[0]];
+        let turned = if along[0] * sense < 0.0 { -1.0 } else { 1.0 };
+        let [x, y] = line.direction_of(along.map(|c| turned * c));
+        Ok(Touch {
+            disc_on_whippen,
+            center: disc.point_of(center),
+            offset: turned * (zone.disc_radius_m - self.gap(zone_index).max(0.0)),
+            line: Line { point: line.point_of(point), angle: y.atan2(x) },
+        })
+    }
+
+    /// A point of a zone's straight surface and its outward normal, in the world.
+    fn surface(&self, zone: &Zone, center: Vec2) -> Result<(Vec2, Vec2), DeriveError> {
+        let at = |point| self.mechanism.point(zone.curve_body, point);
+        match zone.curve {
+            Curve::Line { point_m, normal } => {
+                let (foot, tip) = (at(point_m), at([point_m[0] + normal[0], point_m[1] + normal[1]]));
+                Ok((foot, [tip[0] - foot[0], tip[1] - foot[1]]))
+            }
+            Curve::Segment { from_m, to_m, rounding_m } => {
+                let (from, to) = (at(from_m), at(to_m));
+                let [x, y] = [to[0] - from[0], to[1] - from[1]];
+                let length = x.hypot(y);
+                let normal = [-y / length, x / length];
+                let height = (center[0] - from[0]) * normal[0] + (center[1] - from[1]) * normal[1];
+                let normal = normal.map(|n| n.copysign(n * height));
+                Ok(([from[0] + rounding_m * normal[0], from[1] + rounding_m * normal[1]], normal))
+            }
+            Curve::Disc { .. } => {
+                lacking(format!("zone `{}` is a disc on a disc, and a straight line is needed", zone.name))
+            }
+        }
+    }
+
+    /// A remark about a contact that is open at rest.
+    fn tell_play(&self, zone: usize, notes: &mut Vec<String>) {
+        let play = -self.gap(zone);
+        if play > NOTABLE_PLAY_M {
+            let label = &self.instrument.zones[zone].label;
+            notes.push(format!("at rest {label} is open by {:.2} mm; the levers have this play closed", play * 1e3));
+        }
+    }
+
+    /// Let-off: where the toe meets its button, or, without a button, the usual distance below the string.
+    fn let_off(
+        &self,
+        whippen: (usize, Place),
+        levers: &DiscLevers,
+        train: &LeverTrain,
+        origin: Vec2,
+    ) -> Result<Option<LetOff>, DeriveError> {
+        let roles = &self.instrument.roles;
+        let rest = train.rest();
+        if let Some(zone_index) = roles.let_off {
+            let zone = &self.instrument.zones[zone_index];
+            let on_whippen = |body| self.rides_on(whippen.0, body);
+            if on_whippen(zone.disc_body) != on_whippen(zone.curve_body) {
+                let ground = Place { pivot: origin, angle: 0.0 };
+                let stop = self.touch(zone_index, whippen, ground, [1.0, 1.0])?;
+                let key = levers.key_travel_to_stop(&rest, &stop).filter(|key| *key > 0.0);
+                let pose = key.and_then(|key| train.stroke(0.0, key, 1).poses.into_iter().nth(1));
+                return Ok(pose.map(|pose| LetOff {
+                    head_height_m: train.rest_head_height() + pose.head_rise,
+                    name: "toe contact",
+                    what: format!("contact of {}, where the jack begins to escape", zone.label),
+                }));
+            }
+        }
+        Ok(roles.string.map(|string| -self.gap(string) - USUAL_LET_OFF_M).filter(|rise| *rise > 0.0).map(|rise| {
+            LetOff {
+                head_height_m: train.rest_head_height() + rise,
+                name: "let-off",
+                what: format!("hammer head {:.1} mm below the string", USUAL_LET_OFF_M * 1e3),
+            }
+        }))
+    }
+
+    /// A remark if the knuckle leaves the straight part of the jack's top at one of the poses.
+    fn tell_end_of_face(
+        &self,
+        zone: &Zone,
+        (whippen_body, whippen): (usize, Place),
+        levers: &DiscLevers,
+        poses: &[StrokePose],
+        notes: &mut Vec<String>,
+    ) {
+        let Curve::Segment { from_m, to_m, .. } = zone.curve else { return };
+        if !self.rides_on(whippen_body, zone.curve_body) {
+            return;
+        }
+        let [from, to] = [from_m, to_m].map(|end| whippen.point_of(self.mechanism.point(zone.curve_body, end)));
+        let along = [to[0] - from[0], to[1] - from[1]];
+        let off = poses.iter().find(|pose| {
+            let [_, contact] = levers.contact_points(pose);
+            let at = Place { pivot: levers.whippen_pivot, angle: pose.w }.point_of(contact);
+            let part = ((at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1])
+                / (along[0] * along[0] + along[1] * along[1]);
+            !(0.0..=1.0).contains(&part)
+        });
+        if let Some(pose) = off {
+            notes.push(format!(
+                "at key {:.2} mm the knuckle stands beyond the end of the jack's face; its line is taken as going on",
+                pose.key * 1e3
+            ));
+        }
+    }
+}
+
+/// The nearest levers of L1 to L10; see [`Derived::lengths`].
+fn nearest_lengths(levers: &DiscLevers, rest: &StrokePose) -> ThreeLever {
+    let place = |pivot: Vec2, angle: f64| Place { pivot, angle };
+    let (key, hammer) = (place([0.0; 2], rest.k), place(levers.hammer_pivot, rest.h));
+    let whippen = place(levers.whippen_pivot, rest.w);
+    // In the world: which way a contact's line runs, made to point away from the player.
+    let slope = |touch: &Touch, other: Place| {
+        let angle = touch.line.angle + if touch.disc_on_whippen { other.angle } else { whippen.angle };
+        angle.sin().atan2(angle.cos()) + if angle.cos() < 0.0 { PI.copysign(-angle.sin()) } else { 0.0 }
+    };
+    let [capstan, knuckle] = levers.contact_points(rest);
+    // The knuckle slides by its centre where the jack carries the line.
+    let knuckle = if levers.knuckle.disc_on_whippen {
+        knuckle
+    } else {
+        let (s, c) = hammer.angle.sin_cos();
+        let [x, y] = levers.knuckle.center;
+        [hammer.pivot[0] + c * x - s * y, hammer.pivot[1] + s * x + c * y]
+    };
+    // L1 to L10 measure the whippen's turning from the jack's top.
+    let jack_top = place(whippen.pivot, slope(&levers.knuckle, hammer));
+    let surface = place([0.0; 2], slope(&levers.capstan, key) + FRAC_PI_2);
+    let [l3, minus_l4] = jack_top.point_of(capstan);
+    let [l8, minus_l9] = hammer.point_of(knuckle);
+    let [bx, by] = levers.whippen_pivot;
+    let [cx, cy] = levers.hammer_pivot;
+    ThreeLever {
+        lengths: Lengths::from([
+            bx,
+            surface.point_of(capstan)[0],
+            l3,
+            -minus_l4,
+            by,
+            bx - cx,
+            -jack_top.point_of(knuckle)[1],
+            l8,
+            -minus_l9,
+            cy - by,
+        ]),
+        key_front: levers.key_front,
+        key_rest: surface.angle,
+        head: levers.head,
+    }
+}

@@ -1,0 +1,118 @@
+//! The dynamic model pressed so slowly that only geometry is left: a check of the kinematics.
+//!
+//! What remains apart: the play and the felts that the first tenths of a millimetre take up, and the felts' breathing as
+//! the forces change on the way.
+
+use moreau::Settings;
+use moreau_linkage::three_lever::{DiscLevers, LeverTrain};
+
+use erard::instrument::Instrument;
+use erard::simulation::{Drive, Setup, SimulationError, simulate};
+
+/// Simulated time, s. The hammer on its felts swings at about 10 Hz after it has been set in motion, and dry friction on a
+/// moving pivot does not damp that; over eight seconds the swing dies away while the key goes a few tenths of a millimetre.
+const DURATION_S: f64 = 8.0;
+/// Step, s: 100 steps per swing at 100 Hz, with the engine's second-order scheme.
+const STEP_S: f64 = 100e-6;
+/// Every so many steps are kept: 4000 rows, two micrometres of the key apart.
+const RECORD_EVERY: u64 = 20;
+/// How far beyond the end of the comparison the finger goes, m: to show what happens there.
+const BEYOND_M: f64 = 1.0e-3;
+/// Leverage is a difference over this half-width of key travel, m: a hundredth of the dip, ten times what is left of a swing.
+const HALF_WINDOW_M: f64 = 1e-4;
+/// The parts are in touch once the head has risen by so much, m: a fiftieth of the blow.
+const TAKEN_UP_RISE_M: f64 = 1e-3;
+
+/// A slow press.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlowPress {
+    /// Travel of the key's front along its arc, m, every row of the run; increasing but for rounding.
+    pub key_m: Vec<f64>,
+    /// Rise of the strike point, m.
+    pub head_rise_m: Vec<f64>,
+    /// Key travel at which the jack's toe met the let-off button, m.
+    pub toe_contact_key_m: Option<f64>,
+}
+
+/// How well kinematics and slow press agree, between the taking up of play and let-off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agreement {
+    /// Key travel of each comparison, m.
+    pub key_m: Vec<f64>,
+    /// Leverage of the dynamic model over that of the geometry at the same key travel, minus 1.
+    pub deviation: Vec<f64>,
+    /// Largest deviation, absolute.
+    pub worst: f64,
+}
+
+/// Presses an instrument slowly and a little beyond key travel `to_m`. The finger is soft and only pushes: leverage is read
+/// from what the key itself does.
+///
+/// # Errors
+/// Of the simulation.
+pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Result<SlowPress, SimulationError> {
+    let depth = to_m + BEYOND_M;
+    // The smoothest start and stop: velocity and acceleration begin and end at nothing.
+    let finger = |t: f64| {
+        let s = (t / DURATION_S).clamp(0.0, 1.0);
+        let position = depth * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        let velocity = depth * 30.0 * s * s * (1.0 - s) * (1.0 - s) / DURATION_S;
+        [position, velocity]
+    };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: DURATION_S,
+        record_every: Some(RECORD_EVERY),
+        tolerance: None,
+    };
+    let run = simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| true)?;
+    let angles = instrument.roles.key.map_or(&[][..], |key| &run.bodies[key].angle_rad);
+    let rest = angles.first().copied().unwrap_or(0.0);
+    let key_m: Vec<f64> = angles.iter().map(|angle| (angle - rest) * levers.key_front).collect();
+    let toe_contact_key_m = run.events.toe_contact_s.and_then(|t| {
+        let row = run.time_s.partition_point(|&time| time < t);
+        key_m.get(row).copied()
+    });
+    Ok(SlowPress { key_m, head_rise_m: run.hammer_head_m, toe_contact_key_m })
+}
+
+impl SlowPress {
+    /// Leverage at key travel `key_m`: rise of the head over travel of the key in a window around it. `None` where the key
+    /// did not pass through the whole window.
+    #[must_use]
+    pub fn leverage(&self, key_m: f64) -> Option<f64> {
+        let rise = |travel: f64| {
+            let row = self.key_m.partition_point(|&key| key < travel);
+            let (after, before) = (*self.key_m.get(row)?, *self.key_m.get(row.checked_sub(1)?)?);
+            let part = (travel - before) / (after - before);
+            Some(self.head_rise_m[row - 1] + part * (self.head_rise_m[row] - self.head_rise_m[row - 1]))
+        };
+        Some((rise(key_m + HALF_WINDOW_M)? - rise(key_m - HALF_WINDOW_M)?) / (2.0 * HALF_WINDOW_M))
+    }
+
+    /// Key travel at which play and felts are taken up and the head is on its way.
+    #[must_use]
+    pub fn taken_up_key_m(&self) -> Option<f64> {
+        let row = self.head_rise_m.iter().position(|&rise| rise > TAKEN_UP_RISE_M)?;
+        self.key_m.get(row).copied()
+    }
+
+    /// Compares leverages every twentieth of a millimetre from where play is taken up to let-off: until the toe touches,
+    /// or `let_off_m` where there is no toe. `None` where no range is left.
+    #[must_use]
+    pub fn agreement(&self, train: &LeverTrain, let_off_m: f64) -> Option<Agreement> {
+        const EVERY_M: f64 = 5e-5;
+        let from = self.taken_up_key_m()? + HALF_WINDOW_M;
+        let to = self.toe_contact_key_m.unwrap_or(let_off_m).min(let_off_m) - HALF_WINDOW_M;
+        if from >= to {
+            return None;
+        }
+        let steps = ((to - from) / EVERY_M).ceil() as usize;
+        let poses = train.stroke(from, to, steps).poses;
+        let (key_m, deviation): (Vec<f64>, Vec<f64>) =
+            poses.iter().filter_map(|pose| Some((pose.key, self.leverage(pose.key)? / pose.leverage - 1.0))).unzip();
+        let worst = deviation.iter().fold(0.0, |worst: f64, d| worst.max(d.abs()));
+        (!key_m.is_empty()).then_some(Agreement { key_m, deviation, worst })
+    }
+}

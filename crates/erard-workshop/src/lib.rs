@@ -1,0 +1,11 @@
+//! What technicians and researchers do with an action: measure, regulate, study.
+//!
+//! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
+
+pub mod cores;
+pub mod kinematics;
+pub mod measure;
+pub mod regulate;
+pub mod regulation;
+pub mod study;
+pub mod weighing;

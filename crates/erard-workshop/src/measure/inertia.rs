@@ -1,0 +1,145 @@
+//! What mass the player feels at the key front: the kinetic energy of the whole action over half the square of the key front's
+//! speed, as it changes through the stroke.
+//!
+//! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at the same
+//! key travel ([`crate::kinematics`]), the damper's that of its contact with the key. Afterwards the jack slips away and the hammer
+//! flies by itself; no one mass stands for the action any more.
+
+use moreau::{Input, Outcome, Settings};
+use moreau_linkage::three_lever::StrokePose;
+
+use super::parts::Parts;
+use super::{Interrupt, MeasureError};
+use crate::kinematics::{DeriveError, derive};
+use erard::equilibrium;
+use erard::instrument::Instrument;
+use erard::mechanism::{Mechanism, mechanism};
+use erard::simulation::SimulationError;
+
+/// Points of the curve.
+const POINTS: usize = 40;
+/// Step, s.
+const STEP_S: f64 = 100e-6;
+/// Time from point to point, s: slow beside the hammer's swing on its felts.
+const BETWEEN_S: f64 = 0.03;
+
+/// Effective mass at the key front through the stroke.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InertiaCurve {
+    /// Key travel, m, from rest to where let-off begins.
+    pub key_m: Vec<f64>,
+    /// With the damper out of the key's reach, kg.
+    pub pedal_down_kg: Vec<f64>,
+    /// With the damper on the string: the same until the key lifts it, kg.
+    pub dampers_down_kg: Vec<f64>,
+    /// Half-way, with the damper out of reach.
+    pub half_way: Shares,
+}
+
+/// Whose mass it is, kg at the key front.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shares {
+    /// The key's.
+    pub key_kg: f64,
+    /// That of whippen, jack and repetition lever.
+    pub whippen_kg: f64,
+    /// The hammer's.
+    pub hammer_kg: f64,
+}
+
+impl Shares {
+    /// All of it.
+    #[must_use]
+    pub fn total_kg(&self) -> f64 {
+        self.key_kg + self.whippen_kg + self.hammer_kg
+    }
+}
+
+/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<InertiaCurve, MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let levers = derive(instrument)?.levers;
+    let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;
+    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
+    let rest_m = m.site_position();
+    let (mut pedal_down_kg, mut dampers_down_kg) = (Vec::new(), Vec::new());
+    let mut before_m = 0.0;
+    for pose in &poses {
+        if !going() {
+            return Err(SimulationError::Interrupted.into());
+        }
+        carry_on(m.as_mut(), rest_m, [before_m, pose.key])?;
+        before_m = pose.key;
+        let rates = Rates::new(instrument, &parts, pose);
+        pedal_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.all));
+        dampers_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.with_damper(&parts, m.as_ref())));
+    }
+    // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
+    let half =
+        poses.get(POINTS / 2).ok_or_else(|| MeasureError::NotAnAction("its levers stop before let-off".into()))?;
+    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
+    carry_on(m.as_mut(), rest_m, [0.0, half.key])?;
+    let rates = Rates::new(instrument, &parts, half);
+    let share = |of: &dyn Fn(usize) -> bool| {
+        let some: Vec<f64> = rates.all.iter().enumerate().map(|(b, rate)| if of(b) { *rate } else { 0.0 }).collect();
+        rates.mass(m.as_ref(), levers.key_front, &some)
+    };
+    let whippen: Vec<usize> = Parts::riders(instrument, parts.whippen).collect();
+    let half_way = Shares {
+        key_kg: share(&|b| b == parts.key),
+        whippen_kg: share(&|b| whippen.contains(&b)),
+        hammer_kg: share(&|b| b == parts.hammer),
+    };
+    Ok(InertiaCurve { key_m: poses.iter().map(|pose| pose.key).collect(), pedal_down_kg, dampers_down_kg, half_way })
+}
+
+/// Angular velocity of every body per unit of the key's.
+struct Rates {
+    all: Vec<f64>,
+}
+
+impl Rates {
+    fn new(instrument: &Instrument, parts: &Parts, pose: &StrokePose) -> Self {
+        let mut all = vec![0.0; instrument.bodies.len()];
+        all[parts.key] = 1.0;
+        all[parts.hammer] = pose.hammer_ratio;
+        for body in Parts::riders(instrument, parts.whippen) {
+            all[body] = pose.whippen_ratio;
+        }
+        Rates { all }
+    }
+
+    /// The damper follows where its contact with the key is closed.
+    fn with_damper(&self, parts: &Parts, m: &dyn Mechanism) -> Vec<f64> {
+        let mut all = self.all.clone();
+        if let Some((zone, damper)) = parts.damper.filter(|&(zone, _)| m.gap(zone) > 0.0) {
+            let row = m.gap_row(zone);
+            all[damper] = -row[parts.key] / row[damper];
+        }
+        all
+    }
+
+    /// Twice the kinetic energy over the square of the key front's speed.
+    fn mass(&self, m: &dyn Mechanism, key_front_m: f64, rates: &[f64]) -> f64 {
+        2.0 * m.energies_at(rates).kinetic / (key_front_m * key_front_m)
+    }
+}
+
+/// Moves the finger on, from one depth to the next.
+fn carry_on(m: &mut dyn Mechanism, rest_m: f64, [from_m, to_m]: [f64; 2]) -> Result<(), MeasureError> {
+    let steps = (BETWEEN_S / STEP_S) as u64;
+    for n in 0..steps {
+        let s = (n as f64 + 0.5) / steps as f64;
+        let position = rest_m + from_m + s * (to_m - from_m);
+        let input = Input::Motion { position, velocity: (to_m - from_m) / BETWEEN_S };
+        if m.step(&input).outcome == Outcome::NonFinite {
+            return Err(SimulationError::NonFinite { time_s: n as f64 * STEP_S }.into());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! The technician's measurements: weights on the key, parts on the scale, force over travel, inertia, timing, repetition.
+//!
+//! Everything is measured in simulation, in the way in which it is measured on a piano, and where the masses and the geometry of
+//! the instrument file give the same quantity by themselves, that stands beside it.
+//!
+//! Grams are forces here, as in the trade: a force over the instrument's gravity. Key travel is that of the key front from its
+//! rest, down positive.
+
+pub mod inertia;
+pub mod norms;
+mod parts;
+pub mod range;
+pub mod repetition;
+mod sheet;
+mod slow_loop;
+pub mod timing;
+mod trial;
+pub mod weights;
+
+pub use crate::cores::Interrupt;
+pub use parts::{Parts, pedal_down};
+pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure};
+pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
+
+use moreau::ModelError;
+use thiserror::Error;
+
+use crate::cores::Ending;
+use crate::kinematics::DeriveError;
+use crate::regulation;
+use erard::equilibrium::EquilibriumError;
+use erard::simulation::SimulationError;
+
+/// Why an instrument cannot be measured.
+#[derive(Debug, Error)]
+pub enum MeasureError {
+    /// A part is not there.
+    #[error("this is no piano action that a technician could measure: {0}")]
+    NotAnAction(String),
+    /// No grand action.
+    #[error(transparent)]
+    Anatomy(#[from] regulation::AnatomyError),
+    /// No three levers.
+    #[error(transparent)]
+    Levers(#[from] DeriveError),
+    /// No rest.
+    #[error(transparent)]
+    Equilibrium(#[from] EquilibriumError),
+    /// Not assembled.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A run failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The distances cannot be measured.
+    #[error(transparent)]
+    Distances(#[from] regulation::MeasureError),
+    /// A measurement ended without a result or an error: its thread died.
+    #[error("a measurement ended without a result")]
+    Lost,
+}
+
+impl MeasureError {
+    /// Whether the caller asked to stop.
+    #[must_use]
+    pub fn is_interruption(&self) -> bool {
+        matches!(
+            self,
+            MeasureError::Simulation(SimulationError::Interrupted)
+                | MeasureError::Equilibrium(EquilibriumError::Interrupted)
+                | MeasureError::Distances(regulation::MeasureError::Interrupted)
+        )
+    }
+}
+
+impl Ending for MeasureError {
+    fn is_interruption(&self) -> bool {
+        MeasureError::is_interruption(self)
+    }
+}

@@ -1,0 +1,128 @@
+//! From the softest blow that reaches the string to the loudest: hammer speed against the force on the key.
+
+use moreau::Settings;
+
+use super::parts::Parts;
+use super::{Interrupt, MeasureError};
+use erard::instrument::Instrument;
+use erard::run::Run;
+use erard::simulation::{Drive, Setup, simulate};
+
+/// Step, s.
+const STEP_S: f64 = 50e-6;
+/// A press that has not sounded by then does not, s: the published slowest take 0.25 s.
+const PATIENCE_S: f64 = 0.8;
+/// Constant forces on the key, N: from what starts it to the most that has been published for a fortissimo, and beyond.
+pub const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
+/// Softest force: searched below this, to this, N.
+const LARGEST_SOFT_N: f64 = 10.0;
+const CLOSE_N: f64 = 2e-4;
+
+/// Hammer speed under a constant force.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Loudness {
+    /// Constant force on the key front, from rest, N.
+    #[serde(rename = "force_N")]
+    pub force_n: f64,
+    /// Speed of the strike point at the string, m/s; `None` where it does not reach it.
+    pub hammer_speed_m_s: Option<f64>,
+    /// The same as MIDI velocity; see [`midi_velocity`].
+    pub midi_velocity: Option<u8>,
+}
+
+/// The softest blow that reaches the string.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Softest {
+    /// The constant force, N.
+    pub force_n: f64,
+    /// Speed of the strike point when it was pushed for the last time, m/s.
+    pub let_off_speed_m_s: f64,
+    /// How far it then had to fly, m.
+    pub flight_m: f64,
+    /// How long it flew, s.
+    pub flight_s: f64,
+    /// What the hammer's own fall makes of that distance: sqrt(2 a d), m/s; see [`fall_m_s2`].
+    pub fall_speed_m_s: f64,
+}
+
+/// MIDI velocity of a hammer speed (m/s): 52 + 25 log2(speed), from 1 to 127.
+///
+/// The map with which W. Goebl, The Role of Timing and Intensity in the Production and Perception of Melody in Expressive Piano
+/// Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) turned hammer speeds of a Bösendorfer SE290 into MIDI
+/// velocities. Other instruments have others: it is declared, not measured.
+#[must_use]
+pub fn midi_velocity(speed_m_s: f64) -> Option<u8> {
+    (speed_m_s > 0.0).then(|| (52.0 + 25.0 * speed_m_s.log2()).round().clamp(1.0, 127.0) as u8)
+}
+
+/// What that map is, for people.
+pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), Goebl 2003 (Bösendorfer SE290)";
+
+/// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2: weight
+/// and the pivot's dry friction about the pin over the inertia.
+#[must_use]
+pub fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
+    let body = &instrument.bodies[hammer];
+    let moment = body.mass_kg * instrument.gravity_m_s2 * body.center_of_mass_m[0] + body.friction_torque_n_m;
+    let [along, above] = instrument.roles.hammer_head_m;
+    moment / body.inertia_kg_m2 * along.hypot(above)
+}
+
+/// Hammer speed at each of [`FORCES_N`]; `each` is told how many are done.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Loudness>, MeasureError> {
+    FORCES_N
+        .into_iter()
+        .map(|force_n| {
+            let hammer_speed_m_s = press(instrument, force_n, going)?.events.hammer_speed_m_s;
+            Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity: hammer_speed_m_s.and_then(midi_velocity) })
+        })
+        .collect()
+}
+
+/// The smallest constant force from rest that makes the hammer reach the string, by bisection; `None` when 10 N do not.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<Softest>, MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let (mut low, mut high) = (0.0, LARGEST_SOFT_N);
+    let mut blow = press(instrument, high, going)?;
+    if blow.events.hammer_contact_s.is_none() {
+        return Ok(None);
+    }
+    while high - low > CLOSE_N {
+        let middle = 0.5 * (low + high);
+        let run = press(instrument, middle, going)?;
+        if run.events.hammer_contact_s.is_some() {
+            (high, blow) = (middle, run);
+        } else {
+            low = middle;
+        }
+    }
+    let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s) else { return Ok(None) };
+    let row = |t: f64| blow.time_s.partition_point(|&time| time < t).min(blow.time_s.len() - 1);
+    let [along, above] = instrument.roles.hammer_head_m;
+    let flight_m = blow.hammer_head_m[row(contact)] - blow.hammer_head_m[row(off)];
+    let rate = blow.bodies[parts.hammer].rate_rad_per_s[row(off)];
+    Ok(Some(Softest {
+        force_n: high,
+        let_off_speed_m_s: rate.abs() * along.hypot(above),
+        flight_m,
+        flight_s: contact - off,
+        fall_speed_m_s: (2.0 * fall_m_s2(instrument, parts.hammer) * flight_m.max(0.0)).sqrt(),
+    }))
+}
+
+fn press(instrument: &Instrument, force_n: f64, going: Interrupt<'_>) -> Result<Run, MeasureError> {
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: PATIENCE_S,
+        record_every: Some(1),
+        tolerance: None,
+    };
+    Ok(simulate(instrument, &Drive::Force(&|_| force_n), &setup, &mut |_| going())?)
+}

@@ -1,0 +1,379 @@
+//! The protocol sheet: everything that a technician writes down about an action.
+
+use serde::Serialize;
+
+use super::inertia::{InertiaCurve, inertia};
+use super::norms::{Flag, flags};
+use super::parts::{Parts, pedal_down};
+use super::range::{Loudness, Softest, midi_velocity, softest, speed_against_force};
+use super::repetition::{PRESS_N, Repetition, repetition};
+use super::slow_loop::{SlowLoop, SlowWay, slow_loop};
+use super::timing::{Timing, timing};
+use super::weights::{
+    FreeWay, HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, free_way, on_the_key, on_the_scale,
+};
+use super::{MeasureError, range};
+use crate::cores::{self, do_all, job};
+use crate::regulation::{self, Distances, Protocol};
+use erard::instrument::Instrument;
+use erard::stroke::Touch as FingerTouch;
+
+const MM_PER_M: f64 = 1e3;
+const MS_PER_S: f64 = 1e3;
+/// How far the finger of the hysteresis loop presses into the punching, m: some six newtons by its softness.
+const INTO_PUNCHING_M: f64 = 0.3e-3;
+/// How many points of a loop are kept on the sheet, at most.
+const LOOP_POINTS: usize = 600;
+
+/// The sheet of one action. Grams are gram-forces at the key front or on the scale, millimetres as a technician measures them;
+/// `None` (JSON `null`) is what did not happen or what there is no part for.
+#[derive(Debug, Clone, Serialize)]
+#[allow(non_snake_case)]
+pub struct Sheet {
+    /// Instrument name.
+    pub instrument: String,
+    /// Pedal down, by trial with weights, g.
+    pub down_weight_g: Option<f64>,
+    /// The same, g.
+    pub up_weight_g: Option<f64>,
+    /// (D + U) / 2, g.
+    pub balance_weight_g: Option<f64>,
+    /// (D - U) / 2, g.
+    pub friction_weight_g: Option<f64>,
+    /// Dampers on the strings, by trial with weights.
+    pub dampers_down: Option<TouchNumbers>,
+    /// Pedal down, from the slow loop: the cross-check.
+    pub by_slow_loop: TouchNumbers,
+    /// Key on the scale, g.
+    pub front_weight_g: f64,
+    /// Hammer on the scale, g.
+    pub strike_weight_g: f64,
+    /// Whippen on the scale, g.
+    pub whippen_weight_g: f64,
+    /// Grams at the front per gram over the capstan.
+    pub key_ratio: f64,
+    /// R by the equation of balance.
+    pub strike_weight_ratio_weights: Option<f64>,
+    /// The same from the slow loop's two forces half-way, where friction takes as much from one as it adds to the other: the law
+    /// at one place.
+    pub strike_weight_ratio_weights_half_way: Option<f64>,
+    /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
+    pub strike_weight_ratio_kinematics: f64,
+    /// The ratio at rest,
+    pub strike_weight_ratio_kinematics_at_rest: f64,
+    /// half-way to where let-off begins,
+    pub strike_weight_ratio_kinematics_half_way: f64,
+    /// and there.
+    pub strike_weight_ratio_kinematics_at_let_off: f64,
+    /// Key travel to its bottom, mm.
+    pub dip_mm: Option<f64>,
+    /// Hammer to string at rest, mm.
+    pub blow_mm: Option<f64>,
+    /// Key travel before the hammer moves, mm.
+    pub lost_motion_mm: Option<f64>,
+    /// Key travel at which jack or lever meets its stop, mm.
+    pub let_off_begins_mm: Option<f64>,
+    /// Hammer to string where a slow press lets it fall, mm.
+    pub let_off_mm: Option<f64>,
+    /// How far it then falls, mm.
+    pub drop_mm: Option<f64>,
+    /// Key travel left after let-off, mm.
+    pub aftertouch_mm: Option<f64>,
+    /// Hammer to string in the check, mm.
+    pub check_mm: Option<f64>,
+    /// How far the repetition spring lifts the hammer from the check, mm.
+    pub repetition_rise_mm: Option<f64>,
+    /// How fast, m/s: the strength of the spring as the eye judges it.
+    pub repetition_spring_m_s: Option<f64>,
+    /// Key travel when the damper starts, a share of the dip.
+    pub damper_start_share: Option<f64>,
+    /// Effective mass at the key front, half-way to where let-off begins, pedal down, kg.
+    pub effective_inertia_kg: f64,
+    /// Of which the key's, the whippen's and the hammer's.
+    pub effective_inertia_key_kg: f64,
+    /// See there.
+    pub effective_inertia_whippen_kg: f64,
+    /// See there.
+    pub effective_inertia_hammer_kg: f64,
+    /// Blows per second, the key fully released.
+    pub repetition_rate_hz: Option<f64>,
+    /// Blows per second, the key released to half its dip.
+    pub repetition_rate_half_hz: Option<f64>,
+    /// The finger's force while it repeats, N.
+    pub repetition_force_N: f64,
+    /// Smallest constant force that sounds the note, N.
+    pub softest_force_N: Option<f64>,
+    /// The hammer's speed when it is then let off, m/s.
+    pub softest_let_off_speed_m_s: Option<f64>,
+    /// What sqrt(2 a d) makes of the way that it then flies, m/s.
+    pub softest_fall_speed_m_s: Option<f64>,
+    /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger feels of
+    /// let-off.
+    pub let_off_resistance_N: Option<f64>,
+    /// Work that a slow way to the bottom and back takes, pedal down, mJ.
+    pub loop_loss_mJ: f64,
+    /// Hammer speed against constant force.
+    pub dynamic_range: Vec<Loudness>,
+    /// How speeds become MIDI velocities.
+    pub midi_map: &'static str,
+    /// Built-in strokes: what happens when.
+    pub timing: Vec<TimingRow>,
+    /// Force over travel, pedal down, to the bottom and back.
+    pub hysteresis: LoopNumbers,
+    /// The same with the dampers on the strings.
+    pub hysteresis_dampers_down: Option<LoopNumbers>,
+    /// Effective mass through the stroke.
+    pub inertia: InertiaNumbers,
+    /// What is out of the norm.
+    pub flags: Vec<Flag>,
+}
+
+/// D, U, BW and F of one kind, g.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TouchNumbers {
+    /// D.
+    pub down_weight_g: Option<f64>,
+    /// U.
+    pub up_weight_g: Option<f64>,
+    /// BW.
+    pub balance_weight_g: Option<f64>,
+    /// F.
+    pub friction_weight_g: Option<f64>,
+}
+
+impl From<Touch> for TouchNumbers {
+    fn from(touch: Touch) -> Self {
+        TouchNumbers {
+            down_weight_g: touch.down_weight_g,
+            up_weight_g: touch.up_weight_g,
+            balance_weight_g: touch.balance_weight_g(),
+            friction_weight_g: touch.friction_weight_g(),
+        }
+    }
+}
+
+/// A slow loop: key travel (mm) and force (N), way down and way up.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct LoopNumbers {
+    /// mm.
+    pub down_key_mm: Vec<f64>,
+    /// N.
+    pub down_force_N: Vec<f64>,
+    /// mm.
+    pub up_key_mm: Vec<f64>,
+    /// N.
+    pub up_force_N: Vec<f64>,
+}
+
+impl From<&SlowLoop> for LoopNumbers {
+    fn from(slow: &SlowLoop) -> Self {
+        let thin = |way: &SlowWay| {
+            let every = way.key_m.len().div_ceil(LOOP_POINTS).max(1);
+            let kept = |series: &[f64], factor: f64| series.iter().step_by(every).map(|x| x * factor).collect();
+            (kept(&way.key_m, MM_PER_M), kept(&way.force_n, 1.0))
+        };
+        let ((down_key_mm, down), (up_key_mm, up)) = (thin(&slow.down), thin(&slow.up));
+        LoopNumbers { down_key_mm, down_force_N: down, up_key_mm, up_force_N: up }
+    }
+}
+
+/// Effective mass (kg) over key travel (mm).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InertiaNumbers {
+    /// mm.
+    pub key_mm: Vec<f64>,
+    /// kg.
+    pub pedal_down_kg: Vec<f64>,
+    /// kg.
+    pub dampers_down_kg: Vec<f64>,
+}
+
+/// One row of the timing sheet. Milliseconds since key start; `None` is what did not happen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(non_snake_case)]
+pub struct TimingRow {
+    /// `pp` to `ff`.
+    pub nuance: &'static str,
+    /// `pressed` or `struck`.
+    pub touch: &'static str,
+    /// Largest force on the key, N.
+    pub peak_force_N: f64,
+    /// Key start after the finger's, ms.
+    pub key_start_ms: Option<f64>,
+    /// The last push on the knuckle.
+    pub let_off_ms: Option<f64>,
+    /// The hammer meets the string.
+    pub hammer_contact_ms: Option<f64>,
+    /// The key meets its punching.
+    pub key_bottom_ms: Option<f64>,
+    /// From let-off to the string, ms.
+    pub free_flight_ms: Option<f64>,
+    /// Hammer contact before key bottom, ms; negative: after it.
+    pub hammer_before_bottom_ms: Option<f64>,
+    /// m/s.
+    pub hammer_speed_m_s: Option<f64>,
+    /// Of that speed.
+    pub midi_velocity: Option<u8>,
+}
+
+impl From<&Timing> for TimingRow {
+    fn from(t: &Timing) -> Self {
+        let ms = |s: Option<f64>| s.map(|s| s * MS_PER_S);
+        let since = |event| ms(t.since_key_start(event));
+        let e = &t.events;
+        TimingRow {
+            nuance: t.nuance,
+            touch: match t.touch {
+                FingerTouch::Pressed => "pressed",
+                FingerTouch::Struck => "struck",
+            },
+            peak_force_N: t.peak_force_n,
+            key_start_ms: ms(e.key_start_s),
+            let_off_ms: since(e.let_off_s),
+            hammer_contact_ms: since(e.hammer_contact_s),
+            key_bottom_ms: since(e.key_bottom_s),
+            free_flight_ms: ms(e.free_flight_s()),
+            hammer_before_bottom_ms: ms(t.hammer_before_bottom_s()),
+            hammer_speed_m_s: e.hammer_speed_m_s,
+            midi_velocity: e.hammer_speed_m_s.and_then(midi_velocity),
+        }
+    }
+}
+
+/// What the jobs leave behind.
+#[derive(Default)]
+struct Results {
+    touch: Option<KeyWeights>,
+    damped: Option<KeyWeights>,
+    inertia: Option<InertiaCurve>,
+    full: Option<Option<Repetition>>,
+    half: Option<Option<Repetition>>,
+    softest: Option<Option<Softest>>,
+    loudness: Option<Vec<Loudness>>,
+    timing: Option<Vec<Timing>>,
+    hysteresis: Option<SlowLoop>,
+    hysteresis_damped: Option<SlowLoop>,
+}
+
+/// Measures an action from end to end. `progress` is told the share that is done, and ends the work by returning false.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Sheet, MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    // What everything else is measured against comes first: a tenth of the work.
+    const FIRST: f64 = 0.1;
+    let (mut way, mut distances) = (None, None);
+    let first = vec![
+        job(&mut way, |going| free_way(&lifted, &parts, going)),
+        job(&mut distances, |going| Ok(regulation::measure(instrument, &Protocol::default(), &mut || going())?)),
+    ];
+    do_all(first, cores::count(), &mut |share| progress(FIRST * share))?;
+    let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };
+    let Some(dip) = distances.dip_m else {
+        return Err(MeasureError::NotAnAction("pressed firmly, the key meets no bottom".into()));
+    };
+
+    let mut r = Results::default();
+    let deep = dip + INTO_PUNCHING_M;
+    let mut jobs = vec![
+        job(&mut r.touch, |going| on_the_key(&lifted, way.end_m, going)),
+        job(&mut r.softest, |going| softest(instrument, going)),
+        job(&mut r.loudness, |going| speed_against_force(instrument, going)),
+        job(&mut r.hysteresis, |going| slow_loop(&lifted, deep, going)),
+        job(&mut r.full, |going| repetition(instrument, HOME_M, going)),
+        job(&mut r.half, |going| repetition(instrument, 0.5 * dip, going)),
+        job(&mut r.timing, |going| timing(instrument, going)),
+        job(&mut r.inertia, |going| inertia(instrument, way.end_m, going)),
+    ];
+    if parts.damper.is_some() {
+        jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, way.end_m, going)));
+        jobs.push(job(&mut r.hysteresis_damped, |going| slow_loop(instrument, deep, going)));
+    }
+    do_all(jobs, cores::count(), &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
+    let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
+    let scale = on_the_scale(instrument, &parts, way.end_m, decided_m)?;
+    r.sheet(instrument, way, &distances, scale).ok_or(MeasureError::Lost)
+}
+
+impl Results {
+    /// The sheet; `None` if a job left nothing behind.
+    fn sheet(
+        self,
+        instrument: &Instrument,
+        way: FreeWay,
+        distances: &Distances,
+        (parts, ratio): (PartWeights, StrikeRatio),
+    ) -> Option<Sheet> {
+        let (touch, curve) = (self.touch?, self.inertia?);
+        let (full, half, soft, hysteresis) = (self.full?, self.half?, self.softest?, self.hysteresis?);
+        let tried = TouchNumbers::from(touch.by_weights);
+        let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
+        let half_way_balance = touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2);
+        let mut sheet = Sheet {
+            instrument: instrument.name.clone(),
+            down_weight_g: tried.down_weight_g,
+            up_weight_g: tried.up_weight_g,
+            balance_weight_g: tried.balance_weight_g,
+            friction_weight_g: tried.friction_weight_g,
+            dampers_down: self.damped.map(|key| key.by_weights.into()),
+            by_slow_loop: touch.by_loop.into(),
+            front_weight_g: parts.front_weight_g,
+            strike_weight_g: parts.strike_weight_g,
+            whippen_weight_g: parts.whippen_weight_g,
+            key_ratio: parts.key_ratio,
+            strike_weight_ratio_weights: tried.balance_weight_g.and_then(|bw| parts.strike_weight_ratio(bw)),
+            strike_weight_ratio_weights_half_way: half_way_balance.and_then(|bw| parts.strike_weight_ratio(bw)),
+            strike_weight_ratio_kinematics: ratio.where_weighed,
+            strike_weight_ratio_kinematics_half_way: ratio.half_way,
+            strike_weight_ratio_kinematics_at_rest: ratio.at_rest,
+            strike_weight_ratio_kinematics_at_let_off: ratio.at_let_off,
+            dip_mm: mm(distances.dip_m),
+            blow_mm: mm(distances.blow_m),
+            lost_motion_mm: mm(distances.lost_motion_m),
+            let_off_begins_mm: mm(way.let_off.then_some(way.end_m)),
+            let_off_mm: mm(distances.let_off_m),
+            drop_mm: mm(distances.drop_m),
+            aftertouch_mm: mm(distances.aftertouch_m),
+            check_mm: mm(distances.check_m),
+            repetition_rise_mm: mm(distances.repetition_rise_m),
+            repetition_spring_m_s: distances.spring_m_s,
+            damper_start_share: distances.damper_start,
+            effective_inertia_kg: curve.half_way.total_kg(),
+            effective_inertia_key_kg: curve.half_way.key_kg,
+            effective_inertia_whippen_kg: curve.half_way.whippen_kg,
+            effective_inertia_hammer_kg: curve.half_way.hammer_kg,
+            repetition_rate_hz: full.map(|r| r.rate_hz),
+            repetition_rate_half_hz: half.map(|r| r.rate_hz),
+            repetition_force_N: PRESS_N,
+            softest_force_N: soft.map(|s| s.force_n),
+            softest_let_off_speed_m_s: soft.map(|s| s.let_off_speed_m_s),
+            softest_fall_speed_m_s: soft.map(|s| s.fall_speed_m_s),
+            let_off_resistance_N: way.let_off.then(|| let_off_resistance(&hysteresis, way.end_m, distances)).flatten(),
+            loop_loss_mJ: hysteresis.lost_j() * 1e3,
+            dynamic_range: self.loudness?,
+            midi_map: range::MIDI_MAP,
+            timing: self.timing?.iter().map(TimingRow::from).collect(),
+            hysteresis: (&hysteresis).into(),
+            hysteresis_dampers_down: self.hysteresis_damped.as_ref().map(LoopNumbers::from),
+            inertia: InertiaNumbers {
+                key_mm: curve.key_m.iter().map(|m| m * MM_PER_M).collect(),
+                pedal_down_kg: curve.pedal_down_kg,
+                dampers_down_kg: curve.dampers_down_kg,
+            },
+            flags: Vec::new(),
+        };
+        sheet.flags = flags(&sheet);
+        Some(sheet)
+    }
+}
+
+/// The largest force between where let-off begins and half a millimetre before the bottom, less that where it begins, N.
+fn let_off_resistance(slow: &SlowLoop, begins_m: f64, distances: &Distances) -> Option<f64> {
+    let before = slow.down.force(begins_m - HOME_M)?;
+    let to_m = distances.dip_m? - HOME_M;
+    let most = slow.down.smoothed(begins_m, to_m).map(|(_, force)| force).reduce(f64::max)?;
+    Some(most - before)
+}

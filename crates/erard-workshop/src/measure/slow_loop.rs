@@ -1,0 +1,120 @@
+//! Force against displacement of a key that is moved so slowly that only weights, springs, felts and dry friction are left:
+//! the hysteresis loop.
+
+use moreau::Settings;
+
+use super::{Interrupt, MeasureError};
+use erard::instrument::Instrument;
+use erard::simulation::{Drive, Setup, simulate};
+
+/// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not damp;
+/// over eight seconds what is left of it is a few hundredths of a newton.
+const WAY_S: f64 = 8.0;
+/// Rest at the turning point, s.
+const TURN_S: f64 = 0.3;
+/// Step, s: the felts' own swings are slower than this by a factor of ten.
+const STEP_S: f64 = 100e-6;
+/// Every so many steps are kept: 4000 rows a way, two and a half micrometres of the key apart.
+const RECORD_EVERY: u64 = 20;
+/// Forces are means over this half-width of key travel, m: the hammer's swing goes out of them, and a peak, whose slopes are some
+/// grams per millimetre, is flattened by less than a tenth of a gram.
+const HALF_WINDOW_M: f64 = 0.05e-3;
+
+/// A slow way down and up again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlowLoop {
+    /// The way down.
+    pub down: SlowWay,
+    /// The way up, in the order of time: from the turning point to rest.
+    pub up: SlowWay,
+    /// Travel of the key front at which each zone first touched on the way down, m, in the instrument's order.
+    pub first_touch_m: Vec<Option<f64>>,
+    /// Steps that did not converge.
+    pub unconverged_steps: u64,
+}
+
+/// One way of a slow loop.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SlowWay {
+    /// Travel of the key front from rest, m, down positive.
+    pub key_m: Vec<f64>,
+    /// Force of the finger on the key front, N, down positive.
+    pub force_n: Vec<f64>,
+    /// Rise of the strike point from rest, m.
+    pub head_m: Vec<f64>,
+}
+
+/// Moves a soft finger slowly to `depth_m` below the key's rest, and back.
+///
+/// # Errors
+/// Of the simulation, and when interrupted.
+pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) -> Result<SlowLoop, MeasureError> {
+    // The smoothest start and stop: velocity and acceleration begin and end at nothing.
+    let ease = |s: f64| {
+        let s = s.clamp(0.0, 1.0);
+        [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) * (1.0 - s)]
+    };
+    let finger = |t: f64| {
+        let ([down, down_rate], [up, up_rate]) = (ease(t / WAY_S), ease((t - WAY_S - TURN_S) / WAY_S));
+        [depth_m * (down - up), depth_m * (down_rate - up_rate) / WAY_S]
+    };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: 2.0 * WAY_S + TURN_S,
+        record_every: Some(RECORD_EVERY),
+        tolerance: None,
+    };
+    let run = simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| going())?;
+    let way = |from: f64, to: f64| {
+        let rows = run.time_s.partition_point(|&t| t < from)..run.time_s.partition_point(|&t| t <= to);
+        SlowWay {
+            key_m: run.key_m[rows.clone()].to_vec(),
+            force_n: run.force_n[rows.clone()].to_vec(),
+            head_m: run.hammer_head_m.get(rows).unwrap_or_default().to_vec(),
+        }
+    };
+    let touched = run.time_s.partition_point(|&t| t <= WAY_S);
+    let first_touch = |forces: &[f64]| (0..touched).find(|&row| forces[row] > 0.0).map(|row| run.key_m[row]);
+    Ok(SlowLoop {
+        down: way(0.0, WAY_S),
+        up: way(WAY_S + TURN_S, f64::INFINITY),
+        first_touch_m: run.zones.iter().map(|zone| first_touch(&zone.normal_n)).collect(),
+        unconverged_steps: run.work.unconverged_steps,
+    })
+}
+
+impl SlowLoop {
+    /// Key travel at which the first of some zones touched on the way down, m.
+    #[must_use]
+    pub fn first_touch_of(&self, zones: &[usize]) -> Option<f64> {
+        zones.iter().filter_map(|&zone| self.first_touch_m[zone]).min_by(f64::total_cmp)
+    }
+
+    /// Work that the loop takes, J: the area between the way down and the way up.
+    #[must_use]
+    pub fn lost_j(&self) -> f64 {
+        let work = |way: &SlowWay| {
+            let rows = way.key_m.windows(2).zip(way.force_n.windows(2));
+            rows.map(|(key, force)| 0.5 * (force[0] + force[1]) * (key[1] - key[0])).sum::<f64>()
+        };
+        work(&self.down) + work(&self.up)
+    }
+}
+
+impl SlowWay {
+    /// The mean force around key travel `key_m`, N; `None` where the way does not pass.
+    #[must_use]
+    pub fn force(&self, key_m: f64) -> Option<f64> {
+        let near = self.key_m.iter().zip(&self.force_n).filter(|(key, _)| (*key - key_m).abs() <= HALF_WINDOW_M);
+        let (sum, count) = near.fold((0.0, 0_u32), |(sum, count), (_, force)| (sum + force, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// Key travel and mean force on a grid from `from_m` to `to_m`, every fiftieth of a millimetre.
+    pub fn smoothed(&self, from_m: f64, to_m: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+        const EVERY_M: f64 = 2e-5;
+        let points = ((to_m - from_m) / EVERY_M).floor().max(0.0) as usize;
+        (0..=points).map(move |i| from_m + i as f64 * EVERY_M).filter_map(|key| Some((key, self.force(key)?)))
+    }
+}

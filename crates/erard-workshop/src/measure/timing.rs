@@ -1,0 +1,64 @@
+//! The timing sheet: what happens when, from pianissimo to fortissimo, pressed and struck.
+
+use moreau::Settings;
+
+use super::{Interrupt, MeasureError};
+use erard::instrument::Instrument;
+use erard::run::Events;
+use erard::simulation::{Drive, Setup, simulate};
+use erard::stroke::{NUANCES, Series, Touch};
+
+/// Step, s.
+const STEP_S: f64 = 50e-6;
+
+/// One built-in stroke, force driven. Its forces are those that were written for the concert grand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Timing {
+    /// `pp`, `p`, `mf`, `f`, `ff`.
+    pub nuance: &'static str,
+    /// Pressed or struck.
+    pub touch: Touch,
+    /// Largest force on the key, N.
+    pub peak_force_n: f64,
+    /// What happened when.
+    pub events: Events,
+}
+
+impl Timing {
+    /// From key start to an event, s.
+    #[must_use]
+    pub fn since_key_start(&self, event: Option<f64>) -> Option<f64> {
+        Some(event? - self.events.key_start_s?)
+    }
+
+    /// How long before key bottom the hammer meets the string, s; negative when it comes later.
+    #[must_use]
+    pub fn hammer_before_bottom_s(&self) -> Option<f64> {
+        Some(self.events.key_bottom_s? - self.events.hammer_contact_s?)
+    }
+}
+
+/// Plays all built-in strokes, pressed ones first.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timing>, MeasureError> {
+    let mut sheet = Vec::new();
+    for touch in [Touch::Pressed, Touch::Struck] {
+        for nuance in NUANCES {
+            // Every one of them is there: a test reads them all.
+            let Some(series) = Series::builtin(nuance, touch) else { continue };
+            let Some(force) = &series.force else { continue };
+            let setup = Setup {
+                settings: Settings::new(STEP_S),
+                start_s: series.start_s(),
+                duration_s: series.end_s() - series.start_s(),
+                record_every: Some(100),
+                tolerance: None,
+            };
+            let run = simulate(instrument, &Drive::Force(&force.drive()), &setup, &mut |_| going())?;
+            sheet.push(Timing { nuance, touch, peak_force_n: run.peak_force_n, events: run.events });
+        }
+    }
+    Ok(sheet)
+}

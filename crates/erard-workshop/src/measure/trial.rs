@@ -1,0 +1,151 @@
+//! Weights laid on the key front: does the key sink, does it come up?
+//!
+//! The technician's own search. A weight is laid on the resting key, or on the key held just before let-off, and let go. A key
+//! that runs away is caught and let go again, so that none of its way is made by momentum: a weight is heavy enough when the
+//! key starts again from wherever it is stopped. The weight's own inertia is left out, for the motion is slow.
+
+use moreau::{Input, Outcome, Settings};
+
+use super::{Interrupt, MeasureError};
+use erard::equilibrium;
+use erard::instrument::Instrument;
+use erard::mechanism::{Mechanism, mechanism};
+use erard::simulation::SimulationError;
+
+/// Step, s: the key creeps, and a step half as long moves no weight by more than 0.03 g.
+const STEP_S: f64 = 400e-6;
+/// A key that has not arrived after this time does not sink or rise, s: caught all the way, a dip takes half of it.
+const PATIENCE_S: f64 = 40.0;
+/// A key that has stood still for so long will not start again, s.
+const STUCK_S: f64 = 0.1;
+/// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the energy to carry
+/// a tenth of a gram too little over a sixth of a millimetre.
+const CAUGHT_M_S: f64 = 0.001;
+/// A key that has arrived is caught there, too, and must go on by itself by so much, m.
+const FURTHER_M: f64 = 2e-5;
+/// The finger takes so long to bring the key to where it is let go, s.
+const APPROACH_S: f64 = 0.4;
+/// Search stops when heavy enough and too light are this close, N: a fiftieth of a gram.
+const CLOSE_N: f64 = 2e-4;
+/// A guess is first looked for within this, N: a gram and a half.
+const NEAR_N: f64 = 0.015;
+/// The smallest and the largest force that are tried, N: no action asks for 300 g, and one that must be pulled up with more
+/// than 100 g does not move.
+const TRIED_N: [f64; 2] = [-1.0, 3.0];
+
+/// The smallest force that makes the resting key sink to `to_m`, N; `None` when none that is tried does. `guess_n` is where to begin
+/// to search.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub(super) fn smallest_that_sinks(
+    instrument: &Instrument,
+    to_m: f64,
+    guess_n: Option<f64>,
+    going: Interrupt<'_>,
+) -> Result<Option<f64>, MeasureError> {
+    boundary(guess_n, &mut |force| moves(instrument, force, 0.0, to_m, going))
+}
+
+/// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried does.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub(super) fn largest_that_is_lifted(
+    instrument: &Instrument,
+    from_m: f64,
+    to_m: f64,
+    guess_n: Option<f64>,
+    going: Interrupt<'_>,
+) -> Result<Option<f64>, MeasureError> {
+    // Searched on the same axis: the smallest force that is no longer lifted.
+    boundary(guess_n, &mut |force| Ok(!moves(instrument, force, from_m, to_m, going)?))
+}
+
+/// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the answers around
+/// it are not no and yes, the whole range is searched.
+fn boundary(
+    guess_n: Option<f64>,
+    holds: &mut dyn FnMut(f64) -> Result<bool, MeasureError>,
+) -> Result<Option<f64>, MeasureError> {
+    let [mut low, mut high] = TRIED_N;
+    let near = guess_n.map(|guess| [guess - NEAR_N, guess + NEAR_N]);
+    match near {
+        Some(near) if !holds(near[0])? && holds(near[1])? => [low, high] = near,
+        _ if holds(low)? || !holds(high)? => return Ok(None),
+        _ => {}
+    }
+    while high - low > CLOSE_N {
+        let middle = 0.5 * (low + high);
+        if holds(middle)? {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(Some(0.5 * (low + high)))
+}
+
+/// Whether the key, let go at `from_m` under a force, arrives at `to_m`.
+fn moves(
+    instrument: &Instrument,
+    force_n: f64,
+    from_m: f64,
+    to_m: f64,
+    going: Interrupt<'_>,
+) -> Result<bool, MeasureError> {
+    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
+    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
+    let rest_m = m.site_position();
+    if from_m > 0.0 {
+        hold_at(m.as_mut(), instrument, rest_m, from_m)?;
+    }
+    let way = (to_m - from_m).signum();
+    let (mut still_s, mut before_m, mut arrived) = (0.0, m.site_position(), false);
+    for n in 0..(PATIENCE_S / STEP_S) as u64 {
+        if n % 4096 == 0 && !going() {
+            return Err(SimulationError::Interrupted.into());
+        }
+        step(m.as_mut(), &Input::Force(force_n), n as f64 * STEP_S)?;
+        let at_m = m.site_position();
+        let beyond_m = way * (at_m - rest_m - to_m);
+        if arrived && beyond_m >= FURTHER_M {
+            return Ok(true);
+        }
+        if !arrived && beyond_m >= 0.0 {
+            arrived = true;
+            m.stop();
+        }
+        let speed = (at_m - before_m) / STEP_S;
+        before_m = at_m;
+        still_s = if speed == 0.0 { still_s + STEP_S } else { 0.0 };
+        if still_s > STUCK_S {
+            return Ok(false);
+        }
+        if speed.abs() > CAUGHT_M_S {
+            m.stop();
+        }
+    }
+    Ok(false)
+}
+
+/// Brings the key slowly to `travel_m` and lets everything come to rest there.
+fn hold_at(m: &mut dyn Mechanism, instrument: &Instrument, rest_m: f64, travel_m: f64) -> Result<(), MeasureError> {
+    let steps = (APPROACH_S / STEP_S) as u64;
+    for n in 0..steps {
+        let s = (n as f64 + 0.5) / steps as f64;
+        let position = rest_m + travel_m * s * s * (3.0 - 2.0 * s);
+        let velocity = travel_m * 6.0 * s * (1.0 - s) / APPROACH_S;
+        step(m, &Input::Motion { position, velocity }, n as f64 * STEP_S)?;
+    }
+    let input = Input::Motion { position: rest_m + travel_m, velocity: 0.0 };
+    equilibrium::settle(m, instrument, &input, &mut || true)?;
+    Ok(())
+}
+
+fn step(m: &mut dyn Mechanism, input: &Input<f64>, time_s: f64) -> Result<(), MeasureError> {
+    match m.step(input).outcome {
+        Outcome::NonFinite => Err(SimulationError::NonFinite { time_s }.into()),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,290 @@
+//! Grams: at the key front, and of the parts on the scale; and the equation of balance between them.
+//!
+//! Down-weight D is the smallest weight on the key front that makes the resting key sink to where let-off begins, up-weight U the
+//! largest that the key, let go just before, lifts again; balance weight is their mean and friction weight half their
+//! difference. They are found twice: by trial with weights (`trial.rs`), and as the largest force of the way down and the
+//! smallest of the way up of a slow loop between the same places. With the weights of the parts, weighed as a technician does,
+//!
+//! BW + FW = KR WW + R SW        (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
+//!
+//! gives the strike-weight ratio R, which the geometry gives by itself: speed of a mass at the strike weight's place, with the
+//! shank level, over the speed of the key front.
+
+use super::parts::{Parts, pedal_down};
+use super::slow_loop::{SlowLoop, slow_loop};
+use super::trial::{largest_that_is_lifted, smallest_that_sinks};
+use super::{Interrupt, MeasureError};
+use crate::kinematics::{DeriveError, derive};
+use erard::instrument::{Body, Instrument, Vec2};
+
+/// A key this near to its rest has come up, m: the cloths that it rests on push from there.
+pub const HOME_M: f64 = 0.5e-3;
+/// Before let-off, for the up-weight, m of key travel: the button is not touched yet.
+const BEFORE_LET_OFF_M: f64 = 0.3e-3;
+/// A way that is shorter is none, m.
+const SHORTEST_WAY_M: f64 = 2.0 * HOME_M;
+/// How far a slow press goes that shows where the free way ends, m: a deep dip.
+const DEEP_M: f64 = 0.012;
+/// Grams per kilogram.
+const G_PER_KG: f64 = 1e3;
+
+/// Down-weight and up-weight of one kind, g; `None` where no weight that is tried makes the key sink, or come up.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct Touch {
+    /// D.
+    pub down_weight_g: Option<f64>,
+    /// U.
+    pub up_weight_g: Option<f64>,
+}
+
+impl Touch {
+    /// (D + U) / 2, g.
+    #[must_use]
+    pub fn balance_weight_g(&self) -> Option<f64> {
+        Some(0.5 * (self.down_weight_g? + self.up_weight_g?))
+    }
+
+    /// (D - U) / 2, g.
+    #[must_use]
+    pub fn friction_weight_g(&self) -> Option<f64> {
+        Some(0.5 * (self.down_weight_g? - self.up_weight_g?))
+    }
+}
+
+/// Weights on the key front, of an action whose damper lies on the string or hangs on the pedal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyWeights {
+    /// By trial with weights.
+    pub by_weights: Touch,
+    /// From the slow loop.
+    pub by_loop: Touch,
+    /// Key travel at which the loop's way down is hardest, and its way up weakest, m: the places that decide D and U.
+    pub decided_m: [f64; 2],
+    /// The slow loop between rest and just before let-off.
+    pub slow: SlowLoop,
+}
+
+impl KeyWeights {
+    /// Mean of the slow loop's forces down and up at one place, g.
+    #[must_use]
+    pub fn balance_weight_at(&self, key_m: f64, gravity_m_s2: f64) -> Option<f64> {
+        let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
+        Some(force / gravity_m_s2 * G_PER_KG)
+    }
+}
+
+/// The parts on the scale, and the ratios.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartWeights {
+    /// The key on its balance pin, level, its front on the scale, g.
+    pub front_weight_g: f64,
+    /// The hammer on its pin, its shank level, the strike point's place on the scale, g.
+    pub strike_weight_g: f64,
+    /// Whippen, jack and repetition lever on the whippen's pin, the place where the capstan touches on the scale, g.
+    pub whippen_weight_g: f64,
+    /// What a gram over the capstan's contact weighs at the key front.
+    pub key_ratio: f64,
+}
+
+/// R by the geometry. It falls on the way, and the balance weight is the mean of a weight that is decided near rest and one that is
+/// decided near let-off: where it was weighed, R is the mean of the ratios at these two places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrikeRatio {
+    /// Mean of the ratios where down-weight and up-weight are decided.
+    pub where_weighed: f64,
+    /// At rest.
+    pub at_rest: f64,
+    /// Half-way.
+    pub half_way: f64,
+    /// Where let-off begins.
+    pub at_let_off: f64,
+}
+
+/// All the weights of an action.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// The way that they are found on.
+    pub free_way: FreeWay,
+    /// With the pedal down, as the trade measures: the damper is out of the key's reach.
+    pub pedal_down: KeyWeights,
+    /// With the damper on the string; `None` where the key lifts none.
+    pub dampers_down: Option<KeyWeights>,
+    /// On the scale.
+    pub parts: PartWeights,
+    /// By the geometry.
+    pub strike_ratio: StrikeRatio,
+}
+
+impl Weights {
+    /// R from the equation of balance, from the weights found by trial.
+    #[must_use]
+    pub fn strike_weight_ratio(&self) -> Option<f64> {
+        self.parts.strike_weight_ratio(self.pedal_down.by_weights.balance_weight_g()?)
+    }
+}
+
+impl PartWeights {
+    /// R of the equation of balance at a balance weight.
+    #[must_use]
+    pub fn strike_weight_ratio(&self, balance_weight_g: f64) -> Option<f64> {
+        let top = balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g;
+        (self.strike_weight_g != 0.0).then(|| top / self.strike_weight_g)
+    }
+}
+
+/// Weighs an action.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    let free_way = free_way(&lifted, &parts, going)?;
+    let dampers_down = match parts.damper {
+        Some(_) => Some(on_the_key(instrument, free_way.end_m, going)?),
+        None => None,
+    };
+    let pedal_down = on_the_key(&lifted, free_way.end_m, going)?;
+    let (parts, strike_ratio) = on_the_scale(instrument, &parts, free_way.end_m, pedal_down.decided_m)?;
+    Ok(Weights { free_way, pedal_down, dampers_down, parts, strike_ratio })
+}
+
+/// The way of the key on which its weights are found: from rest to where something ends it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeWay {
+    /// Key travel at its end, m.
+    pub end_m: f64,
+    /// Whether let-off ends it, as it should: not the hammer against the string or the key on its punching.
+    pub let_off: bool,
+}
+
+/// Presses the key slowly until jack or lever meets its stop; in an action that is out of order, until the hammer blocks against
+/// the string or the key is down.
+///
+/// # Errors
+/// When there is no such way, or the run fails.
+pub fn free_way(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<FreeWay, MeasureError> {
+    let press = slow_loop(instrument, DEEP_M, going)?;
+    let roles = &instrument.roles;
+    let others: Vec<usize> = roles.string.into_iter().chain(roles.key_bottom).collect();
+    let (let_off, other) = (press.first_touch_of(&parts.let_off_stops), press.first_touch_of(&others));
+    let is_first = let_off.is_some_and(|let_off| other.is_none_or(|other| let_off <= other));
+    let end_m = if is_first { let_off } else { other };
+    match end_m {
+        Some(end_m) if end_m > SHORTEST_WAY_M => Ok(FreeWay { end_m, let_off: is_first }),
+        Some(end_m) => Err(MeasureError::NotAnAction(format!(
+            "pressed slowly, the key goes {:.1} mm before let-off, string or punching end its free way",
+            end_m * 1e3
+        ))),
+        None => Err(MeasureError::NotAnAction(format!(
+            "pressed slowly by {} mm, nothing lets the hammer off, and neither does it meet the string nor the key its punching",
+            DEEP_M * 1e3
+        ))),
+    }
+}
+
+/// Down-weight and up-weight from a slow loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopWeights {
+    /// Largest force of the way down, smallest of the way up.
+    pub touch: Touch,
+    /// Key travel at which the way down is hardest, and the way up weakest, m.
+    pub decided_m: [f64; 2],
+    /// The loop between rest and just before let-off.
+    pub slow: SlowLoop,
+}
+
+/// Down-weight and up-weight of an action as it stands from a slow loop alone: a tenth of the work of trials with weights.
+///
+/// # Errors
+/// Where there is no gravity, and those of the run.
+pub fn by_loop(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<LoopWeights, MeasureError> {
+    if instrument.gravity_m_s2 <= 0.0 {
+        return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
+    }
+    let turn_m = way_m - BEFORE_LET_OFF_M;
+    let grams = |force: f64| force / instrument.gravity_m_s2 * G_PER_KG;
+    // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
+    let slow = slow_loop(instrument, way_m, going)?;
+    let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
+    let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
+    let touch = Touch {
+        down_weight_g: hardest.map(|(_, force)| grams(force)),
+        up_weight_g: weakest.map(|(_, force)| grams(force)),
+    };
+    let decided_m = [hardest.map_or(0.0, |(key, _)| key), weakest.map_or(turn_m, |(key, _)| key)];
+    Ok(LoopWeights { touch, decided_m, slow })
+}
+
+/// Down-weight and up-weight of an action as it stands, its damper as it hangs.
+///
+/// # Errors
+/// Where there is no gravity, and those of the runs.
+pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<KeyWeights, MeasureError> {
+    let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(instrument, way_m, going)?;
+    let turn_m = way_m - BEFORE_LET_OFF_M;
+    let gram_n = instrument.gravity_m_s2 / G_PER_KG;
+    let grams = |force: Option<f64>| force.map(|force| force / gram_n);
+    let [down_n, up_n] = [by_loop.down_weight_g, by_loop.up_weight_g].map(|weight| weight.map(|g| g * gram_n));
+    let by_weights = Touch {
+        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, going)?),
+        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, going)?),
+    };
+    Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
+}
+
+/// Weighs the parts as they come off the action, from masses, centres of mass and where they touch at rest; and finds the
+/// strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight were decided.
+///
+/// # Errors
+/// When no three levers are found in it.
+pub fn on_the_scale(
+    instrument: &Instrument,
+    parts: &Parts,
+    way_m: f64,
+    decided_m: [f64; 2],
+) -> Result<(PartWeights, StrikeRatio), MeasureError> {
+    let levers = derive(instrument)?.levers;
+    let train = levers.assemble().map_err(DeriveError::from)?;
+    let bodies = &instrument.bodies;
+    let key = &bodies[parts.key];
+    let hammer = &bodies[parts.hammer];
+    // From the key's pivot, in the world at rest.
+    let [capstan, _] = levers.contact_points(&train.rest());
+    let key_front_m = levers.key_front;
+    let drawn = |body: &Body, [x, y]: Vec2| {
+        let (s, c) = body.angle_rad.sin_cos();
+        c * x - s * y
+    };
+    // The whippen with what rides on it, level as drawn.
+    let mut whippen_moment = 0.0;
+    for body in Parts::riders(instrument, parts.whippen) {
+        let mut x = drawn(&bodies[body], bodies[body].center_of_mass_m);
+        let mut at = body;
+        while at != parts.whippen {
+            let Some(parent) = bodies[at].parent else { break };
+            x += drawn(&bodies[parent], bodies[at].pivot_m);
+            at = parent;
+        }
+        whippen_moment += bodies[body].mass_kg * x;
+    }
+    let weights = PartWeights {
+        front_weight_g: -G_PER_KG * key.mass_kg * drawn(key, key.center_of_mass_m) / key_front_m,
+        // In the hammer's own frame, which lies along the shank: the shank is level on the scale.
+        strike_weight_g: G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_head_m[0],
+        whippen_weight_g: G_PER_KG * whippen_moment / (capstan[0] - levers.whippen_pivot[0]),
+        key_ratio: capstan[0] / key_front_m,
+    };
+    // A mass at the strike weight's place: at the hammer's arm with the shank level.
+    let ratio = |key_m: f64| match &train.stroke(key_m, key_m, 0).poses[..] {
+        [pose] => Ok(pose.hammer_ratio * levers.head[0] / levers.key_front),
+        _ => Err(MeasureError::NotAnAction("its levers do not reach as far as let-off".into())),
+    };
+    let ratios = StrikeRatio {
+        where_weighed: 0.5 * (ratio(decided_m[0])? + ratio(decided_m[1])?),
+        at_rest: ratio(0.0)?,
+        half_way: ratio(0.5 * way_m)?,
+        at_let_off: ratio(way_m)?,
+    };
+    Ok((weights, ratios))
+}

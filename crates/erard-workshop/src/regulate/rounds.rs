@@ -1,0 +1,341 @@
+//! The order of work, and round after round of it until no goal is disturbed by another.
+
+use std::cell::Cell;
+use std::time::Instant;
+
+use super::screw::{KnownScrew, known_screw, way};
+use super::search::{Search, Turning};
+use super::workshop::Workshop;
+use super::{Goal, RegulateError, Specification};
+use crate::regulation::{Distances, Protocol};
+use erard::instrument::{Instrument, ScrewAction};
+
+/// Most rounds: what has not settled by then will not.
+const MOST_ROUNDS: u32 = 8;
+/// Most measurements for one goal in one round.
+const MOST_TRIES: u32 = 14;
+/// Most measurements to meet a goal again while another's screw is turned.
+const MOST_TRIES_TO_KEEP: u32 = 6;
+/// A screw is turned until its goal is met to this share of its tolerance, so that what comes after may disturb it a little.
+const WORKING_SHARE: f64 = 0.3;
+/// Rounds that an end of the work is guessed at, for the share that progress shows.
+const USUAL_ROUNDS: f64 = 4.0;
+/// How far the drop screw is turned out of the way at once, m, and how many times at most.
+const OUT_OF_THE_WAY_M: f64 = 0.3e-3;
+/// See [`OUT_OF_THE_WAY_M`].
+const MOST_OUT_OF_THE_WAY: u32 = 5;
+/// A drop that tells that the drop screw is out of the way, m: more than twice the usual one.
+const FAR_DROP_M: f64 = 3.5e-3;
+
+/// How far the work has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Status {
+    /// Round, from 1.
+    pub round: u32,
+    /// What is being regulated; `None` while the action is measured as a whole.
+    pub goal: Option<Goal>,
+    /// Simulations made so far.
+    pub simulations: u32,
+    /// Share done, by a guess at the number of rounds.
+    pub share: f64,
+}
+
+/// What became of a goal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Achieved {
+    /// The goal.
+    pub goal: Goal,
+    /// What was asked for, m, m/s, or share.
+    pub target: f64,
+    /// What was there before; `None` where it did not happen.
+    pub before: Option<f64>,
+    /// What is there now.
+    pub after: Option<f64>,
+    /// Why it is not met, if it is not; `after` is then the nearest found.
+    pub miss: Option<Miss>,
+}
+
+/// Why a goal is not met.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Miss {
+    /// These screws are at the end of their range.
+    EndOfRange(Vec<&'static str>),
+    /// No setting of these screws gives it: it jumps past the goal, does not happen, or does not answer to them.
+    NoSetting(Vec<&'static str>),
+    /// It can be met, but not together with the others.
+    Disturbed,
+}
+
+/// A screw that has been turned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turned {
+    /// Index into the instrument's screws.
+    pub screw: usize,
+    /// Its name.
+    pub name: String,
+    /// What it is turned by: m, rad, or N m.
+    pub action: ScrewAction,
+    /// Setting before and after, m, rad, or N m.
+    pub setting: [f64; 2],
+    /// Which way, in a word or two: `up`, `to the back`, `tighter`.
+    pub way: &'static str,
+}
+
+/// A regulated action.
+#[derive(Debug, Clone)]
+pub struct Regulated {
+    /// The instrument with its screws turned.
+    pub instrument: Instrument,
+    /// Every goal, in the order of work.
+    pub achieved: Vec<Achieved>,
+    /// The screws that were turned.
+    pub turned: Vec<Turned>,
+    /// All distances before.
+    pub before: Distances,
+    /// All distances after.
+    pub after: Distances,
+    /// Rounds of work.
+    pub rounds: u32,
+    /// Simulated trials.
+    pub simulations: u32,
+    /// Elapsed time, s.
+    pub elapsed_s: f64,
+}
+
+impl Regulated {
+    /// Whether every goal is met.
+    pub fn all_met(&self) -> bool {
+        self.achieved.iter().all(|a| a.miss.is_none())
+    }
+}
+
+/// One goal with its screws.
+struct Task {
+    goal: Goal,
+    target: f64,
+    /// Screws, what is known of each, and the effect on the goal per unit of setting: expected, then found.
+    screws: Vec<(usize, &'static KnownScrew, f64, Option<f64>)>,
+    miss: Option<Miss>,
+    /// The nearest that was found when it was missed last.
+    nearest: Option<f64>,
+}
+
+/// Regulates a copy of an instrument. `progress` is told now and then how far the work is, and ends it by returning false.
+///
+/// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; of a goal that is named twice
+/// the last counts. Before let-off is set for the first time, a drop screw that keeps the lever from carrying the hammer too
+/// late is turned out of the way, as on the bench.
+///
+/// # Errors
+/// See [`RegulateError`]. A goal that cannot be met is no error: see [`Achieved::miss`].
+pub fn regulate(
+    instrument: &Instrument,
+    specification: &Specification,
+    protocol: &Protocol,
+    progress: &mut dyn FnMut(&Status) -> bool,
+) -> Result<Regulated, RegulateError> {
+    let start = Instant::now();
+    let mut tasks = tasks(instrument, specification)?;
+    let status = Cell::new(Status { round: 1, goal: None, simulations: 0, share: 0.0 });
+    let mut go_on = |simulations| progress(&Status { simulations, ..status.get() });
+    let mut shop = Workshop::new(instrument, *protocol, &mut go_on);
+    let before = shop.all()?;
+
+    let mut rounds = 0;
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut stalled = 0;
+    while rounds < MOST_ROUNDS && !tasks.is_empty() {
+        rounds += 1;
+        let settings = shop.settings();
+        for n in 0..tasks.len() {
+            let share = (f64::from(rounds - 1) + n as f64 / tasks.len() as f64) / USUAL_ROUNDS;
+            status.set(Status { round: rounds, goal: Some(tasks[n].goal), share: share.min(0.97), simulations: 0 });
+            if rounds == 1 && tasks[n].goal == Goal::LetOff && !is_met(&tasks[n], &mut shop)? {
+                clear_the_drop_screw(&tasks, &mut shop)?;
+            }
+            work(&mut tasks, n, MOST_TRIES, &mut shop)?;
+        }
+        let error = total_error(&tasks, &mut shop)?;
+        if best.as_ref().is_none_or(|(least, _)| error < 0.9 * least) {
+            stalled = 0;
+        } else {
+            stalled += 1;
+        }
+        if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            best = Some((error, shop.settings()));
+        }
+        if error == 0.0 || stalled >= 2 || shop.settings() == settings {
+            break;
+        }
+    }
+    if let Some((_, settings)) = best {
+        shop.restore(&settings);
+    }
+    status.set(Status { goal: None, share: 0.99, ..status.get() });
+    let after = shop.all()?;
+    let achieved = tasks
+        .iter()
+        .map(|task| {
+            let after = task.goal.of(&after);
+            let met = after.is_some_and(|value| (value - task.target).abs() <= task.goal.tolerance(task.target));
+            let miss = (!met).then(|| task.miss.clone().unwrap_or(Miss::Disturbed));
+            Achieved { goal: task.goal, target: task.target, before: task.goal.of(&before), after, miss }
+        })
+        .collect();
+    let turned = instrument.screws.iter().zip(&shop.instrument.screws).enumerate();
+    let turned = turned
+        .filter(|(_, (old, new))| old.setting != new.setting)
+        .map(|(screw, (old, new))| Turned {
+            screw,
+            name: new.name.clone(),
+            action: new.action.clone(),
+            setting: [old.setting, new.setting],
+            way: way(&new.action, new.setting - old.setting),
+        })
+        .collect();
+    let simulations = shop.simulations;
+    Ok(Regulated {
+        instrument: shop.instrument,
+        achieved,
+        turned,
+        before,
+        after,
+        rounds,
+        simulations,
+        elapsed_s: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// The goals in the order of work, each with those of its screws that the instrument has.
+fn tasks(instrument: &Instrument, specification: &Specification) -> Result<Vec<Task>, RegulateError> {
+    let mut tasks = Vec::new();
+    for goal in Goal::ALL {
+        let Some(&(_, target)) = specification.iter().rev().find(|(asked, _)| *asked == goal) else { continue };
+        // A screw that an earlier goal needs is not turned for this one.
+        let taken = |name| {
+            let others = specification.iter().filter(|(other, _)| *other < goal);
+            others.flat_map(|(other, _)| other.screws().first()).any(|(first, _)| *first == name)
+        };
+        let usable = || goal.screws().iter().filter(|(name, _)| !taken(*name));
+        let screws: Vec<_> = usable()
+            .filter_map(|&(name, effect)| {
+                let (screw, known) = (instrument.screw(name)?, known_screw(name)?);
+                Some((screw, known, effect * known.sense(&instrument.screws[screw]), None))
+            })
+            .collect();
+        if screws.is_empty() {
+            let names: Vec<String> = usable().map(|(name, _)| format!("`{name}`")).collect();
+            return Err(RegulateError::NoScrew { goal: goal.name(), needs: names.join(" or ") });
+        }
+        tasks.push(Task { goal, target, screws, miss: None, nearest: None });
+    }
+    Ok(tasks)
+}
+
+fn is_met(task: &Task, shop: &mut Workshop<'_>) -> Result<bool, RegulateError> {
+    let value = shop.value(task.goal)?;
+    Ok(value.is_some_and(|value| (value - task.target).abs() <= task.goal.tolerance(task.target)))
+}
+
+/// How far all goals are off beyond their tolerances, in tolerances; infinitely for one that does not happen.
+fn total_error(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<f64, RegulateError> {
+    let mut total = 0.0;
+    for task in tasks {
+        let off = shop.value(task.goal)?.map_or(1e6, |value| (value - task.target).abs());
+        total += (off / task.goal.tolerance(task.target) - 1.0).max(0.0);
+    }
+    Ok(total)
+}
+
+/// A repetition lever that is not stopped in time carries the hammer on after the jack has gone, and let-off cannot be seen: as on
+/// the bench, the drop screw is turned out of the way until the hammer drops far. Where the drop is not to be set afterwards, it
+/// is turned only as far as the hammer drops at all.
+fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
+    let Some(screw) = shop.instrument.screw("drop") else { return Ok(()) };
+    let Some(known) = known_screw("drop") else { return Ok(()) };
+    let is_set_afterwards = tasks.iter().any(|task| task.goal == Goal::Drop);
+    let enough = if is_set_afterwards { FAR_DROP_M } else { f64::MIN_POSITIVE };
+    let began_at = shop.setting(screw);
+    let sense = known.sense(&shop.instrument.screws[screw]);
+    let [from, to] = known.limits(&shop.instrument, &shop.instrument.screws[screw]);
+    for _ in 0..MOST_OUT_OF_THE_WAY {
+        if shop.value(Goal::Drop)?.is_some_and(|drop| drop >= enough) {
+            return Ok(());
+        }
+        shop.turn(screw, (shop.setting(screw) + sense * OUT_OF_THE_WAY_M).clamp(from, to));
+    }
+    if !is_set_afterwards && shop.value(Goal::Drop)? == Some(0.0) {
+        // It was not the drop screw that kept the hammer up.
+        shop.turn(screw, began_at);
+    }
+    Ok(())
+}
+
+/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each. A goal that has to be
+/// kept meanwhile is met again after every turn.
+fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
+    let (goal, target) = (tasks[n].goal, tasks[n].target);
+    let near_enough = WORKING_SHARE * goal.tolerance(target);
+    let tolerance = goal.tolerance(target);
+    // What has been tried in vain is not tried again unless something has moved it.
+    let value = shop.value(goal)?;
+    if let (Some(value), Some(nearest)) = (value, tasks[n].nearest)
+        && (value - nearest).abs() <= tolerance
+    {
+        return Ok(());
+    }
+    let kept = goal.keeps().and_then(|kept| tasks.iter().position(|task| task.goal == kept));
+    let (mut ends, mut tried) = (Vec::new(), Vec::new());
+    for at in 0..tasks[n].screws.len() {
+        let (screw, known, expected, found) = tasks[n].screws[at];
+        let limits = known.limits(&shop.instrument, &shop.instrument.screws[screw]);
+        let turning = Turning { slope: expected, limits, stride: (limits[1] - limits[0]) / 8.0 };
+        let mut search = Search::new(turning, found, target);
+        let began = shop.value(goal)?.unwrap_or(goal.missing());
+        // The nearest so far with the settings of all screws, because what is kept meanwhile belongs to it.
+        let (mut nearest, mut nearest_with) = (began, shop.settings());
+        for _ in 0..tries {
+            let (setting, value) = (shop.setting(screw), shop.value(goal)?.unwrap_or(goal.missing()));
+            let off = (value - target).abs();
+            let is_kept = match kept {
+                Some(kept) => is_met(&tasks[kept], shop)?,
+                None => true,
+            };
+            if is_kept && off <= near_enough {
+                tasks[n].screws[at].3 = Some(search.slope());
+                (tasks[n].miss, tasks[n].nearest) = (None, None);
+                return Ok(());
+            }
+            // A screw that hardly helps is left where it was.
+            let helps = off < (nearest - target).abs() && off + tolerance <= (began - target).abs();
+            if is_kept && helps {
+                (nearest, nearest_with) = (value, shop.settings());
+            }
+            let Some(next) = search.next(setting, value) else { break };
+            shop.turn(screw, next);
+            if let Some(kept) = kept {
+                work(tasks, kept, MOST_TRIES_TO_KEEP, shop)?;
+            }
+        }
+        shop.restore(&nearest_with);
+        if let Some((setting, _)) = search.best {
+            let at_end = limits.iter().any(|end| (setting - end).abs() < 1e-3 * (limits[1] - limits[0]));
+            if at_end {
+                ends.push(known.name)
+            } else {
+                tried.push(known.name)
+            }
+            if !at_end {
+                break;
+            }
+        }
+    }
+    let met = is_met(&tasks[n], shop)?;
+    tasks[n].nearest = shop.value(goal)?.filter(|_| !met);
+    tasks[n].miss = match (met, tried.is_empty()) {
+        (true, _) => None,
+        (false, true) => Some(Miss::EndOfRange(ends)),
+        (false, false) => Some(Miss::NoSetting(tried)),
+    };
+    Ok(())
+}

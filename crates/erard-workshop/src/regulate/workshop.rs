@@ -1,0 +1,82 @@
+//! The action with its screws, and what has been measured of it since they were last turned.
+
+use super::screw::rounded;
+use super::{Goal, RegulateError};
+use crate::regulation::{Distances, MeasureError, Protocol, Trial};
+use erard::instrument::Instrument;
+
+pub(super) struct Workshop<'a> {
+    pub instrument: Instrument,
+    protocol: Protocol,
+    distances: Distances,
+    /// The trials that are still true: no screw has been turned since.
+    fresh: Vec<Trial>,
+    /// Trials made so far.
+    pub simulations: u32,
+    /// Asked now and then whether to go on.
+    go_on: &'a mut dyn FnMut(u32) -> bool,
+}
+
+impl<'a> Workshop<'a> {
+    pub fn new(instrument: &Instrument, protocol: Protocol, go_on: &'a mut dyn FnMut(u32) -> bool) -> Self {
+        Workshop {
+            instrument: instrument.clone(),
+            protocol,
+            distances: Distances::default(),
+            fresh: Vec::new(),
+            simulations: 0,
+            go_on,
+        }
+    }
+
+    /// What the goal measures now.
+    pub fn value(&mut self, goal: Goal) -> Result<Option<f64>, MeasureError> {
+        self.make(goal.trial())?;
+        Ok(goal.of(&self.distances))
+    }
+
+    /// All distances as they are now.
+    pub fn all(&mut self) -> Result<Distances, RegulateError> {
+        for trial in Trial::ALL {
+            self.make(trial)?;
+        }
+        Ok(self.distances)
+    }
+
+    fn make(&mut self, trial: Trial) -> Result<(), MeasureError> {
+        if !self.fresh.contains(&trial) {
+            self.simulations += 1;
+            let simulations = self.simulations;
+            let go_on = &mut *self.go_on;
+            trial.run(&self.instrument, &self.protocol, &mut self.distances, &mut || go_on(simulations))?;
+            self.fresh.push(trial);
+        }
+        Ok(())
+    }
+
+    pub fn setting(&self, screw: usize) -> f64 {
+        self.instrument.screws[screw].setting
+    }
+
+    /// Turns a screw to a setting, as a file would hold it; what was measured is then out of date.
+    pub fn turn(&mut self, screw: usize, setting: f64) {
+        let setting = rounded(&self.instrument.screws[screw].action, setting);
+        if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
+            self.fresh.clear();
+        }
+    }
+
+    /// The settings of all screws.
+    pub fn settings(&self) -> Vec<f64> {
+        self.instrument.screws.iter().map(|screw| screw.setting).collect()
+    }
+
+    /// Turns all screws back to these settings.
+    pub fn restore(&mut self, settings: &[f64]) {
+        for (screw, &setting) in settings.iter().enumerate() {
+            if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
+                self.fresh.clear();
+            }
+        }
+    }
+}

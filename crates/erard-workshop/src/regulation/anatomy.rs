@@ -1,0 +1,112 @@
+//! Which body and which zone is which, as a technician names them. Found from who touches whom, so that no file has to say it.
+
+use erard::instrument::{Instrument, Zone};
+
+/// A part that a grand action needs to be regulated, and that is not there or not where it belongs.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the instrument cannot be measured as a grand action: {0}")]
+pub struct AnatomyError(pub String);
+
+/// The parts of a grand action: indices of bodies and zones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Anatomy {
+    pub key: usize,
+    /// The body on the ground that carries, or is, the jack.
+    pub whippen: usize,
+    pub hammer: usize,
+    pub string: usize,
+    /// Jack toe - let-off button.
+    pub button: usize,
+    /// Jack top - knuckle.
+    pub jack_knuckle: usize,
+    /// Key front - punching.
+    pub punching: usize,
+    pub jack: usize,
+    /// Hammer tail - back check.
+    pub check: Option<usize>,
+    /// Repetition lever - knuckle.
+    pub lever_knuckle: Option<usize>,
+    /// The damper: what the key lifts that is neither whippen nor hammer.
+    pub damper: Option<usize>,
+    /// Key end - damper.
+    pub key_damper: Option<usize>,
+}
+
+impl Anatomy {
+    /// Finds the parts: key, hammer, string, let-off, knuckle zones and key bottom by their roles; the jack is what meets the
+    /// let-off button; the repetition lever is the other body that pushes the knuckle; the damper is the other body on the
+    /// ground that the key touches besides whippen and hammer.
+    pub fn find(instrument: &Instrument) -> Result<Self, AnatomyError> {
+        let (roles, zones) = (&instrument.roles, &instrument.zones);
+        let needed =
+            |role: Option<usize>, name: &str| role.ok_or_else(|| AnatomyError(format!("`roles` names no `{name}`")));
+        let key = needed(roles.key, "key")?;
+        let hammer = needed(roles.hammer, "hammer")?;
+        let string = needed(roles.string, "string")?;
+        let button = needed(roles.let_off, "let_off")?;
+        let punching = needed(roles.key_bottom, "key_bottom")?;
+        let Some(jack) = zones[button].disc_body.or(zones[button].curve_body) else {
+            return Err(AnatomyError(format!("zone `{}` touches no body", zones[button].name)));
+        };
+        let pushers = || roles.knuckle.iter().map(|&zone| (zone, other_than(&zones[zone], hammer)));
+        let Some((jack_knuckle, _)) = pushers().find(|(_, body)| *body == Some(jack)) else {
+            let name = &instrument.bodies[jack].name;
+            return Err(AnatomyError(format!(
+                "`{name}` meets the let-off button, but no zone of `roles.knuckle` has it push the hammer"
+            )));
+        };
+        let lever_knuckle = pushers().find(|(_, body)| body.is_some() && *body != Some(jack)).map(|(zone, _)| zone);
+        let mut whippen = jack;
+        while let Some(parent) = instrument.bodies[whippen].parent {
+            whippen = parent;
+        }
+        let lifted = zones.iter().enumerate().filter(|(_, zone)| touches(zone, key)).find_map(|(index, zone)| {
+            let other = other_than(zone, key)?;
+            let stands_alone = other != whippen && other != hammer && instrument.bodies[other].parent.is_none();
+            stands_alone.then_some((other, index))
+        });
+        Ok(Anatomy {
+            key,
+            whippen,
+            hammer,
+            string,
+            button,
+            jack_knuckle,
+            punching,
+            jack,
+            check: roles.check,
+            lever_knuckle,
+            damper: lifted.map(|(damper, _)| damper),
+            key_damper: lifted.map(|(_, zone)| zone),
+        })
+    }
+}
+
+fn touches(zone: &Zone, body: usize) -> bool {
+    zone.disc_body == Some(body) || zone.curve_body == Some(body)
+}
+
+fn other_than(zone: &Zone, body: usize) -> Option<usize> {
+    if zone.disc_body == Some(body) { zone.curve_body } else { zone.disc_body }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The grand's parts are found by who touches whom, and come out under the names that the file gives them.
+    #[test]
+    fn the_grand_has_all_its_parts() {
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        let a = Anatomy::find(&grand).unwrap();
+        let zone = |z: Option<usize>| grand.zones[z.unwrap()].name.as_str();
+        let body = |b: Option<usize>| grand.bodies[b.unwrap()].name.as_str();
+        assert_eq!(zone(Some(a.jack_knuckle)), "jack_knuckle");
+        assert_eq!(zone(a.lever_knuckle), "lever_knuckle");
+        assert_eq!([body(Some(a.jack)), body(Some(a.hammer)), body(a.damper)], ["jack", "hammer", "damper"]);
+
+        let mut without = grand.clone();
+        without.roles.let_off = None;
+        assert!(Anatomy::find(&without).unwrap_err().to_string().contains("let_off"));
+    }
+}

@@ -1,0 +1,202 @@
+//! An action on the bench and the finger that presses it: slowly, stopping where the eye says stop, or with a constant force.
+
+use moreau::{Input, Outcome, Settings};
+
+use super::anatomy::Anatomy;
+use super::distances::MeasureError;
+use erard::equilibrium;
+use erard::instrument::{Instrument, Vec2};
+use erard::mechanism::{Mechanism, mechanism};
+
+/// How often the caller is asked whether to go on, in steps.
+const ASK_EVERY: u64 = 4096;
+/// Time in which a slow finger reaches its speed, s: three swings of the hammer on its felts, so that it is not set swinging.
+const GATHERING_S: f64 = 0.3;
+/// Time in which it stops, s: it goes half a tenth of a millimetre further meanwhile.
+const BRAKING_S: f64 = 0.02;
+
+/// Whether to go on: asked now and then.
+pub(super) type GoOn<'a> = &'a mut dyn FnMut() -> bool;
+
+/// What an eye at the bench sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct View {
+    /// Travel of the key front from its rest, m, down positive.
+    pub key_m: f64,
+    /// Strike point to string, m.
+    pub below_string_m: f64,
+    /// Speed of the strike point toward the string, m/s.
+    pub rise_m_s: f64,
+    /// Force of the finger, N.
+    pub force_n: f64,
+}
+
+/// An action on the bench.
+pub(super) struct Bench<'i> {
+    instrument: &'i Instrument,
+    anatomy: Anatomy,
+    mechanism: Box<dyn Mechanism>,
+    rest_m: f64,
+    /// The finger's position as the key front's would be, m below rest.
+    finger_m: f64,
+    /// The finger's speed, m/s, down positive.
+    speed_m_s: f64,
+    before: View,
+    steps: u64,
+    /// Steps that reached an iteration limit.
+    pub unconverged: u64,
+}
+
+impl<'i> Bench<'i> {
+    /// The action at rest, nothing touching the key.
+    pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, MeasureError> {
+        let mut mechanism = mechanism(instrument, Settings::new(step_s))?;
+        equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
+        let rest_m = mechanism.site_position();
+        let view = View { key_m: 0.0, below_string_m: -mechanism.gap(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
+        Ok(Bench {
+            instrument,
+            anatomy,
+            mechanism,
+            rest_m,
+            finger_m: 0.0,
+            speed_m_s: 0.0,
+            before: view,
+            steps: 0,
+            unconverged: 0,
+        })
+    }
+
+    /// What is to be seen now.
+    pub fn view(&self) -> View {
+        self.before
+    }
+
+    /// Simulated time since rest, s.
+    pub fn time_s(&self) -> f64 {
+        self.steps as f64 * self.mechanism.settings().step
+    }
+
+    /// Compression of a zone, m; negative where it is open.
+    pub fn gap(&self, zone: usize) -> f64 {
+        self.mechanism.gap(zone)
+    }
+
+    /// A point of a body in the world, m.
+    pub fn point(&self, body: Option<usize>, point: Vec2) -> Vec2 {
+        self.mechanism.point(body, point)
+    }
+
+    fn take(&mut self, input: &Input<f64>, go_on: GoOn<'_>) -> Result<(), MeasureError> {
+        if self.steps.is_multiple_of(ASK_EVERY) && !go_on() {
+            return Err(MeasureError::Interrupted);
+        }
+        match self.mechanism.step(input).outcome {
+            Outcome::Converged => {}
+            Outcome::IterationLimit => self.unconverged += 1,
+            Outcome::NonFinite => return Err(MeasureError::NonFinite),
+        }
+        self.steps += 1;
+        let step_s = self.mechanism.settings().step;
+        let below_string_m = -self.mechanism.gap(self.anatomy.string);
+        self.before = View {
+            key_m: self.mechanism.site_position() - self.rest_m,
+            below_string_m,
+            rise_m_s: (self.before.below_string_m - below_string_m) / step_s,
+            force_n: self.mechanism.drive_force(),
+        };
+        Ok(())
+    }
+
+    /// One step of a finger that is at, or on its way to, a speed.
+    fn finger_step(&mut self, to_m_s: f64, over_s: f64, cruise_m_s: f64, go_on: GoOn<'_>) -> Result<(), MeasureError> {
+        let Settings { step, theta, .. } = *self.mechanism.settings();
+        let most = cruise_m_s.abs() * step / over_s;
+        let speed = self.speed_m_s + (to_m_s - self.speed_m_s).clamp(-most, most);
+        let middle = 0.5 * (self.speed_m_s + speed);
+        let position = self.rest_m + self.finger_m + theta * step * middle;
+        self.take(&Input::Motion { position, velocity: middle }, go_on)?;
+        self.finger_m += step * middle;
+        self.speed_m_s = speed;
+        Ok(())
+    }
+
+    /// Moves the finger at a speed (m/s, down positive), gathered gently, until `seen` says stop or the finger has reached
+    /// `until_m`. Whether it was `seen`.
+    pub fn move_finger(
+        &mut self,
+        speed_m_s: f64,
+        until_m: f64,
+        seen: &mut dyn FnMut(&Self) -> bool,
+        go_on: GoOn<'_>,
+    ) -> Result<bool, MeasureError> {
+        while (until_m - self.finger_m) * speed_m_s > 0.0 {
+            self.finger_step(speed_m_s, GATHERING_S, speed_m_s, go_on)?;
+            if seen(self) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Stops the finger and holds it for a time; `seen` is told every step, and ends the time.
+    pub fn hold(
+        &mut self,
+        for_s: f64,
+        seen: &mut dyn FnMut(&Self) -> bool,
+        go_on: GoOn<'_>,
+    ) -> Result<(), MeasureError> {
+        let cruise = self.speed_m_s;
+        let until = self.time_s() + for_s;
+        while self.time_s() < until {
+            self.finger_step(0.0, BRAKING_S, cruise, go_on)?;
+            if seen(self) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Presses with a constant force, N, for a time; `seen` is told every step, and ends the time.
+    pub fn press(
+        &mut self,
+        force_n: f64,
+        for_s: f64,
+        seen: &mut dyn FnMut(&Self) -> bool,
+        go_on: GoOn<'_>,
+    ) -> Result<(), MeasureError> {
+        let until = self.time_s() + for_s;
+        while self.time_s() < until {
+            self.take(&Input::Force(force_n), go_on)?;
+            if seen(self) {
+                break;
+            }
+        }
+        // A finger that takes over from here stands where its flesh gives this force.
+        self.finger_m = self.before.key_m + force_n / self.instrument.finger.stiffness_n_per_m;
+        self.speed_m_s = 0.0;
+        Ok(())
+    }
+}
+
+/// Sees that the hammer has come to rest: slower than `below_m_s` for `for_s` without a break.
+pub(super) struct Still {
+    below_m_s: f64,
+    for_s: f64,
+    since_s: Option<f64>,
+}
+
+impl Still {
+    pub fn new(below_m_s: f64, for_s: f64) -> Self {
+        Still { below_m_s, for_s, since_s: None }
+    }
+
+    pub fn seen(&mut self, bench: &Bench<'_>) -> bool {
+        let now = bench.time_s();
+        if bench.view().rise_m_s.abs() > self.below_m_s {
+            self.since_s = None;
+            return false;
+        }
+        now - *self.since_s.get_or_insert(now) >= self.for_s
+    }
+}

@@ -1,0 +1,356 @@
+//! The distances of a regulated action, measured as a technician measures them.
+//!
+//! Two trials give them all. The slow key: pressed from rest at a few millimetres a second until the hammer is let off,
+//! held there until the hammer has dropped, then pressed on to the bottom, firmly. The medium blow: a constant force that
+//! throws the hammer at the string at about mf; the hammer is caught by the back check, then the key is let up slowly until
+//! the check lets go, and held there while the repetition spring lifts the hammer.
+
+use moreau::ModelError;
+use thiserror::Error;
+
+use super::anatomy::{Anatomy, AnatomyError};
+use super::bench::{Bench, GoOn, Still};
+use erard::equilibrium::EquilibriumError;
+use erard::instrument::{Curve, Instrument, Vec2};
+
+/// How the key is pressed. The default is the project's protocol; a shop that measures otherwise can say so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Protocol {
+    /// Speed of the slow finger, m/s: slow enough that what the hammer swings on its felts moves no distance by more than
+    /// 0.02 mm.
+    pub slow_m_s: f64,
+    /// Force of the firm press that dip is measured under, N: half a kilogram of finger.
+    pub firm_n: f64,
+    /// Force of the medium blow, N, put on at once and held: the hammer meets the string at about 2 m/s, mf.
+    pub blow_n: f64,
+    /// Step of the slow trial, s.
+    pub slow_step_s: f64,
+    /// Step of the medium blow, s.
+    pub blow_step_s: f64,
+}
+
+impl Default for Protocol {
+    fn default() -> Self {
+        Protocol { slow_m_s: 2e-3, firm_n: 5.0, blow_n: 4.0, slow_step_s: 2e-4, blow_step_s: 5e-5 }
+    }
+}
+
+/// The distances. `None` is what did not happen or what the instrument has no part for. SI units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Distances {
+    /// Dip: travel of the key front from rest to the bottom under a firm press ([`Protocol::firm_n`]), m.
+    pub dip_m: Option<f64>,
+    /// Blow: strike point to string with the action at rest, m.
+    pub blow_m: Option<f64>,
+    /// Lost motion: travel of the key front before the hammer has risen by [`MOVED_M`], m.
+    pub lost_motion_m: Option<f64>,
+    /// Let-off: nearest approach of the strike point to the string on a slow key, m. Not positive where the hammer is pressed
+    /// against the string (it blocks): minus what the string's felt gives.
+    pub let_off_m: Option<f64>,
+    /// Drop: how far the strike point falls from its nearest approach once it is let off, to where it comes to rest on the
+    /// repetition lever with the key held where it let off, m. 0 where it does not fall.
+    pub drop_m: Option<f64>,
+    /// Aftertouch: travel of the key front from the hammer's highest point at let-off to the bottom, m; `None` where there is
+    /// no let-off.
+    pub aftertouch_m: Option<f64>,
+    /// Jack position: from the middle of the knuckle to the rear edge of the jack's top, along the jack's top, at rest, m.
+    /// Positive: the knuckle sits on the jack.
+    pub jack_position_m: Option<f64>,
+    /// Lever height: step from the jack's top up to the repetition lever's, under the knuckle, with the hammer lifted off, m.
+    /// Positive: the jack is lower and slips back freely.
+    pub lever_height_m: Option<f64>,
+    /// Damper timing: travel of the key front when the damper has risen by [`MOVED_M`], as a share of the dip.
+    pub damper_start: Option<f64>,
+    /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m. `None` where it
+    /// is not caught.
+    pub check_m: Option<f64>,
+    /// Repetition rise: how far the strike point has risen, from where it was caught to where it comes to rest, when the key is
+    /// let up slowly until the back check lets go, and is held there, m. Not positive where the spring cannot lift the hammer.
+    pub repetition_rise_m: Option<f64>,
+    /// Strength of the repetition spring, by what it does: the largest speed of the strike point during that rise, m/s.
+    /// Technicians judge it by eye: a brisk rise that can be followed, without a jump.
+    pub spring_m_s: Option<f64>,
+    /// Steps of the trials that reached an iteration limit.
+    pub unconverged_steps: u64,
+}
+
+/// A part has moved, to a technician's eye, when it is this far from its rest, m.
+pub const MOVED_M: f64 = 1e-4;
+
+/// The hammer has been let off once it is this far below its highest point, m: a fifth of a usual drop, ten times what the
+/// hammer swings on its felts under a slow finger.
+const LET_OFF_FALL_M: f64 = 2e-4;
+/// How far a slow finger is followed, m: a quarter more than the deepest key.
+const DEEPEST_M: f64 = 15e-3;
+/// Longest time that a hammer may take to drop, s: several swings.
+const DROP_S: f64 = 1.5;
+/// Longest time from the first touch of a medium blow until the hammer hangs in the check, s.
+const BLOW_S: f64 = 0.5;
+/// Longest time that a hammer may take to rise from the check, s.
+const RISE_S: f64 = 1.0;
+/// A hammer is at rest when it has been slower than this, m/s, for [`STILL_S`].
+const STILL_M_S: f64 = 2e-4;
+/// s.
+const STILL_S: f64 = 0.03;
+
+/// Why nothing could be measured.
+#[derive(Debug, Error)]
+pub enum MeasureError {
+    /// No grand action.
+    #[error(transparent)]
+    Anatomy(#[from] AnatomyError),
+    /// No rest to start from.
+    #[error(transparent)]
+    Equilibrium(#[from] EquilibriumError),
+    /// Not assembled.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A number overflowed.
+    #[error("a number became infinite while the key was pressed: a stiffness, mass or length must be far off")]
+    NonFinite,
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What is done with the action to measure it. Each trial starts from rest and gives some of the distances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trial {
+    /// Pressed slowly, held at let-off, pressed on to the bottom.
+    SlowKey,
+    /// The hammer lifted off jack and lever, which are looked at.
+    LiftedHammer,
+    /// Struck at about mf, checked, let up slowly from the check.
+    MediumBlow,
+}
+
+impl Trial {
+    /// All of them.
+    pub const ALL: [Trial; 3] = [Trial::SlowKey, Trial::LiftedHammer, Trial::MediumBlow];
+
+    /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are added.
+    ///
+    /// # Errors
+    /// See [`MeasureError`].
+    pub fn run(
+        self,
+        instrument: &Instrument,
+        protocol: &Protocol,
+        distances: &mut Distances,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<(), MeasureError> {
+        let anatomy = Anatomy::find(instrument)?;
+        match self {
+            Trial::SlowKey => slow_key(instrument, anatomy, protocol, distances, go_on),
+            Trial::LiftedHammer => lifted_hammer(instrument, anatomy, protocol, distances),
+            Trial::MediumBlow => medium_blow(instrument, anatomy, protocol, distances, go_on),
+        }
+    }
+}
+
+/// Measures all distances: three trials. `go_on` is asked now and then whether to.
+///
+/// # Errors
+/// See [`MeasureError`]. A distance that cannot be taken is no error: it is `None`.
+pub fn measure(
+    instrument: &Instrument,
+    protocol: &Protocol,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Distances, MeasureError> {
+    let mut distances = Distances::default();
+    for trial in Trial::ALL {
+        trial.run(instrument, protocol, &mut distances, go_on)?;
+    }
+    Ok(distances)
+}
+
+/// The slow key: blow, lost motion, jack position, let-off, drop, aftertouch, dip, damper timing.
+fn slow_key(
+    instrument: &Instrument,
+    anatomy: Anatomy,
+    protocol: &Protocol,
+    distances: &mut Distances,
+    go_on: GoOn<'_>,
+) -> Result<(), MeasureError> {
+    let mut bench = Bench::at_rest(instrument, anatomy, protocol.slow_step_s)?;
+    let rest_m = bench.view().below_string_m;
+    let damper_height =
+        |bench: &Bench<'_>| anatomy.damper.map(|d| bench.point(Some(d), instrument.bodies[d].center_of_mass_m)[1]);
+    let damper_rest = damper_height(&bench);
+    distances.blow_m = Some(rest_m);
+    distances.jack_position_m = jack_position(instrument, &anatomy, &bench);
+
+    let (mut lost, mut damper) = (None, None);
+    let (mut nearest_m, mut nearest_key_m) = (rest_m, 0.0);
+    let mut toe_seen = false;
+    let mut follow = |bench: &Bench<'_>| {
+        let view = bench.view();
+        if rest_m - view.below_string_m > MOVED_M {
+            lost.get_or_insert(view.key_m);
+        }
+        if let (Some(height), Some(rest)) = (damper_height(bench), damper_rest)
+            && height - rest > MOVED_M
+        {
+            damper.get_or_insert(view.key_m);
+        }
+        view
+    };
+    let at_bottom = |bench: &Bench<'_>, force_n: f64| bench.gap(anatomy.punching) > 0.0 && force_n >= protocol.firm_n;
+
+    let mut dip_m = None;
+    let let_off = bench.move_finger(
+        protocol.slow_m_s,
+        DEEPEST_M,
+        &mut |bench| {
+            let view = follow(bench);
+            toe_seen |= bench.gap(anatomy.button) > 0.0;
+            if view.below_string_m < nearest_m {
+                (nearest_m, nearest_key_m) = (view.below_string_m, view.key_m);
+            }
+            if at_bottom(bench, view.force_n) {
+                dip_m = Some(view.key_m);
+            }
+            dip_m.is_some() || (toe_seen && view.below_string_m > nearest_m + LET_OFF_FALL_M)
+        },
+        go_on,
+    )? && dip_m.is_none();
+    if let_off {
+        let mut still = Still::new(STILL_M_S, STILL_S);
+        bench.hold(
+            DROP_S,
+            &mut |bench| {
+                follow(bench);
+                still.seen(bench)
+            },
+            go_on,
+        )?;
+        distances.drop_m = Some(bench.view().below_string_m - nearest_m);
+        bench.move_finger(
+            protocol.slow_m_s,
+            DEEPEST_M,
+            &mut |bench| {
+                let view = follow(bench);
+                if at_bottom(bench, view.force_n) {
+                    dip_m = Some(view.key_m);
+                }
+                dip_m.is_some()
+            },
+            go_on,
+        )?;
+        distances.aftertouch_m = dip_m.map(|dip| dip - nearest_key_m);
+    } else {
+        (distances.drop_m, distances.aftertouch_m) = (Some(0.0), None);
+    }
+    distances.let_off_m = Some(nearest_m);
+    distances.lost_motion_m = lost;
+    distances.dip_m = dip_m;
+    distances.damper_start = damper.zip(dip_m).map(|(start, dip)| start / dip);
+    distances.unconverged_steps += bench.unconverged;
+    Ok(())
+}
+
+/// The rear edge of the jack's top and the direction along it to the back, in the jack's frame; `None` where it has no end.
+fn jack_edge(instrument: &Instrument, anatomy: &Anatomy, bench: &Bench<'_>) -> Option<(Vec2, Vec2)> {
+    let zone = &instrument.zones[anatomy.jack_knuckle];
+    let Curve::Segment { from_m, to_m, .. } = zone.curve else { return None };
+    let [from, to] = [from_m, to_m].map(|point| bench.point(zone.curve_body, point));
+    let (front, rear) = if from[0] < to[0] { (from, to) } else { (to, from) };
+    let along = [rear[0] - front[0], rear[1] - front[1]];
+    let length = along[0].hypot(along[1]);
+    Some((rear, along.map(|a| a / length)))
+}
+
+fn jack_position(instrument: &Instrument, anatomy: &Anatomy, bench: &Bench<'_>) -> Option<f64> {
+    let zone = &instrument.zones[anatomy.jack_knuckle];
+    let Curve::Segment { rounding_m, .. } = zone.curve else { return None };
+    let (rear, along) = jack_edge(instrument, anatomy, bench)?;
+    let knuckle = bench.point(zone.disc_body, zone.disc_center_m);
+    Some((rear[0] - knuckle[0]) * along[0] + (rear[1] - knuckle[1]) * along[1] + rounding_m)
+}
+
+/// The step between jack and repetition lever, with the hammer lifted off both.
+fn lifted_hammer(
+    instrument: &Instrument,
+    anatomy: Anatomy,
+    protocol: &Protocol,
+    distances: &mut Distances,
+) -> Result<(), MeasureError> {
+    distances.lever_height_m = None;
+    let Some(lever_knuckle) = anatomy.lever_knuckle else { return Ok(()) };
+    // A knuckle without leather touches neither: the hammer lies on its rest, as far out of the way as it gets.
+    let mut lifted = instrument.clone();
+    for zone in [anatomy.jack_knuckle, lever_knuckle] {
+        lifted.zones[zone].felt.stiffness = 0.0;
+        lifted.zones[zone].felt.damping = 0.0;
+    }
+    let bench = Bench::at_rest(&lifted, anatomy, protocol.slow_step_s)?;
+    let (jack, lever) = (&instrument.zones[anatomy.jack_knuckle], &instrument.zones[lever_knuckle]);
+    let (Curve::Segment { rounding_m, .. }, Curve::Line { point_m, normal }) = (jack.curve, lever.curve) else {
+        return Ok(());
+    };
+    let Some((rear, along)) = jack_edge(instrument, &anatomy, &bench) else { return Ok(()) };
+    let up = [-along[1], along[0]];
+    let top = [rear[0] + rounding_m * up[0], rear[1] + rounding_m * up[1]];
+    let foot = bench.point(lever.curve_body, point_m);
+    let tip = bench.point(lever.curve_body, [point_m[0] + normal[0], point_m[1] + normal[1]]);
+    let out = [tip[0] - foot[0], tip[1] - foot[1]];
+    distances.lever_height_m = Some((foot[0] - top[0]) * out[0] + (foot[1] - top[1]) * out[1]);
+    Ok(())
+}
+
+/// The medium blow: check distance, repetition rise, strength of the repetition spring.
+fn medium_blow(
+    instrument: &Instrument,
+    anatomy: Anatomy,
+    protocol: &Protocol,
+    distances: &mut Distances,
+    go_on: GoOn<'_>,
+) -> Result<(), MeasureError> {
+    (distances.check_m, distances.repetition_rise_m, distances.spring_m_s) = (None, None, None);
+    let Some(check) = anatomy.check else { return Ok(()) };
+    let mut bench = Bench::at_rest(instrument, anatomy, protocol.blow_step_s)?;
+    blow_and_let_up(&mut bench, anatomy, check, protocol, distances, go_on)?;
+    distances.unconverged_steps += bench.unconverged;
+    Ok(())
+}
+
+fn blow_and_let_up(
+    bench: &mut Bench<'_>,
+    anatomy: Anatomy,
+    check: usize,
+    protocol: &Protocol,
+    distances: &mut Distances,
+    go_on: GoOn<'_>,
+) -> Result<(), MeasureError> {
+    let (mut struck, mut still) = (false, Still::new(STILL_M_S, STILL_S));
+    bench.press(
+        protocol.blow_n,
+        BLOW_S,
+        &mut |bench| {
+            struck |= bench.gap(anatomy.string) > 0.0;
+            struck && bench.gap(anatomy.punching) > 0.0 && still.seen(bench)
+        },
+        go_on,
+    )?;
+    if bench.gap(check) <= 0.0 {
+        return Ok(());
+    }
+    let caught_m = bench.view().below_string_m;
+    distances.check_m = Some(caught_m);
+    let free = bench.move_finger(-protocol.slow_m_s, 0.0, &mut |bench| bench.gap(check) <= 0.0, go_on)?;
+    if !free {
+        return Ok(());
+    }
+    let (mut fastest_m_s, mut still) = (0.0_f64, Still::new(STILL_M_S, STILL_S));
+    bench.hold(
+        RISE_S,
+        &mut |bench| {
+            fastest_m_s = fastest_m_s.max(bench.view().rise_m_s);
+            still.seen(bench)
+        },
+        go_on,
+    )?;
+    distances.repetition_rise_m = Some(caught_m - bench.view().below_string_m);
+    distances.spring_m_s = Some(fastest_m_s);
+    Ok(())
+}

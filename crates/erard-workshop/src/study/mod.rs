@@ -1,0 +1,236 @@
+//! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on all its cores.
+//!
+//! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`],
+//! to rounding (of single precision, if that is asked for), and the same bits however many threads there are. Nothing is recorded but
+//! the instants of each stroke. Instruments of another size than a grand action's (six bodies, fourteen zones) go on all cores, but not
+//! in lanes; so do steps whose error is controlled, for lanes share their steps.
+
+mod lanes;
+mod parameter;
+mod reach;
+mod topology;
+
+pub use parameter::Parameter;
+
+pub use moreau_lanes::Lanes;
+
+use crate::cores::{self, do_all, job};
+use erard::instrument::Instrument;
+use erard::mechanism::Size;
+use erard::run::Events;
+use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use lanes::{Player, Rested, play, settle};
+use topology::{Topology, groups};
+
+/// What drives the key in a job: as [`Drive`], but owned, so that another thread can take it.
+pub enum Stroke<'a> {
+    /// Nothing.
+    Free,
+    /// A force on the key front, s to N.
+    Force(Box<dyn Fn(f64) -> f64 + Send + 'a>),
+    /// Position and velocity of the finger, s to m and m/s.
+    Motion(Box<dyn Fn(f64) -> [f64; 2] + Send + 'a>),
+    /// Position and velocity of the key front itself, s to m and m/s.
+    Rigid(Box<dyn Fn(f64) -> [f64; 2] + Send + 'a>),
+}
+
+impl Stroke<'_> {
+    fn drive(&self) -> Drive<'_> {
+        match self {
+            Stroke::Free => Drive::Free,
+            Stroke::Force(force) => Drive::Force(force.as_ref()),
+            Stroke::Motion(position) => Drive::Motion(position.as_ref()),
+            Stroke::Rigid(position) => Drive::Rigid(position.as_ref()),
+        }
+    }
+
+    /// The kind of its input: lanes share one.
+    fn kind(&self) -> u8 {
+        match self {
+            Stroke::Free => 0,
+            Stroke::Force(_) => 1,
+            Stroke::Motion(_) => 2,
+            Stroke::Rigid(_) => 3,
+        }
+    }
+
+    /// How far down a motion begins, m; 0 for what begins at rest.
+    fn begins_at_m(&self, start_s: f64) -> f64 {
+        match self {
+            Stroke::Free | Stroke::Force(_) => 0.0,
+            Stroke::Motion(position) | Stroke::Rigid(position) => position(start_s)[0].max(0.0),
+        }
+    }
+}
+
+/// One stroke on one instrument.
+pub struct Job<'a> {
+    /// Index of the instrument.
+    pub instrument: usize,
+    /// The stroke.
+    pub stroke: Stroke<'a>,
+}
+
+/// Who does the work.
+#[derive(Debug, Clone, Copy)]
+pub struct Workers {
+    /// Threads.
+    pub threads: usize,
+    /// Strokes side by side in each. In single precision hammer speeds are right to some 1e-4; rests are found in doubles.
+    pub lanes: Lanes,
+}
+
+impl Workers {
+    /// All that the processor has.
+    pub fn all() -> Self {
+        Workers { threads: cores::count(), lanes: Lanes::most() }
+    }
+
+    /// The same in single precision.
+    pub fn all_single() -> Self {
+        Workers { lanes: Lanes::most_single(), ..Workers::all() }
+    }
+}
+
+/// What came of a job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Played {
+    /// Instants and speeds.
+    pub events: Events,
+    /// Greatest rise of the hammer's strike point from rest, m; 0 where there is no hammer.
+    pub highest_m: f64,
+    /// Steps that reached an iteration limit.
+    pub unconverged_steps: u64,
+}
+
+/// How a job ended: a job that fails fails alone.
+pub type JobResult = Result<Played, SimulationError>;
+
+/// Plays all jobs; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).
+/// `progress` is told the share done and ends the work by returning false.
+///
+/// # Errors
+/// A setup out of range, or [`SimulationError::Interrupted`]; what goes wrong in one job is that job's result.
+///
+/// # Panics
+/// If a job names an instrument that is not there.
+pub fn play_all(
+    instruments: &[Instrument],
+    jobs: Vec<Job<'_>>,
+    setup: &Setup,
+    workers: Workers,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<JobResult>, SimulationError> {
+    setup.check()?;
+    let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, &setup.settings)).collect();
+    let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
+    let count = jobs.len() as f64;
+    let (grands, others): (Vec<_>, Vec<_>) = jobs
+        .into_iter()
+        .enumerate()
+        .partition(|(_, job)| sizes[job.instrument] == Size::Grand && setup.tolerance.is_none());
+    let share = grands.len() as f64 / count.max(1.0);
+    play_in_lanes::<6, 14, 10>(instruments, grands, setup, workers, &mut results, &mut |own| progress(share * own))?;
+    play_alone(instruments, others, setup, workers, &mut results, &mut |own| progress(share + (1.0 - share) * own))?;
+    Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
+}
+
+/// Plays jobs one by one, on several threads: lanes of other sizes would take longer to compile than anybody who has such an
+/// instrument will wait for its strokes.
+fn play_alone(
+    instruments: &[Instrument],
+    jobs: Vec<(usize, Job<'_>)>,
+    setup: &Setup,
+    workers: Workers,
+    results: &mut [Option<JobResult>],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), SimulationError> {
+    let setup = Setup { record_every: Some(1), ..*setup };
+    let indices: Vec<usize> = jobs.iter().map(|(index, _)| *index).collect();
+    let mut outcomes: Vec<_> = jobs.iter().map(|_| None).collect();
+    let work = jobs.into_iter().zip(&mut outcomes).map(|((_, Job { instrument, stroke }), outcome)| {
+        let instrument = &instruments[instrument];
+        job(outcome, move |going| match simulate(instrument, &stroke.drive(), &setup, &mut |_| going()) {
+            Err(SimulationError::Interrupted) => Err(SimulationError::Interrupted),
+            played => Ok(played.map(|run| Played {
+                highest_m: run.hammer_head_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
+                events: run.events,
+                unconverged_steps: run.work.unconverged_steps,
+            })),
+        })
+    });
+    do_all(work.collect(), workers.threads, progress)?;
+    for (index, outcome) in indices.into_iter().zip(outcomes) {
+        results[index] = outcome;
+    }
+    Ok(())
+}
+
+/// Share of a study's time that finding the rests is taken to last, of as many rests as strokes, per second of stroke.
+const REST_S: f64 = 0.3;
+
+/// Plays the jobs of one engine size in lanes: first every instrument used comes to rest, then all strokes.
+fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
+    instruments: &[Instrument],
+    jobs: Vec<(usize, Job<'_>)>,
+    setup: &Setup,
+    workers: Workers,
+    results: &mut [Option<JobResult>],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<(), SimulationError> {
+    let Workers { threads, lanes } = workers;
+    let settled_in = lanes.in_doubles();
+    let mut used: Vec<usize> = jobs.iter().map(|(_, job)| job.instrument).collect();
+    used.sort_unstable();
+    used.dedup();
+    let rests = used.len() as f64 * REST_S;
+    let settling = rests / (rests + jobs.len() as f64 * setup.duration_s).max(f64::MIN_POSITIVE);
+
+    let topologies: Vec<Topology> = used.iter().map(|&i| Topology::of(&instruments[i])).collect();
+    let kinds = topologies.iter().enumerate().map(|(place, topology)| (topology, place));
+    let settled_together = groups(kinds, settled_in.count());
+    let mut outcomes: Vec<_> = settled_together.iter().map(|_| None).collect();
+    let work = settled_together.iter().zip(&mut outcomes).map(|(group, outcome)| {
+        let group: Vec<&Instrument> = group.iter().map(|&place| &instruments[used[place]]).collect();
+        job(outcome, move |going| settle::<B, Z, N>(&group, setup.settings, settled_in, going))
+    });
+    do_all(work.collect(), threads, &mut |share| progress(settling * share))?;
+    let mut rested: Vec<Option<Rested<B, Z>>> = used.iter().map(|_| None).collect();
+    for (group, outcome) in settled_together.iter().zip(outcomes) {
+        for (place, one) in group.iter().zip(outcome.into_iter().flatten()) {
+            rested[*place] = Some(one);
+        }
+    }
+
+    let place_of = |instrument: usize| used.binary_search(&instrument).unwrap_or(0);
+    let kinds: Vec<_> = jobs
+        .iter()
+        .map(|(_, job)| {
+            let topology = &topologies[place_of(job.instrument)];
+            (topology, job.stroke.kind(), job.stroke.begins_at_m(setup.start_s) > 0.0)
+        })
+        .collect();
+    let played_together = groups(kinds.into_iter().zip(0..), lanes.count());
+    let (indices, jobs): (Vec<usize>, Vec<Job>) = jobs.into_iter().unzip();
+    let mut waiting: Vec<Option<Job>> = jobs.into_iter().map(Some).collect();
+    let mut outcomes: Vec<_> = played_together.iter().map(|_| None).collect();
+    let mut work = Vec::new();
+    let rested = &rested;
+    for (group, outcome) in played_together.iter().zip(&mut outcomes) {
+        let own = group.iter().filter_map(|&place| waiting[place].take());
+        let players: Vec<Player<B, Z>> = own
+            .filter_map(|Job { instrument, stroke }| {
+                let rest = rested[place_of(instrument)].as_ref()?;
+                Some(Player { instrument: &instruments[instrument], stroke, rest })
+            })
+            .collect();
+        work.push(job(outcome, move |going| play::<B, Z, N>(&players, setup, lanes, going)));
+    }
+    do_all(work, threads, &mut |share| progress(settling + (1.0 - settling) * share))?;
+    for (group, outcome) in played_together.iter().zip(outcomes) {
+        for (place, played) in group.iter().zip(outcome.into_iter().flatten()) {
+            results[indices[*place]] = Some(played);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! What a study varies of an instrument.
+
+use erard::instrument::{Instrument, ScrewAction};
+
+/// A number of an instrument that a study varies.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Parameter {
+    /// A screw, turned from where it is by so many m, rad or N m.
+    Screw {
+        /// Index.
+        screw: usize,
+        /// What it moves, which tells the unit.
+        action: ScrewAction,
+    },
+    /// A body's mass, and its inertia with it, times a factor.
+    Mass(usize),
+    /// The dry friction torque of a body's pivot, times a factor.
+    PivotFriction(usize),
+    /// A spring's torque as drawn, times a factor.
+    Torque(usize),
+    /// A felt's stiffness, times a factor.
+    Stiffness(usize),
+    /// A felt's damping, times a factor.
+    Damping(usize),
+    /// A zone's friction coefficient, times a factor.
+    Friction(usize),
+}
+
+impl Parameter {
+    /// Every parameter of an instrument by its name: a screw by its own, the others as `body.hammer.mass`, `body.key.friction`,
+    /// `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
+    pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
+        let mut all = Vec::new();
+        for (screw, one) in instrument.screws.iter().enumerate() {
+            all.push((one.name.clone(), Parameter::Screw { screw, action: one.action.clone() }));
+        }
+        for (i, body) in instrument.bodies.iter().enumerate() {
+            all.push((format!("body.{}.mass", body.name), Parameter::Mass(i)));
+            if body.friction_torque_n_m > 0.0 {
+                all.push((format!("body.{}.friction", body.name), Parameter::PivotFriction(i)));
+            }
+        }
+        for (i, spring) in instrument.springs.iter().enumerate() {
+            all.push((format!("spring.{}.torque", spring.name), Parameter::Torque(i)));
+        }
+        for (i, zone) in instrument.zones.iter().enumerate() {
+            all.push((format!("zone.{}.stiffness", zone.name), Parameter::Stiffness(i)));
+            if zone.felt.damping > 0.0 {
+                all.push((format!("zone.{}.damping", zone.name), Parameter::Damping(i)));
+            }
+            if zone.friction_coefficient > 0.0 {
+                all.push((format!("zone.{}.friction", zone.name), Parameter::Friction(i)));
+            }
+        }
+        all
+    }
+
+    /// Whether its values are factors, which must be positive.
+    pub fn is_factor(&self) -> bool {
+        !matches!(self, Parameter::Screw { .. })
+    }
+
+    /// Varies an instrument: turns the screw by `value` (m, rad, N m) or multiplies by it.
+    ///
+    /// Returns whether it could be done. It cannot when a spring's torque would turn around or a factor is not a positive number; the
+    /// instrument is then unchanged.
+    #[must_use]
+    pub fn vary(&self, instrument: &mut Instrument, value: f64) -> bool {
+        if self.is_factor() && !(value.is_finite() && value > 0.0) {
+            return false;
+        }
+        match *self {
+            Parameter::Screw { screw, .. } => {
+                let setting = instrument.screws[screw].setting + value;
+                return instrument.turn(screw, setting);
+            }
+            Parameter::Mass(i) => {
+                instrument.bodies[i].mass_kg *= value;
+                instrument.bodies[i].inertia_kg_m2 *= value;
+            }
+            Parameter::PivotFriction(i) => instrument.bodies[i].friction_torque_n_m *= value,
+            Parameter::Torque(i) => instrument.springs[i].torque_n_m *= value,
+            Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness *= value,
+            Parameter::Damping(i) => instrument.zones[i].felt.damping *= value,
+            Parameter::Friction(i) => instrument.zones[i].friction_coefficient *= value,
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every parameter has a name of its own and changes the instrument; a factor of one and no turn change nothing.
+    #[test]
+    fn every_parameter_varies_something() {
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        let all = Parameter::all(&grand);
+        let mut names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), all.len());
+        assert!(names.contains(&"let_off") && names.contains(&"body.hammer.mass"), "{names:?}");
+        for (name, parameter) in &all {
+            let (mut varied, mut same) = (grand.clone(), grand.clone());
+            assert!(parameter.vary(&mut varied, 1e-4) && varied != grand, "{name}");
+            let nothing = if parameter.is_factor() { 1.0 } else { 0.0 };
+            assert!(parameter.vary(&mut same, nothing) && same == grand, "{name}");
+            let mut unchanged = grand.clone();
+            assert!(!parameter.vary(&mut unchanged, f64::NAN) && unchanged == grand, "{name}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! What must be alike for mechanisms to be stepped side by side.
+
+use std::collections::BTreeMap;
+
+use moreau::Exponent;
+
+use erard::instrument::{Curve, Instrument};
+
+/// A zone but for its numbers: its bodies, its kind of curve and of exponent, whether it has friction.
+type ZoneKind = (Option<usize>, Option<usize>, u8, u8, bool);
+
+/// An instrument but for its numbers.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Topology {
+    parents: Vec<Option<usize>>,
+    zones: Vec<ZoneKind>,
+    key: Option<usize>,
+}
+
+impl Topology {
+    pub fn of(instrument: &Instrument) -> Self {
+        Topology {
+            parents: instrument.bodies.iter().map(|body| body.parent).collect(),
+            zones: instrument
+                .zones
+                .iter()
+                .map(|zone| {
+                    let curve = match zone.curve {
+                        Curve::Line { .. } => 0,
+                        Curve::Segment { .. } => 1,
+                        Curve::Disc { .. } => 2,
+                    };
+                    let exponent = match Exponent::new(zone.felt.exponent) {
+                        Exponent::Two => 0,
+                        Exponent::TwoAndHalf => 1,
+                        Exponent::Three => 2,
+                        Exponent::Other(_) => 3,
+                    };
+                    (zone.disc_body, zone.curve_body, curve, exponent, zone.friction_coefficient > 0.0)
+                })
+                .collect(),
+            key: instrument.roles.key,
+        }
+    }
+}
+
+/// Groups of so many places of one kind, as they come; the last group of a kind may be smaller.
+pub(super) fn groups<K: Ord>(kinds: impl Iterator<Item = (K, usize)>, width: usize) -> Vec<Vec<usize>> {
+    let mut places: BTreeMap<K, Vec<usize>> = BTreeMap::new();
+    for (kind, place) in kinds {
+        places.entry(kind).or_default().push(place);
+    }
+    let mut groups: Vec<Vec<usize>> =
+        places.values().flat_map(|places| places.chunks(width).map(<[usize]>::to_vec)).collect();
+    groups.sort_unstable();
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_of_one_kind() {
+        let kinds = [7, 7, 8, 7, 7, 7, 8];
+        let of_width = |width| groups(kinds.into_iter().zip(0..), width);
+        assert_eq!(of_width(4), [vec![0, 1, 3, 4], vec![2, 6], vec![5]]);
+        assert_eq!(of_width(1).concat(), [0, 1, 2, 3, 4, 5, 6]);
+    }
+
+    #[test]
+    fn numbers_are_not_topology() {
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        let mut other = grand.clone();
+        other.bodies[0].mass_kg *= 2.0;
+        other.zones[0].felt.stiffness *= 2.0;
+        assert_eq!(Topology::of(&grand), Topology::of(&other));
+        other.zones[0].felt.exponent = 1.7;
+        assert_ne!(Topology::of(&grand), Topology::of(&other));
+    }
+}

@@ -1,0 +1,58 @@
+//! Every key on the technician's bench: hammers, leads and touch weights over the keyboard.
+
+use crate::cores::{self, do_all, job};
+use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
+use crate::measure::{Interrupt, MeasureError, Parts, pedal_down};
+use erard::instrument::Instrument;
+use erard::keyboard::note_name;
+
+/// A key as weighed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeighedKey {
+    /// Its number, from 1.
+    pub key: usize,
+    /// Its note, e.g. `C4`.
+    pub note: String,
+    /// Mass of the hammer with its shank, g.
+    pub hammer_mass_g: f64,
+    /// The hammer on its pin, its shank level, the strike point's place on the scale, g.
+    pub strike_weight_g: f64,
+    /// The key on its balance pin, level, its front on the scale, g.
+    pub front_weight_g: f64,
+    /// Down-weight and up-weight from a slow loop, dampers lifted, g.
+    pub touch: Touch,
+}
+
+/// Weighs keys, each given with its number. `progress` is told the share that is done, and ends the work by returning false.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn weigh(
+    keys: &[(usize, Instrument)],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<WeighedKey>, MeasureError> {
+    let mut weighed: Vec<Option<WeighedKey>> = vec![None; keys.len()];
+    let jobs = weighed
+        .iter_mut()
+        .zip(keys)
+        .map(|(place, (key, instrument))| job(place, move |going| weigh_key(*key, instrument, going)))
+        .collect();
+    do_all(jobs, cores::count(), progress)?;
+    weighed.into_iter().map(|key| key.ok_or(MeasureError::Lost)).collect()
+}
+
+fn weigh_key(key: usize, instrument: &Instrument, going: Interrupt<'_>) -> Result<WeighedKey, MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    let way = free_way(&lifted, &parts, going)?;
+    let weights = by_loop(&lifted, way.end_m, going)?;
+    let (scale, _) = on_the_scale(instrument, &parts, way.end_m, weights.decided_m)?;
+    Ok(WeighedKey {
+        key,
+        note: note_name(key),
+        hammer_mass_g: instrument.bodies[parts.hammer].mass_kg * 1e3,
+        strike_weight_g: scale.strike_weight_g,
+        front_weight_g: scale.front_weight_g,
+        touch: weights.touch,
+    })
+}

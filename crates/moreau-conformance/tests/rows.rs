@@ -1,0 +1,84 @@
+//! Every row of every problem holds, and the references are the textbooks' numbers.
+
+use moreau_conformance::{Expected, Row, problems};
+
+fn holds(number: u32) {
+    let problem = problems().into_iter().find(|p| p.number == number).expect("a problem of this number");
+    let rows = (problem.rows)();
+    assert!(!rows.is_empty());
+    for row in rows {
+        assert!(
+            row.holds(),
+            "{}: {} is {} and should be {:?}: {}",
+            problem.name,
+            row.quantity,
+            row.ours,
+            row.expected,
+            row.because
+        );
+    }
+}
+
+macro_rules! problems_hold {
+    ($($name:ident $number:literal)*) => {
+        $(#[test] fn $name() { holds($number); })*
+    };
+}
+
+problems_hold! {
+    pivot_that_sticks 1
+    oscillator_with_dry_friction 2
+    pendulum_with_a_dry_pivot 3
+    double_pendulum 4
+    elastic_felt 5
+    damped_felt 6
+    relay_problems 7
+    oscillator_on_a_belt 9
+    block_on_an_incline 10
+    disc_from_sliding_to_rolling 11
+    bouncing_ball 12
+    painleves_rod 13
+    closed_loops 14
+    steps_with_controlled_error 15
+}
+
+/// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.
+#[test]
+fn the_references_are_the_published_numbers() {
+    let mut solved: Vec<(u32, Vec<Row>)> = Vec::new();
+    for (number, quantity, value) in [
+        (2, "turning point 1, h = 1e-3", 13.317_821_063),
+        (2, "turning point 2, h = 1e-3", -11.317_821_063),
+        (2, "rests at, h = 1e-3", 0.682_178_936_724),
+        (2, "from, h = 1e-3", 22.423_556_350_699),
+        (3, "turning point 1, h = 1e-5", 0.349_759_265),
+        (3, "turning point 2, h = 1e-5", 0.202_136_563),
+        (3, "turning point 3, h = 1e-5", 0.055_977_470),
+        (5, "r = 2: largest compression", 6.694_329_500_8e-4),
+        (5, "r = 2: contact time", 1.877_333_806_6e-3),
+        (5, "r = 2.5: largest compression", 6.169_670_082_2e-4),
+        (5, "r = 2.5: contact time", 1.666_704_945_2e-3),
+        (5, "r = 3: largest compression", 6.687_403_049_8e-4),
+        (5, "r = 3: contact time", 1.753_475_568_5e-3),
+        (9, "static limit 1.5: slips for, h = 1e-2", 3.902_605_407_8),
+        (9, "static limit 1.5: period, h = 1e-2", 8.902_605_407_8),
+        (10, "mu 0.3, from rest: acceleration downhill", 0.589_702_223_1),
+        (10, "mu 0.5, uphill at 1 m/s: stops at, h = 1e-2", 0.125_558_580_1),
+        (10, "mu 0.5, uphill at 1 m/s: way after 2 s, h = 1e-2", 0.062_779_290_1),
+        (11, "rolls from, h = 1e-2", 0.169_894_665_3),
+        (12, "first impact, h = 1e-3", 0.428_352_936_9),
+        (12, "comes to rest, h = 1e-3", 8.138_705_800_7),
+        (13, "mu 0.5: normal force over mass, h = 1e-6", 5.605_714_285_7),
+    ] {
+        if solved.iter().all(|(n, _)| *n != number) {
+            let problem = problems().into_iter().find(|p| p.number == number).expect("a problem of this number");
+            solved.push((number, (problem.rows)()));
+        }
+        let rows = &solved.iter().find(|(n, _)| *n == number).expect("just solved").1;
+        let row = rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("no row {quantity}"));
+        // The last digit that is given, rounded.
+        let digits = if number == 3 { 6e-10 } else { 6e-11 };
+        let Expected::Near { value: reference, .. } = row.expected else { panic!("{quantity}: no value") };
+        assert!((reference - value).abs() <= digits * value.abs().max(1.0), "{quantity}: {reference}");
+    }
+}
