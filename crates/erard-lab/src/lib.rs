@@ -1,7 +1,7 @@
 //! The laboratory: what shows that the simulation is right, and how fast it is.
 //!
 //! Measured strokes beside the models ([`compare`]), published measurements ([`validate`]), the papers' claims ([`reproduce`]) and
-//! what benchmarks time ([`bench`]).
+//! what benchmarks time ([`mod@bench`]).
 
 pub mod bench;
 pub mod compare;

@@ -194,7 +194,7 @@ fn all_keys_have_one_topology() {
 /// What is wrong with a keyboard file is told with file, line, key, what was found and what was expected.
 #[test]
 fn wrong_files_are_told() {
-    let text = include_str!("../../../keyboards/concert-grand.toml");
+    let text = include_str!("../../erard/keyboards/concert-grand.toml");
     let told = |from: &str, to: &str| {
         assert_eq!(text.matches(from).count(), 1, "{from}");
         let error = Keyboard::parse(&text.replace(from, to), "my.toml", Path::new("")).expect_err(to).to_string();
@@ -239,7 +239,7 @@ fn wrong_files_are_told() {
 /// The schema that lies beside the keyboards is the one that the reader's structs give.
 #[test]
 fn the_schema_is_up_to_date() {
-    let committed = include_str!("../../../keyboards/keyboard.schema.json");
+    let committed = include_str!("../../erard/keyboards/keyboard.schema.json");
     assert!(
         committed == erard::keyboard::json_schema(),
         "run `cargo run -p erard --example keyboard_schema > keyboards/keyboard.schema.json`"

@@ -92,7 +92,7 @@ fn write(folder: &Path, name: &str, run: &Run, force: &dyn Fn(f64) -> f64) {
 }
 
 fn main() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../strokes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("strokes");
     let grand = Instrument::builtin("concert-grand").expect("built in");
     for (name, level, rise, blow) in NUANCES {
         let force = |t| pressed(t, level, rise);

@@ -45,7 +45,7 @@ fn every_built_in_instrument_reads() {
 #[test]
 fn the_built_in_text_is_the_file_on_disk() {
     for name in Instrument::builtin_names() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../instruments/{name}.toml"));
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("instruments/{name}.toml"));
         assert_eq!(InstrumentFile::load(&path).ok(), InstrumentFile::builtin(name), "{name}");
     }
 }

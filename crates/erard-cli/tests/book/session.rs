@@ -20,10 +20,11 @@ impl Session {
     /// An empty folder but for the project's data files.
     pub fn new(page: &str) -> Self {
         let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        for data in ["instruments", "keyboards", "linkages", "strokes"] {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        for home in ["erard/instruments", "erard/keyboards", "erard-workshop/linkages", "erard/strokes"] {
+            let data = Path::new(home).file_name().unwrap();
             fs::create_dir(folder.0.join(data)).unwrap();
-            for entry in fs::read_dir(root.join(data)).unwrap() {
+            for entry in fs::read_dir(crates.join(home)).unwrap() {
                 let from = entry.unwrap().path();
                 fs::copy(&from, folder.0.join(data).join(from.file_name().unwrap())).unwrap();
             }
