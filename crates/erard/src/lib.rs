@@ -16,3 +16,8 @@ pub mod run;
 pub mod sight;
 pub mod simulation;
 pub mod stroke;
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -9,7 +9,7 @@ use super::{Verdict, values};
 use erard::instrument::{Certainty, Source};
 
 /// What comes with the program.
-const BUILTIN: &str = include_str!("../../../validation/published.toml");
+const BUILTIN: &str = include_str!("../../validation/published.toml");
 
 /// The table.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

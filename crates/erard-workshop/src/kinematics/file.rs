@@ -22,8 +22,8 @@ pub(super) const USUAL_LET_OFF_M: f64 = 0.0015;
 
 /// The linkages that come with the program, by name.
 const BUILTIN: [(&str, &str); 2] = [
-    ("c7f-like", include_str!("../../../linkages/c7f-like.toml")),
-    ("steinway-o-like", include_str!("../../../linkages/steinway-o-like.toml")),
+    ("c7f-like", include_str!("../../linkages/c7f-like.toml")),
+    ("steinway-o-like", include_str!("../../linkages/steinway-o-like.toml")),
 ];
 
 /// A linkage file, read and checked.

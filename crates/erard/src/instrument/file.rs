@@ -17,9 +17,9 @@ pub const MAX_FILE_BYTES: usize = 4 << 20;
 
 /// The instruments that come with the program, by name.
 const BUILTIN: [(&str, &str); 3] = [
-    ("concert-grand", include_str!("../../../instruments/concert-grand.toml")),
-    ("steinway-o", include_str!("../../../instruments/steinway-o.toml")),
-    ("heavy-touch", include_str!("../../../instruments/heavy-touch.toml")),
+    ("concert-grand", include_str!("../../instruments/concert-grand.toml")),
+    ("steinway-o", include_str!("../../instruments/steinway-o.toml")),
+    ("heavy-touch", include_str!("../../instruments/heavy-touch.toml")),
 ];
 
 /// An instrument file, read: the instrument in SI units and where its numbers come from.

@@ -18,7 +18,7 @@ pub enum Touch {
 
 macro_rules! stroke {
     ($nuance:literal, $touch:literal) => {
-        include_str!(concat!("../../../strokes/", $nuance, "-", $touch, ".csv"))
+        include_str!(concat!("../../strokes/", $nuance, "-", $touch, ".csv"))
     };
 }
 
