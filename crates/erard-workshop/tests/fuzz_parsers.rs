@@ -8,20 +8,22 @@ use erard::instrument::{Curve, FileError, Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
 use erard::stroke::{Cursor, MAX_FORCE_N, MAX_POSITION_M, Series, StrokeError};
 use erard_workshop::kinematics::LinkageFile;
+use fastrand::Rng;
 
 const CLOCK: &str = include_str!("../../erard/tests/instruments/escapement.toml");
 const STROKE: &str = "# a short stroke\ntime_s,force_N,position_m,note\n0,0,0,\n0.001,0.5,0.0002,on\n0.0025,1.25,0.001,\n\
                       0.01,3e0,0.004,\"a, b\"\n0.02,5,0.009,\n0.05,0,0.0098,off\n";
 
-/// Marsaglia's xorshift: enough chance for breaking files.
-struct Chance(u64);
+/// Chance, the same every time.
+struct Chance(Rng);
 
 impl Chance {
+    fn new(seed: u64) -> Self {
+        Chance(Rng::with_seed(seed))
+    }
+
     fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as usize % n.max(1)
+        self.0.usize(..n.max(1))
     }
 
     fn pick<'a, T: ?Sized>(&mut self, choices: &[&'a T]) -> &'a T {
@@ -180,7 +182,7 @@ fn assert_helpful(error: &FileError) {
 
 /// Returns how many of the mutants read.
 fn damage_instrument(good: &str, mutants: usize, seed: u64) -> usize {
-    let mut chance = Chance(seed);
+    let mut chance = Chance::new(seed);
     (0..mutants)
         .filter(|_| match InstrumentFile::parse_bytes(&damaged(good, &mut chance), "mutant.toml") {
             Ok(file) => {
@@ -214,7 +216,7 @@ fn damaged_grands() {
 #[test]
 fn damaged_linkages() {
     let good = LinkageFile::builtin_text("c7f-like").expect("a text");
-    let mut chance = Chance(0x0bad_cafe_dead_beef);
+    let mut chance = Chance::new(0x0bad_cafe_dead_beef);
     let (mut read, mut moved) = (0, 0);
     for _ in 0..20_000 {
         let bytes = damaged(good, &mut chance);
@@ -266,7 +268,7 @@ by_mm = [{ key = 1, value = -1.5 }, { key = 40, value = 0 }]
 fn damaged_keyboards() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/tests/instruments");
     assert!(Keyboard::parse(KEYBOARD, "good.toml", &folder).is_ok_and(|k| k.instruments().is_ok()));
-    let mut chance = Chance(0x0f1e_2d3c_4b5a_6978);
+    let mut chance = Chance::new(0x0f1e_2d3c_4b5a_6978);
     let (mut read, mut sound) = (0, 0);
     for _ in 0..20_000 {
         let bytes = damaged(KEYBOARD, &mut chance);
@@ -292,7 +294,7 @@ fn damaged_keyboards() {
 
 #[test]
 fn damaged_strokes() {
-    let mut chance = Chance(0x1234_5678_9abc_def1);
+    let mut chance = Chance::new(0x1234_5678_9abc_def1);
     let mut read = 0;
     for _ in 0..60_000 {
         let bytes = damaged(STROKE, &mut chance);

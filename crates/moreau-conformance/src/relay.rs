@@ -3,6 +3,7 @@
 //! Problems are built around a known answer z: free laws get a residual velocity of zero, laws at a bound get one of the right
 //! sign, and u_free = u - W z. W = Q S Q^T has a prescribed spectrum, badly conditioned or rank-deficient by choice.
 
+use fastrand::Rng;
 use moreau::osnsp::delassus::OneStepProblem;
 use moreau::osnsp::projected_gauss_seidel;
 use moreau::osnsp::relay::solve_dense;
@@ -12,15 +13,12 @@ use crate::row::{Expected, Row};
 /// Room for the laws of a problem.
 const N: usize = 16;
 
-/// A small deterministic generator (xorshift64*), uniform in [-1, 1].
-struct Random(u64);
+/// Random numbers, uniform in [-1, 1), the same every time.
+struct Random(Rng);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        2.0 * self.0.f64() - 1.0
     }
 }
 
@@ -157,7 +155,7 @@ fn equality(random: &mut Random) -> f64 {
 }
 
 pub(crate) fn rows() -> Vec<Row> {
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random(Rng::with_seed(0x9E37_79B9_7F4A_7C15));
     let mut rows = Vec::new();
     let mut most = 0.0_f64;
     for condition in [1.0, 1e3, 1e7] {

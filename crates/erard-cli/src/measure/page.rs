@@ -8,7 +8,8 @@ use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
 use super::figures::Drawn;
-use erard_figures::page::base64::encode;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use erard_figures::svg::escape;
 
 const STYLE: &str = include_str!("page.css");
@@ -92,7 +93,7 @@ fn row(out: &mut String, line: &Line, measured: &[Measured]) {
 /// A picture as data: in a document of its own its names cannot clash with another's.
 fn picture(out: &mut String, drawn: &Drawn) {
     let alt = escape(&drawn.alt);
-    let data = encode(drawn.svg.as_bytes());
+    let data = STANDARD.encode(drawn.svg.as_bytes());
     let _ = writeln!(
         out,
         "<figure><img alt=\"{alt}\" src=\"data:image/svg+xml;base64,{data}\"><figcaption>{alt}</figcaption></figure>"

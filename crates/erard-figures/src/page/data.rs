@@ -1,8 +1,10 @@
 //! A run as the page's script reads it: one JSON object, long series in base64.
 
-use super::{base64, frames};
+use super::frames;
 use crate::drawing::{self, ARROW, MM};
 use crate::figure::{self, Dash, Layout, Panel};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use erard::instrument::Instrument;
 use erard::run::{Run, ZoneSeries};
 use serde_json::{Value, json};
@@ -14,7 +16,7 @@ pub(crate) fn data(instrument: &Instrument, run: &Run, close_up: Option<[f64; 4]
     let rows = frames::choose(run, &times, frames::MOST);
     let at = |series: &[f64]| {
         let picked: Vec<f64> = rows.iter().map(|row| series.get(*row).copied().unwrap_or(f64::NAN)).collect();
-        base64::floats(picked.into_iter())
+        floats(picked.into_iter())
     };
     let angles: Vec<String> = (0..instrument.bodies.len())
         .map(|body| match run.bodies.get(body) {
@@ -101,5 +103,25 @@ fn contacts(zone: &ZoneSeries, rows: &[usize], sign: f64) -> Value {
         let [x, y, nx, ny] = contact.map(f64::from);
         values.extend([force, x * MM, y * MM, (sign * ny).atan2(sign * nx)]);
     }
-    json!({"label": zone.label, "spans": spans, "values": base64::floats(values.into_iter())})
+    json!({"label": zone.label, "spans": spans, "values": floats(values.into_iter())})
+}
+
+/// The values as little-endian `f32`, in base64. What is not finite becomes 0: the page draws numbers only.
+fn floats(values: impl Iterator<Item = f64>) -> String {
+    let mut bytes = Vec::with_capacity(4 * values.size_hint().0);
+    for value in values {
+        let value = if value.is_finite() { value as f32 } else { 0.0 };
+        bytes.extend_from_slice(&value.to_le_bytes());
+    }
+    STANDARD.encode(&bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_are_little_endian_and_finite() {
+        assert_eq!(floats([1.0, f64::NAN].into_iter()), STANDARD.encode([0, 0, 0x80, 0x3f, 0, 0, 0, 0]));
+    }
 }

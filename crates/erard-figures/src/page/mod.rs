@@ -3,7 +3,6 @@
 //! The page holds no physics. Poses and forces are the run's; the script turns outlines, joins frames by straight lines
 //! and draws arrows.
 
-pub mod base64;
 mod data;
 mod frames;
 

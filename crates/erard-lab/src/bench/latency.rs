@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use fastrand::Rng;
 use moreau::{Input, Outcome, Settings, step};
 use moreau_lanes::Lanes;
 use serde::Serialize;
@@ -84,35 +85,23 @@ impl Latencies {
     }
 }
 
-/// A small deterministic generator (xorshift64*), uniform in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// Somebody who plays at random: blows of up to 40 N, held for 10 to 200 ms; every second time the key is let go.
 struct RandomPlayer {
-    random: Random,
+    random: Rng,
     force_n: f64,
     left: u32,
 }
 
 impl RandomPlayer {
     fn new(seed: u64) -> Self {
-        RandomPlayer { random: Random(seed), force_n: 0.0, left: 0 }
+        RandomPlayer { random: Rng::with_seed(seed), force_n: 0.0, left: 0 }
     }
 
     fn next(&mut self) -> Input<f64> {
         if self.left == 0 {
             let random = &mut self.random;
-            self.force_n = if self.force_n > 0.0 { 0.0 } else { 0.5 + 39.5 * random.next() * random.next() };
-            self.left = 200 + (3800.0 * random.next()) as u32;
+            self.force_n = if self.force_n > 0.0 { 0.0 } else { 0.5 + 39.5 * random.f64() * random.f64() };
+            self.left = 200 + (3800.0 * random.f64()) as u32;
         }
         self.left -= 1;
         Input::Force(self.force_n)

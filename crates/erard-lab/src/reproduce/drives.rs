@@ -1,5 +1,6 @@
 //! [T12] figure 3: p and f, force-driven and motion-driven, six bodies beside one degree of freedom.
 
+use fastrand::Rng;
 use moreau::Settings;
 
 use super::blow::{Play, tell};
@@ -20,16 +21,12 @@ const POSITION_NOISE_M: f64 = 0.02e-6;
 /// s.
 const DURATION_S: f64 = 0.35;
 
-/// A deterministic generator (xorshift64*), uniform with unit variance.
-struct Noise(u64);
+/// A sensor's noise: uniform, with unit variance, and the same every time.
+struct Noise(Rng);
 
 impl Noise {
     fn next(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let unit = (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64;
-        (2.0 * unit - 1.0) * 3.0_f64.sqrt()
+        (2.0 * self.0.f64() - 1.0) * 3.0_f64.sqrt()
     }
 }
 
@@ -55,7 +52,7 @@ impl Reference {
         let every = (SAMPLE_S / REFERENCE_STEP_S).round() as u64;
         let settings = Settings::new(REFERENCE_STEP_S);
         let run = Play::Motion(nuance, Touch::Pressed).run(instrument, settings, DURATION_S, every)?;
-        let mut noise = Noise(0x9E37_79B9_7F4A_7C15);
+        let mut noise = Noise(Rng::with_seed(0x9E37_79B9_7F4A_7C15));
         let force = run.force_n.iter().map(|f| (f + FORCE_NOISE_N * noise.next()).max(0.0)).collect();
         let position = run.key_m.iter().map(|y| y + POSITION_NOISE_M * noise.next()).collect();
         let bad = |e| ReproduceError::Instrument(format!("the reference run gives no series: {e}"));

@@ -60,17 +60,21 @@ fn after_expected(rest: &str) -> String {
     rest.trim_start_matches(", ").trim_start_matches("expected ").to_owned()
 }
 
+/// Characters of a key that are compared.
+const LONGEST_KEY: usize = 64;
+
 /// The known key that `key` most likely stands for: the one that adds a unit to it, one that shares its
 /// beginning, or one within two slips.
 fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
-    let lower = key.to_lowercase();
+    // Nobody means a key that is longer than any there is, and comparing costs as much as it is long.
+    let lower = key.chars().take(LONGEST_KEY).collect::<String>().to_lowercase();
     let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
     known
         .iter()
         .copied()
         .filter_map(|candidate| {
             let name = candidate.to_lowercase();
-            let slips = edit_distance(&lower, &name);
+            let slips = strsim::levenshtein(&lower, &name);
             let unit_missing = name.strip_prefix(&lower).is_some_and(|rest| rest.starts_with('_'));
             let same_stem = stem(&lower) == stem(&name);
             let beginning = lower.bytes().zip(name.bytes()).take_while(|(a, b)| a == b).count();
@@ -82,20 +86,4 @@ fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
         })
         .min()
         .map(|(_, _, candidate)| candidate)
-}
-
-/// Levenshtein distance. Both words are short: keys longer than any known one are cut.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(row[j + 1] + 1);
-        }
-    }
-    row[b.len()]
 }

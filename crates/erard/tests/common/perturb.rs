@@ -8,7 +8,8 @@ use moreau::{Input, Ledger, Outcome, Settings};
 
 use super::tremolo;
 
-/// splitmix64: every seed, also 0, 1, 2 ..., begins a sequence of its own.
+/// splitmix64: every seed, also 0, 1, 2 ..., begins a sequence of its own. Not a library's, whose sequences change with its versions: a seed
+/// is the name of an instrument, by which it is spoken of and made again.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
