@@ -9,10 +9,10 @@ use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
 use erard_lab::compare::CompareError;
 use erard_lab::reproduce::ReproduceError;
+use erard_workshop::distances::DistanceError;
 use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
-use erard_workshop::regulation::MeasureError as DistanceError;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 
 /// Why a command failed.

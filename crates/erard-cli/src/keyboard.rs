@@ -8,7 +8,7 @@ use erard::keyboard::KEYS;
 use erard_workshop::weighing::WeighedKey;
 
 use crate::table::shortest;
-use erard_figures::figure::{self, Curve, Dash, Figure, Layout, PALETTE, Panel, Window};
+use erard_figures::figure::{self, Dash, Figure, Layout, PALETTE, Panel, Trace, Window};
 
 /// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
 /// weighed stand in the text.
@@ -86,7 +86,7 @@ pub fn write_csv(weighed: &[WeighedKey], writer: &mut dyn Write) -> std::io::Res
 pub fn figure_svg(name: &str, weighed: &[WeighedKey]) -> String {
     let keys: Vec<f64> = weighed.iter().map(|w| w.key as f64).collect();
     let column = |index: usize| Cow::Owned(weighed.iter().map(|w| numbers(w)[index]).collect());
-    let curve = |label: &str, index: usize, style: usize, dash| Curve {
+    let curve = |label: &str, index: usize, style: usize, dash| Trace {
         label: label.into(),
         x: &keys,
         y: column(index),

@@ -13,7 +13,7 @@ pub mod kinematics;
 pub mod measure;
 pub mod output;
 pub mod progress;
-pub mod regulation;
+pub mod regulate;
 pub mod report;
 pub mod study;
 pub mod summary;

@@ -64,7 +64,7 @@ pub struct Summary {
     /// Dry friction torque of each pivot at the end, N m.
     pub final_pivot_friction_N_m: Vec<f64>,
     /// Every blow on the string.
-    pub strikes: Vec<Blow>,
+    pub strikes: Vec<StrikeReport>,
 }
 
 /// Control of the error.
@@ -101,9 +101,9 @@ pub struct Dissipated {
     pub coulomb: f64,
 }
 
-/// One blow.
+/// One strike of the hammer on the string.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Blow {
+pub struct StrikeReport {
     /// s.
     pub time_s: f64,
     /// m/s.
@@ -156,7 +156,7 @@ impl Summary {
             },
             smallest_dissipation_J: l.smallest_term,
             final_pivot_friction_N_m: run.final_pivot_friction_n_m.clone(),
-            strikes: e.strikes.iter().map(|s| Blow { time_s: s.time_s, speed_m_s: s.speed_m_s }).collect(),
+            strikes: e.strikes.iter().map(|s| StrikeReport { time_s: s.time_s, speed_m_s: s.speed_m_s }).collect(),
         }
     }
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::Folder;
 use erard::instrument::Instrument;
-use erard_workshop::regulation::{Protocol, measure};
+use erard_workshop::distances::{Protocol, measure};
 use serde_json::Value;
 
 fn folder(test: &str) -> Folder {

@@ -3,9 +3,9 @@
 //! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
 
 pub mod cores;
+pub mod distances;
 pub mod kinematics;
 pub mod measure;
 pub mod regulate;
-pub mod regulation;
 pub mod study;
 pub mod weighing;

@@ -5,7 +5,7 @@ mod common;
 
 use common::grand;
 use erard::instrument::{Curve, Felt, Instrument};
-use erard_workshop::regulation::{Distances, Protocol, measure};
+use erard_workshop::distances::{Distances, Protocol, measure};
 
 /// The grand with some of its screws turned (mm), measured.
 fn measured(turns_mm: &[(&str, f64)]) -> Distances {

@@ -5,8 +5,8 @@ mod common;
 
 use common::{Play, USUAL_STEP_S};
 use erard::instrument::{Curve, Instrument, Vec2};
+use erard_workshop::distances::{Protocol, measure};
 use erard_workshop::regulate::{Goal, Kind};
-use erard_workshop::regulation::{Protocol, measure};
 use moreau::Settings;
 
 const FURTHER: [&str; 2] = ["steinway-o", "heavy-touch"];

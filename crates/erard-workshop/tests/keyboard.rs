@@ -11,8 +11,8 @@ use erard::instrument::{Certainty, Instrument};
 use erard::keyboard::{KEYS, Keyboard, note_name};
 use erard::simulation::{Drive, Setup, simulate};
 use erard::stroke::{Series, Touch};
+use erard_workshop::distances::{Protocol, measure};
 use erard_workshop::measure::{Parts, pedal_down, weights};
-use erard_workshop::regulation::{Protocol, measure};
 use moreau::Settings;
 
 /// The built-in keyboard and its instruments, read once.

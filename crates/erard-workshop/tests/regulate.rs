@@ -5,8 +5,8 @@ mod common;
 
 use common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::Instrument;
+use erard_workshop::distances::{DistanceError, Protocol, measure};
 use erard_workshop::regulate::{Goal, Miss, RegulateError, Regulated, Specification, known_screw, regulate};
-use erard_workshop::regulation::{MeasureError, Protocol, measure};
 use moreau::Settings;
 
 /// Turns screws on by so much: mm, or a share of the torque for the spring.
@@ -172,5 +172,5 @@ fn what_is_missing_is_named() {
     assert_eq!(error.to_string(), "the instrument has no screw for drop: it needs one called `drop`");
 
     let stopped = regulate(&grand(), &Goal::norms(), &Protocol::default(), &mut |status| status.simulations < 5);
-    assert!(matches!(stopped, Err(RegulateError::Measure(MeasureError::Interrupted))));
+    assert!(matches!(stopped, Err(RegulateError::Measure(DistanceError::Interrupted))));
 }

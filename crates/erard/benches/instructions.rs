@@ -10,8 +10,8 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use erard_lab::bench::callgrind::{CountError, instructions, is_available};
-use erard_lab::bench::{Load, STEP_S, STEPS, WIDEST, grand, press};
+use erard_lab::benchmarks::callgrind::{CountError, instructions, is_available};
+use erard_lab::benchmarks::{Load, STEP_S, STEPS, WIDEST, grand, press};
 use moreau::Settings;
 use moreau_lanes::Lanes;
 

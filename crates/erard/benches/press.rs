@@ -4,7 +4,7 @@
 //! `cargo bench -p erard --bench press`
 
 use divan::{Bencher, black_box};
-use erard_lab::bench::{STEP_S, STEPS, grand, press};
+use erard_lab::benchmarks::{STEP_S, STEPS, grand, press};
 use moreau::{Settings, Solver};
 
 fn main() {

@@ -4,7 +4,7 @@
 
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use erard_lab::bench::{GrandGroup, grand};
+use erard_lab::benchmarks::{GrandGroup, grand};
 use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
 use moreau_lanes::Lanes;
 

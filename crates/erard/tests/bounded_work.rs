@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use erard_lab::bench::{GrandGroup, grand};
+use erard_lab::benchmarks::{GrandGroup, grand};
 use moreau::{Input, Outcome, Settings};
 use moreau_lanes::Lanes;
 

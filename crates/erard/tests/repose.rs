@@ -1,6 +1,6 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_lab::bench::{GrandGroup, GrandScratch, grand};
+use erard_lab::benchmarks::{GrandGroup, GrandScratch, grand};
 use moreau::{Input, Outcome, Repose, Settings, step};
 use moreau_lanes::Lanes;
 

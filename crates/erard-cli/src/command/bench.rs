@@ -2,7 +2,7 @@
 
 use clap::Args;
 use erard::simulation::SimulationError;
-use erard_lab::bench::{Effort, Report, measure};
+use erard_lab::benchmarks::{Effort, Report, measure};
 
 use crate::failure::Failure;
 use crate::progress::Progress;

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
-use erard_figures::figure::{Curve, Dash, Figure, Layout, PALETTE, Panel, Window, figure_svg, png_from_svg};
+use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Trace, Window, figure_svg, png_from_svg};
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
 #[derive(Debug, Args)]
@@ -232,7 +232,7 @@ impl FindingReport {
 }
 
 /// The range of some curves and half as much again on both sides.
-fn widened(curves: &[Curve]) -> (f64, f64) {
+fn widened(curves: &[Trace]) -> (f64, f64) {
     let values = || curves.iter().flat_map(|c| c.y.iter().copied());
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     let margin = (0.5 * (high - low)).max(1e-6);
@@ -242,7 +242,7 @@ fn widened(curves: &[Curve]) -> (f64, f64) {
 /// Measured in black, the action in orange, one degree of freedom in blue.
 fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
     let curve =
-        |label: &str, y: Cow<'a, [f64]>, colour, dash| Curve { label: label.into(), x: &c.time_s, y, colour, dash };
+        |label: &str, y: Cow<'a, [f64]>, colour, dash| Trace { label: label.into(), x: &c.time_s, y, colour, dash };
     let in_mm = |y: &[f64]| Cow::Owned(y.iter().map(|y| y * 1e3).collect::<Vec<f64>>());
     let mut panels = Vec::new();
     for driven in DRIVES {

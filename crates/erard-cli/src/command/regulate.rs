@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use erard_workshop::distances::Protocol;
 use erard_workshop::regulate::{Goal, Regulated, Specification, Status, regulate};
-use erard_workshop::regulation::Protocol;
 
 use super::options::{instrument_path, load_instrument_and_text};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::regulation::{Report, Shown, parse_value};
+use crate::regulate::{Report, Shown, parse_value};
 use crate::say;
 
 /// What stands below the options.
@@ -198,7 +198,7 @@ impl Regulate {
 fn provenance(specification: &Specification, regulated: &Regulated) -> (String, String) {
     let goals: Vec<String> = specification
         .iter()
-        .map(|&(goal, target)| format!("{} {}", goal.name(), crate::regulation::show(goal, target)))
+        .map(|&(goal, target)| format!("{} {}", goal.name(), crate::regulate::show(goal, target)))
         .collect();
     let title = format!(
         "Regulated in simulation ({} trials) for {}{}",

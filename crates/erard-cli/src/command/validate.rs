@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use erard_lab::validate::{Blow, Published, Row, Validation, Verdict, validate};
+use erard_lab::validate::{PressedBlow, Published, Row, Validation, Verdict, validate};
 use serde::Serialize;
 
 use super::options::load_instrument;
@@ -13,7 +13,7 @@ use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
 use crate::table::three;
-use erard_figures::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, png_from_svg};
+use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg, png_from_svg};
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -125,7 +125,7 @@ impl<'a> Report<'a> {
             .collect();
         let count = |verdicts: &[&str]| rows.iter().filter(|row| verdicts.contains(&row.verdict)).count();
         let ms = |s: Option<f64>| s.map(|s| s * 1e3);
-        let blow = |b: &Blow| BlowReport {
+        let blow = |b: &PressedBlow| BlowReport {
             force_N: b.force_n,
             key_stroke_ms: ms(b.key_stroke_s),
             hammer_before_key_bottom_ms: ms(b.hammer_ahead_s),
@@ -234,8 +234,8 @@ struct Bar {
 
 /// The order of events against loudness: simulated blows, and the published points as bars.
 fn order_svg(validation: &Validation, published: &Published) -> String {
-    let heard: Vec<&Blow> = validation.blows.iter().filter(|b| b.hammer_speed_m_s.is_some()).collect();
-    let series = |get: fn(&Blow) -> Option<f64>| -> (Vec<f64>, Vec<f64>) {
+    let heard: Vec<&PressedBlow> = validation.blows.iter().filter(|b| b.hammer_speed_m_s.is_some()).collect();
+    let series = |get: fn(&PressedBlow) -> Option<f64>| -> (Vec<f64>, Vec<f64>) {
         heard.iter().filter_map(|b| Some((b.hammer_speed_m_s?, get(b)? * 1e3))).unzip()
     };
     let (ahead_x, ahead) = series(|b| b.hammer_ahead_s);
@@ -296,7 +296,7 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
 const EVERYWHERE: [f64; 2] = [0.0, 100.0];
 
 fn panel<'a>(quantity: &str, height_px: f64, x: &'a [f64], y: &'a [f64], bars: &'a [Bar], zero: bool) -> Panel<'a> {
-    let curve = |label: &str, x: &'a [f64], y: &'a [f64], colour, dash| Curve {
+    let curve = |label: &str, x: &'a [f64], y: &'a [f64], colour, dash| Trace {
         label: label.into(),
         x,
         y: y.into(),

@@ -6,7 +6,7 @@ use erard_workshop::kinematics::{Agreement, Design, SlowPress};
 use moreau_linkage::three_lever::StrokePose;
 
 use super::Shown;
-use erard_figures::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg, padded_range};
+use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg, padded_range};
 
 /// Width of a figure, px: a page's text is as wide.
 const WIDTH_PX: f64 = 860.0;
@@ -62,12 +62,12 @@ fn figure<'a>(
     }
 }
 
-fn curves<'a>(cases: &[Shown], keys: &'a [Vec<f64>], value: impl Fn(&StrokePose) -> f64) -> Vec<Curve<'a>> {
+fn curves<'a>(cases: &[Shown], keys: &'a [Vec<f64>], value: impl Fn(&StrokePose) -> f64) -> Vec<Trace<'a>> {
     let each = cases.iter().zip(keys).enumerate();
     each.map(|(index, (shown, x))| {
         let (colour, dash) = style(index);
         let y = Cow::Owned(shown.stroke.poses.iter().map(&value).collect());
-        Curve { label: shown.label.clone(), x, y, colour, dash }
+        Trace { label: shown.label.clone(), x, y, colour, dash }
     })
     .collect()
 }
@@ -119,7 +119,7 @@ pub fn dynamics_svg(design: &Design, unmoved: &Shown, press: &SlowPress, agreeme
     let poses = unmoved.case.stroke(0.0, let_off.min(end), 200).poses;
     let (keys, leverage): (Vec<f64>, Vec<f64>) = poses.iter().map(|pose| (pose.key, pose.leverage)).unzip();
     let highest = leverage.iter().copied().fold(1.0, f64::max);
-    let curve = |label: &str, x, y, index: usize, dash| Curve {
+    let curve = |label: &str, x, y, index: usize, dash| Trace {
         label: label.into(),
         x,
         y: Cow::Owned(y),

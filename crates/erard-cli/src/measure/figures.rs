@@ -6,7 +6,7 @@ use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
-use erard_figures::figure::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg};
+use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg};
 
 /// Width of a figure, px: a page's text is as wide.
 const WIDTH_PX: f64 = 860.0;
@@ -108,7 +108,7 @@ fn panel<'a>(
     unit: &'static str,
     height_px: f64,
     y_range: Option<(f64, f64)>,
-    curves: Vec<Curve<'a>>,
+    curves: Vec<Trace<'a>>,
 ) -> Panel<'a> {
     Panel { quantity: quantity.into(), unit, height_px, layout: Layout::Together, y_range, curves }
 }
@@ -139,7 +139,7 @@ fn hysteresis(measured: &[Measured]) -> String {
         let colour = colour(index);
         let mut push = |what: &str, x, y: &[f64], dash| {
             let label = if what.is_empty() { String::new() } else { label(measured, index, what) };
-            curves.push(Curve { label, x, y: Cow::Owned(y.to_vec()), colour, dash });
+            curves.push(Trace { label, x, y: Cow::Owned(y.to_vec()), colour, dash });
         };
         push("pedal down", &pedal.down_key_mm[..], &pedal.down_force_N, Dash::Solid);
         push("", &up[0][..], &up[1], Dash::Solid);
@@ -172,7 +172,7 @@ fn inertia(measured: &[Measured]) -> String {
         let numbers = &one.sheet.inertia;
         let mut push = |what: &str, y: &'_ Vec<f64>, dash| {
             let label = label(measured, index, what);
-            curves.push(Curve { label, x: &numbers.key_mm, y: Cow::Owned(y.clone()), colour: colour(index), dash });
+            curves.push(Trace { label, x: &numbers.key_mm, y: Cow::Owned(y.clone()), colour: colour(index), dash });
         };
         if one.sheet.dampers_down.is_some() {
             push("dampers down", &numbers.dampers_down_kg, Dash::Dashed);
@@ -197,11 +197,11 @@ fn inertia(measured: &[Measured]) -> String {
 fn range(measured: &[Measured]) -> String {
     let forces: Vec<Vec<f64>> =
         measured.iter().map(|one| one.sheet.dynamic_range.iter().map(|l| l.force_n).collect()).collect();
-    let curves = |value: &dyn Fn(&erard_workshop::measure::range::Loudness) -> Option<f64>| -> Vec<Curve<'_>> {
+    let curves = |value: &dyn Fn(&erard_workshop::measure::range::Loudness) -> Option<f64>| -> Vec<Trace<'_>> {
         let each = measured.iter().zip(&forces).enumerate();
         each.map(|(index, (one, x))| {
             let y = one.sheet.dynamic_range.iter().map(|l| value(l).unwrap_or(f64::NAN)).collect();
-            Curve { label: label(measured, index, ""), x, y: Cow::Owned(y), colour: colour(index), dash: Dash::Solid }
+            Trace { label: label(measured, index, ""), x, y: Cow::Owned(y), colour: colour(index), dash: Dash::Solid }
         })
         .collect()
     };
@@ -245,12 +245,12 @@ fn timing(measured: &[Measured]) -> String {
             series.push(Strokes { label: label(measured, index, touch), colour: colour(index), dash, speeds, rows });
         }
     }
-    let curves = |value: fn(&TimingRow) -> Option<f64>| -> Vec<Curve<'_>> {
+    let curves = |value: fn(&TimingRow) -> Option<f64>| -> Vec<Trace<'_>> {
         series
             .iter()
             .map(|one| {
                 let y = one.rows.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect();
-                Curve { label: one.label.clone(), x: &one.speeds, y: Cow::Owned(y), colour: one.colour, dash: one.dash }
+                Trace { label: one.label.clone(), x: &one.speeds, y: Cow::Owned(y), colour: one.colour, dash: one.dash }
             })
             .collect()
     };

@@ -4,7 +4,7 @@ use erard::instrument::Instrument;
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::study::Parameter;
 
-use crate::regulation::screw_unit;
+use crate::regulate::screw_unit;
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! A panel's axes, curves and legend.
 
 use super::ticks::{range, tick_label, ticks};
-use super::{Area, Curve, Dash, Figure, LEFT, Panel, Window, decimate};
+use super::{Area, Dash, Figure, LEFT, Panel, Trace, Window, decimate};
 use crate::svg::{escape, number};
 use std::fmt::Write;
 
@@ -83,7 +83,7 @@ fn fitted(figure: &Figure, panel: &Panel) -> (f64, f64) {
 }
 
 /// A curve's points within a window, its abscissae already in pixels.
-pub(super) fn thinned(curve: &Curve, window: &Window, area: Area) -> Vec<Vec<(f64, f64)>> {
+pub(super) fn thinned(curve: &Trace, window: &Window, area: Area) -> Vec<Vec<(f64, f64)>> {
     let ends = (window.from, window.to);
     let mut runs = decimate(curve.x, &curve.y, ends, (1.5 * area.width) as usize);
     for point in runs.iter_mut().flatten() {

@@ -44,7 +44,7 @@ pub enum Dash {
 
 /// One curve.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve<'a> {
+pub struct Trace<'a> {
     /// Name in the legend.
     pub label: String,
     /// Abscissae, ascending, in the unit of the data (time: s).
@@ -86,7 +86,7 @@ pub struct Panel<'a> {
     /// Range of the axis; `None` fits it to what the windows show.
     pub y_range: Option<(f64, f64)>,
     /// The curves.
-    pub curves: Vec<Curve<'a>>,
+    pub curves: Vec<Trace<'a>>,
 }
 
 /// An instant, drawn as a thin line through all panels.

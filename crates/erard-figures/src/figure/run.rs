@@ -1,7 +1,7 @@
 //! The figure of one run: force, key, hammer, angles and contact forces over time.
 
 use super::ticks::range;
-use super::{Curve, Dash, Figure, Layout, Marker, PALETTE, Panel, Window, figure_svg};
+use super::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg};
 use erard::run::{Events, Run};
 use std::borrow::Cow;
 
@@ -109,11 +109,11 @@ fn contact_forces(run: &Run) -> Option<Panel<'_>> {
         .flat_map(|zone| zone.normal_n.iter().copied())
         .filter(|force| force.is_finite())
         .fold(1.0, f64::max);
-    let curves: Vec<Curve> = run
+    let curves: Vec<Trace> = run
         .zones
         .iter()
         .enumerate()
-        .map(|(index, zone)| Curve {
+        .map(|(index, zone)| Trace {
             label: zone.label.clone(),
             x: &run.time_s,
             y: Cow::Borrowed(&zone.normal_n),
@@ -151,7 +151,7 @@ fn panel<'a>(
         curves: curves
             .into_iter()
             .enumerate()
-            .map(|(index, (label, y))| Curve {
+            .map(|(index, (label, y))| Trace {
                 label: label.into(),
                 x: &run.time_s,
                 y,

@@ -90,7 +90,7 @@ pub fn regularised(width: f64) -> FrictionLaw<f64> {
 
 /// A blow on the string.
 #[derive(Debug, Clone, Copy)]
-pub struct Blow {
+pub struct FirstBlow {
     /// Speed of the strike point, m/s; not a number if the string was not struck.
     pub speed: f64,
     /// Instant, s.
@@ -106,9 +106,14 @@ pub struct Blow {
 }
 
 /// The first blow of a run.
-pub fn blow(instrument: &Instrument, play: Play, settings: Settings<f64>, until: f64) -> Result<Blow, ReproduceError> {
+pub fn blow(
+    instrument: &Instrument,
+    play: Play,
+    settings: Settings<f64>,
+    until: f64,
+) -> Result<FirstBlow, ReproduceError> {
     let run = play.run(instrument, settings, until, u64::MAX)?;
-    Ok(Blow {
+    Ok(FirstBlow {
         speed: run.events.hammer_speed_m_s.unwrap_or(f64::NAN),
         contact: run.events.hammer_contact_s.unwrap_or(f64::NAN),
         newton: run.work.newton_iterations as f64,
@@ -124,7 +129,7 @@ pub struct Rung {
     /// h, s.
     pub step: f64,
     /// The run at exactly h.
-    pub blow: Blow,
+    pub blow: FirstBlow,
     /// Root mean square of the relative error of the hammer speed over the neighbouring steps.
     pub speed: f64,
     /// The same of the contact instant, s.
@@ -137,7 +142,7 @@ pub fn ladder(
     play: Play,
     settings: Settings<f64>,
     steps: &[f64],
-    exact: &Blow,
+    exact: &FirstBlow,
     until: f64,
     progress: &mut Progress,
 ) -> Result<Vec<Rung>, ReproduceError> {
@@ -155,7 +160,7 @@ pub fn ladder(
             speed += (b.speed / exact.speed - 1.0).powi(2);
             contact += (b.contact - exact.contact).powi(2);
             // The clock is read on all of them: the least disturbed counts.
-            let own: &mut Blow = own.get_or_insert(b);
+            let own: &mut FirstBlow = own.get_or_insert(b);
             own.of_real_time = own.of_real_time.min(b.of_real_time);
             done += 1.0 / step / f64::from(NEIGHBOURS);
         }

@@ -30,9 +30,9 @@ fn climb(
     instrument: &Instrument,
     label: String,
     friction: FrictionLaw<f64>,
-    truth: Option<&super::blow::Blow>,
+    truth: Option<&super::blow::FirstBlow>,
     progress: &mut Progress,
-) -> Result<(Law, super::blow::Blow), ReproduceError> {
+) -> Result<(Law, super::blow::FirstBlow), ReproduceError> {
     let steps = halvings(LADDER.0, LADDER.1);
     let settings = Settings { friction, ..Settings::new(LADDER.0) };
     let finest = Settings { step: steps[steps.len() - 1] / REFERENCE, ..settings };

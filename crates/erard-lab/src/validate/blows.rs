@@ -24,9 +24,9 @@ const F_M_S: f64 = 3.15;
 /// The key stroke that a published f has, s.
 const F_STROKE_S: f64 = 0.025;
 
-/// One blow. SI units; `None` did not happen.
+/// One blow of a key pressed with a constant force. SI units; `None` did not happen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blow {
+pub struct PressedBlow {
     /// The constant force, N.
     pub force_n: f64,
     /// From key start to key bottom, s.
@@ -53,24 +53,28 @@ pub(super) struct Loudness {
     /// Constant force of a key stroke of 20 ms, N.
     pub force_of_a_20_ms_stroke_n: Option<f64>,
     /// The softest that sounds and reaches key bottom.
-    pub softest: Option<Blow>,
+    pub softest: Option<PressedBlow>,
     /// At 0.8, 15 and 35 N.
-    pub at_0_8_n: Blow,
-    pub at_15_n: Blow,
-    pub at_35_n: Blow,
+    pub at_0_8_n: PressedBlow,
+    pub at_15_n: PressedBlow,
+    pub at_35_n: PressedBlow,
     /// At the hammer speeds of the marks.
-    pub mf: Option<Blow>,
-    pub f: Option<Blow>,
+    pub mf: Option<PressedBlow>,
+    pub f: Option<PressedBlow>,
     /// At the key stroke of a published f.
-    pub f_by_stroke: Option<Blow>,
+    pub f_by_stroke: Option<PressedBlow>,
     /// Hammer speed where hammer and key bottom come together, m/s.
     pub crossover_m_s: Option<f64>,
     /// The curve against loudness.
-    pub blows: Vec<Blow>,
+    pub blows: Vec<PressedBlow>,
 }
 
 /// One blow of a constant force.
-fn blow(instrument: &Instrument, force_n: f64, going: &mut dyn FnMut() -> bool) -> Result<Blow, SimulationError> {
+fn blow(
+    instrument: &Instrument,
+    force_n: f64,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<PressedBlow, SimulationError> {
     let setup = Setup {
         settings: Settings::new(STEP_S),
         start_s: 0.0,
@@ -79,10 +83,10 @@ fn blow(instrument: &Instrument, force_n: f64, going: &mut dyn FnMut() -> bool) 
         tolerance: None,
     };
     let run = simulate(instrument, &Drive::Force(&|_| force_n), &setup, &mut |_| going())?;
-    Ok(Blow::of(instrument, &run, force_n))
+    Ok(PressedBlow::of(instrument, &run, force_n))
 }
 
-impl Blow {
+impl PressedBlow {
     /// What a run shows; `force_n` is its label.
     pub(super) fn of(instrument: &Instrument, run: &Run, force_n: f64) -> Self {
         let e = &run.events;
@@ -97,7 +101,7 @@ impl Blow {
             let rows = normal[first..].iter().take_while(|n| **n > 0.0).count();
             rows as f64 * run.work.record_every as f64 * STEP_S
         });
-        Blow {
+        PressedBlow {
             force_n,
             key_stroke_s: between(e.key_start_s, e.key_bottom_s),
             to_string_s: between(e.key_start_s, e.hammer_contact_s),
@@ -118,7 +122,7 @@ impl Blow {
 /// The smallest force from which on `holds`, by bisection on the logarithm; `None` when it does not hold at the largest.
 fn smallest_force(
     instrument: &Instrument,
-    holds: &dyn Fn(&Blow) -> bool,
+    holds: &dyn Fn(&PressedBlow) -> bool,
     going: &mut dyn FnMut() -> bool,
 ) -> Result<Option<f64>, SimulationError> {
     let [mut low, mut high] = FORCES_N;
@@ -148,17 +152,18 @@ pub(super) fn measure(
         done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
         progress((done / BLOWS).min(1.0))
     };
-    let search =
-        |holds: &dyn Fn(&Blow) -> bool, going: &mut dyn FnMut() -> bool| -> Result<Option<Blow>, MeasureError> {
-            match smallest_force(instrument, holds, going)? {
-                Some(force) => Ok(Some(blow(instrument, force, going)?)),
-                None => Ok(None),
-            }
-        };
-    let speed = |at_least: f64| move |b: &Blow| b.hammer_speed_m_s.is_some_and(|v| v >= at_least);
-    let stroke = |at_most: f64| move |b: &Blow| b.key_stroke_s.is_some_and(|t| t <= at_most);
+    let search = |holds: &dyn Fn(&PressedBlow) -> bool,
+                  going: &mut dyn FnMut() -> bool|
+     -> Result<Option<PressedBlow>, MeasureError> {
+        match smallest_force(instrument, holds, going)? {
+            Some(force) => Ok(Some(blow(instrument, force, going)?)),
+            None => Ok(None),
+        }
+    };
+    let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_s.is_some_and(|v| v >= at_least);
+    let stroke = |at_most: f64| move |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= at_most);
     let starting = search(&|b| b.deepest_m > STARTED_M, &mut going)?;
-    let softest = search(&Blow::whole, &mut going)?;
+    let softest = search(&PressedBlow::whole, &mut going)?;
     let quick = search(&stroke(0.020), &mut going)?;
     let f_by_stroke = search(&stroke(F_STROKE_S), &mut going)?;
     let (mf, f) = (search(&speed(MF_M_S), &mut going)?, search(&speed(F_M_S), &mut going)?);
@@ -185,7 +190,7 @@ pub(super) fn measure(
 }
 
 /// Hammer speed at which the last change from hammer first to key bottom first lies, m/s: by linear interpolation.
-fn crossover(blows: &[Blow]) -> Option<f64> {
+fn crossover(blows: &[PressedBlow]) -> Option<f64> {
     let points: Vec<[f64; 2]> = blows.iter().filter_map(|b| Some([b.hammer_speed_m_s?, b.hammer_ahead_s?])).collect();
     let last = points.windows(2).rev().find(|pair| pair[0][1] > 0.0 && pair[1][1] <= 0.0)?;
     let [[slow, ahead], [fast, behind]] = [last[0], last[1]];
@@ -196,8 +201,8 @@ fn crossover(blows: &[Blow]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn at(speed: f64, ahead: f64) -> Blow {
-        Blow {
+    fn at(speed: f64, ahead: f64) -> PressedBlow {
+        PressedBlow {
             force_n: 1.0,
             key_stroke_s: None,
             to_string_s: None,
@@ -212,7 +217,7 @@ mod tests {
     /// A straight line through zero at 2.5 m/s is found to rounding; one that does not change its sign has no crossover.
     #[test]
     fn a_line_crosses_where_it_does() {
-        let line: Vec<Blow> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();
+        let line: Vec<PressedBlow> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();
         assert!((crossover(&line).unwrap() - 2.5).abs() < 1e-12);
         assert_eq!(crossover(&line[..2]), None);
     }

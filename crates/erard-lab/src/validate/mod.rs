@@ -9,7 +9,7 @@ mod published;
 mod touches;
 mod values;
 
-pub use blows::Blow;
+pub use blows::PressedBlow;
 pub use published::{Published, PublishedError, Row};
 pub use values::NAMES;
 
@@ -45,7 +45,7 @@ pub struct Validation {
     /// One verdict per row of the table, in its order.
     pub verdicts: Vec<Verdict>,
     /// Blows of constant forces, soft to loud: the order of events against loudness.
-    pub blows: Vec<Blow>,
+    pub blows: Vec<PressedBlow>,
 }
 
 /// Share of the work that the technician's sheet takes, and the blows after it.

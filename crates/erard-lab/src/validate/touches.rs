@@ -2,7 +2,7 @@
 
 use moreau::Settings;
 
-use super::blows::Blow;
+use super::blows::PressedBlow;
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::simulation::{Drive, Setup, SimulationError, simulate};
@@ -52,7 +52,7 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> 
         }
     }
     let struck = play(Touch::Struck, high)?;
-    let to_string = |run: &Run| Blow::of(instrument, run, 0.0).to_string_s;
+    let to_string = |run: &Run| PressedBlow::of(instrument, run, 0.0).to_string_s;
     let struck_sooner_s = to_string(&pressed).zip(to_string(&struck)).map(|(a, b)| a - b);
     Ok(Touches { struck_sooner_s, plateau_m: plateau(&struck) })
 }

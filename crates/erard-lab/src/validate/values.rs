@@ -1,6 +1,6 @@
 //! The simulated values by the names that rows of the table use. The unit ends the name.
 
-use super::blows::{Blow, Loudness};
+use super::blows::{Loudness, PressedBlow};
 use super::touches::Touches;
 use erard_workshop::measure::Sheet;
 
@@ -50,7 +50,7 @@ pub const NAMES: [&str; 36] = [
 /// The value of one of [`NAMES`], in the unit that ends it; `None` where it did not come about (or there is no such name).
 pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &Touches) -> Option<f64> {
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
-    let of = |blow: &Option<Blow>, get: fn(&Blow) -> Option<f64>| blow.as_ref().and_then(get);
+    let of = |blow: &Option<PressedBlow>, get: fn(&PressedBlow) -> Option<f64>| blow.as_ref().and_then(get);
     let l = loudness;
     match name {
         "down_weight_g" => sheet.down_weight_g,

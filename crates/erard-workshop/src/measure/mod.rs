@@ -26,8 +26,8 @@ use moreau::ModelError;
 use thiserror::Error;
 
 use crate::cores::Ending;
+use crate::distances;
 use crate::kinematics::DeriveError;
-use crate::regulation;
 use erard::equilibrium::EquilibriumError;
 use erard::simulation::SimulationError;
 
@@ -39,7 +39,7 @@ pub enum MeasureError {
     NotAnAction(String),
     /// No grand action.
     #[error(transparent)]
-    Anatomy(#[from] regulation::AnatomyError),
+    Anatomy(#[from] distances::AnatomyError),
     /// No three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
@@ -54,7 +54,7 @@ pub enum MeasureError {
     Simulation(#[from] SimulationError),
     /// The distances cannot be measured.
     #[error(transparent)]
-    Distances(#[from] regulation::MeasureError),
+    Distances(#[from] distances::DistanceError),
     /// A measurement ended without a result or an error: its thread died.
     #[error("a measurement ended without a result")]
     Lost,
@@ -68,7 +68,7 @@ impl MeasureError {
             self,
             MeasureError::Simulation(SimulationError::Interrupted)
                 | MeasureError::Equilibrium(EquilibriumError::Interrupted)
-                | MeasureError::Distances(regulation::MeasureError::Interrupted)
+                | MeasureError::Distances(distances::DistanceError::Interrupted)
         )
     }
 }

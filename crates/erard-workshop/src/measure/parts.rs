@@ -1,7 +1,7 @@
 //! What is taken out of the action, or out of the key's reach, to weigh the rest.
 
 use super::MeasureError;
-use crate::regulation::Anatomy;
+use crate::distances::Anatomy;
 use erard::instrument::{Instrument, Zone};
 
 /// The parts that are weighed, and where let-off begins. Indices into [`Instrument::bodies`] and [`Instrument::zones`].

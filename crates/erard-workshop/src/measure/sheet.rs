@@ -14,7 +14,7 @@ use super::weights::{
 };
 use super::{MeasureError, range};
 use crate::cores::{self, do_all, job};
-use crate::regulation::{self, Distances, Protocol};
+use crate::distances::{self, Distances, Protocol};
 use erard::instrument::Instrument;
 use erard::stroke::Touch as FingerTouch;
 
@@ -268,7 +268,7 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
     let (mut way, mut distances) = (None, None);
     let first = vec![
         job(&mut way, |going| free_way(&lifted, &parts, going)),
-        job(&mut distances, |going| Ok(regulation::measure(instrument, &Protocol::default(), &mut || going())?)),
+        job(&mut distances, |going| Ok(distances::measure(instrument, &Protocol::default(), &mut || going())?)),
     ];
     do_all(first, cores::count(), &mut |share| progress(FIRST * share))?;
     let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };

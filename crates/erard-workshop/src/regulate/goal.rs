@@ -1,6 +1,6 @@
 //! What can be asked of an action.
 
-use crate::regulation::{Distances, Trial};
+use crate::distances::{Distances, Trial};
 
 /// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle, the
 /// hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.

@@ -16,7 +16,7 @@ pub use screw::{KNOWN_SCREWS, KnownScrew, Range, known_screw};
 
 use thiserror::Error;
 
-use crate::regulation::MeasureError;
+use crate::distances::DistanceError;
 
 /// Why an action could not be regulated.
 #[derive(Debug, Error)]
@@ -31,5 +31,5 @@ pub enum RegulateError {
     },
     /// Not measured at all.
     #[error(transparent)]
-    Measure(#[from] MeasureError),
+    Measure(#[from] DistanceError),
 }

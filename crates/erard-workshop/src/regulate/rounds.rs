@@ -7,7 +7,7 @@ use super::screw::{KnownScrew, known_screw, way};
 use super::search::{Search, Turning};
 use super::workshop::Workshop;
 use super::{Goal, RegulateError, Specification};
-use crate::regulation::{Distances, Protocol};
+use crate::distances::{Distances, Protocol};
 use erard::instrument::{Instrument, ScrewAction};
 
 /// Most rounds: what has not settled by then will not.

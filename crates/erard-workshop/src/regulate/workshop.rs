@@ -2,7 +2,7 @@
 
 use super::screw::rounded;
 use super::{Goal, RegulateError};
-use crate::regulation::{Distances, MeasureError, Protocol, Trial};
+use crate::distances::{DistanceError, Distances, Protocol, Trial};
 use erard::instrument::Instrument;
 
 pub(super) struct Workshop<'a> {
@@ -30,7 +30,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// What the goal measures now.
-    pub fn value(&mut self, goal: Goal) -> Result<Option<f64>, MeasureError> {
+    pub fn value(&mut self, goal: Goal) -> Result<Option<f64>, DistanceError> {
         self.make(goal.trial())?;
         Ok(goal.of(&self.distances))
     }
@@ -43,7 +43,7 @@ impl<'a> Workshop<'a> {
         Ok(self.distances)
     }
 
-    fn make(&mut self, trial: Trial) -> Result<(), MeasureError> {
+    fn make(&mut self, trial: Trial) -> Result<(), DistanceError> {
         if !self.fresh.contains(&trial) {
             self.simulations += 1;
             let simulations = self.simulations;

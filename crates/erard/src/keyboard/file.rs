@@ -4,9 +4,9 @@ use std::path::Path;
 
 use toml_edit::DocumentMut;
 
-use super::curve::{Between, Curve, Point};
 use super::format::{AddedMassToml, FORMAT, FactorToml, KeyboardToml, PointToml, ShiftToml};
 use super::grading::{Graded, Grading, MASS_KEYS};
+use super::grading_curve::{Between, GradingCurve, GradingPoint};
 use super::{KEYS, Keyboard};
 use crate::instrument::edit::{find, numbers};
 use crate::instrument::error::Fault;
@@ -208,8 +208,8 @@ fn curve<T: Kind>(
     base_key: usize,
     neutral: f64,
     between: Between,
-) -> Result<Curve, Fault> {
-    let mut points: Vec<Point> = Vec::new();
+) -> Result<GradingCurve, Fault> {
+    let mut points: Vec<GradingPoint> = Vec::new();
     for point in file.iter() {
         let key = key_number(&point.key)?;
         if points.last().is_some_and(|last| last.key >= key) {
@@ -229,9 +229,9 @@ fn curve<T: Kind>(
             }
             (None, _) => None,
         };
-        points.push(Point { key, value, citation });
+        points.push(GradingPoint { key, value, citation });
     }
-    let curve = Curve { points, between };
+    let curve = GradingCurve { points, between };
     if curve.at(base_key) == neutral {
         return Ok(curve);
     }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use toml_edit::{Array, DocumentMut, value};
 
-use super::curve::Curve;
+use super::grading_curve::GradingCurve;
 use super::{Keyboard, note_name};
 use crate::instrument::edit::{cite, find, numbers, set, source_name};
 
@@ -28,7 +28,7 @@ pub struct Grading {
     /// What it changes.
     pub graded: Graded,
     /// By how much over the keyboard.
-    pub curve: Curve,
+    pub curve: GradingCurve,
 }
 
 /// What a grading changes.

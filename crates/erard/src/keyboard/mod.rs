@@ -4,18 +4,18 @@
 //! strings, pins). Every key's [`Instrument`] comes of it, for every command that takes one. [`Keys`] are the assembled actions, stepped
 //! together, in which a key at rest costs nothing; [`tremolo`] plays them.
 
-mod curve;
 mod file;
 mod format;
 mod grading;
+mod grading_curve;
 mod keys;
 pub mod tremolo;
 
 use std::collections::BTreeMap;
 
-pub use curve::{Between, Curve, Point};
 pub use file::{is_keyboard, json_schema};
 pub use grading::{Graded, Grading};
+pub use grading_curve::{Between, GradingCurve, GradingPoint};
 pub use keys::{Blow, Keys, KeysError, Tick};
 
 use crate::instrument::{FileError, Instrument, InstrumentFile, Source};

@@ -14,7 +14,7 @@ pub const NEIGHBOURS: u32 = 8;
 
 /// A blow on the string.
 #[derive(Debug, Clone, Copy)]
-pub struct Blow {
+pub struct FirstBlow {
     /// Speed of the strike point, m/s.
     pub speed: f64,
     /// Instant, s.
@@ -26,9 +26,9 @@ pub struct Blow {
 }
 
 /// The first blow of a run.
-pub fn blow(instrument: &Instrument, play: &Play, settings: Settings<f64>, duration_s: f64) -> Blow {
+pub fn blow(instrument: &Instrument, play: &Play, settings: Settings<f64>, duration_s: f64) -> FirstBlow {
     let run = play.run_every(instrument, settings, duration_s, Some(u64::MAX));
-    Blow {
+    FirstBlow {
         speed: run.events.hammer_speed_m_s.expect("the string is struck"),
         contact: run.events.hammer_contact_s.expect("the string is struck"),
         newton: run.work.newton_iterations as f64 / run.work.steps as f64,
@@ -42,7 +42,7 @@ pub struct Rung {
     /// h, s.
     pub step: f64,
     /// The run at exactly h.
-    pub blow: Blow,
+    pub blow: FirstBlow,
     /// Relative error of its hammer speed, signed.
     pub speed_error: f64,
     /// Error of its contact instant, s, signed.
@@ -67,7 +67,7 @@ pub fn ladder(
     let go = |step: f64| blow(instrument, play, Settings { theta, ..Settings::new(step) }, until);
     let finest = steps.iter().fold(f64::INFINITY, |a, b| a.min(*b));
     let exact = go(finest / reference);
-    let error = |b: &Blow| (b.speed / exact.speed - 1.0, b.contact - exact.contact);
+    let error = |b: &FirstBlow| (b.speed / exact.speed - 1.0, b.contact - exact.contact);
     let rung = |&step: &f64| {
         let own = go(step);
         let (mut speed, mut contact, mut worst) = (0.0, 0.0, 0.0_f64);

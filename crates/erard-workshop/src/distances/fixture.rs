@@ -3,7 +3,7 @@
 use moreau::{Input, Outcome, Settings};
 
 use super::anatomy::Anatomy;
-use super::distances::MeasureError;
+use super::measure::DistanceError;
 use erard::equilibrium;
 use erard::instrument::{Instrument, Vec2};
 use erard::mechanism::{Mechanism, mechanism};
@@ -32,7 +32,7 @@ pub(super) struct View {
 }
 
 /// An action on the bench.
-pub(super) struct Bench<'i> {
+pub(super) struct Fixture<'i> {
     instrument: &'i Instrument,
     anatomy: Anatomy,
     mechanism: Box<dyn Mechanism>,
@@ -47,14 +47,14 @@ pub(super) struct Bench<'i> {
     pub unconverged: u64,
 }
 
-impl<'i> Bench<'i> {
+impl<'i> Fixture<'i> {
     /// The action at rest, nothing touching the key.
-    pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, MeasureError> {
+    pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
         let mut mechanism = mechanism(instrument, Settings::new(step_s))?;
         equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
         let rest_m = mechanism.site_position();
         let view = View { key_m: 0.0, below_string_m: -mechanism.gap(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
-        Ok(Bench {
+        Ok(Fixture {
             instrument,
             anatomy,
             mechanism,
@@ -87,14 +87,14 @@ impl<'i> Bench<'i> {
         self.mechanism.point(body, point)
     }
 
-    fn take(&mut self, input: &Input<f64>, go_on: GoOn<'_>) -> Result<(), MeasureError> {
+    fn take(&mut self, input: &Input<f64>, go_on: GoOn<'_>) -> Result<(), DistanceError> {
         if self.steps.is_multiple_of(ASK_EVERY) && !go_on() {
-            return Err(MeasureError::Interrupted);
+            return Err(DistanceError::Interrupted);
         }
         match self.mechanism.step(input).outcome {
             Outcome::Converged => {}
             Outcome::IterationLimit => self.unconverged += 1,
-            Outcome::NonFinite => return Err(MeasureError::NonFinite),
+            Outcome::NonFinite => return Err(DistanceError::NonFinite),
         }
         self.steps += 1;
         let step_s = self.mechanism.settings().step;
@@ -109,7 +109,7 @@ impl<'i> Bench<'i> {
     }
 
     /// One step of a finger that is at, or on its way to, a speed.
-    fn finger_step(&mut self, to_m_s: f64, over_s: f64, cruise_m_s: f64, go_on: GoOn<'_>) -> Result<(), MeasureError> {
+    fn finger_step(&mut self, to_m_s: f64, over_s: f64, cruise_m_s: f64, go_on: GoOn<'_>) -> Result<(), DistanceError> {
         let Settings { step, theta, .. } = *self.mechanism.settings();
         let most = cruise_m_s.abs() * step / over_s;
         let speed = self.speed_m_s + (to_m_s - self.speed_m_s).clamp(-most, most);
@@ -129,7 +129,7 @@ impl<'i> Bench<'i> {
         until_m: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
         go_on: GoOn<'_>,
-    ) -> Result<bool, MeasureError> {
+    ) -> Result<bool, DistanceError> {
         while (until_m - self.finger_m) * speed_m_s > 0.0 {
             self.finger_step(speed_m_s, GATHERING_S, speed_m_s, go_on)?;
             if seen(self) {
@@ -145,7 +145,7 @@ impl<'i> Bench<'i> {
         for_s: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
         go_on: GoOn<'_>,
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), DistanceError> {
         let cruise = self.speed_m_s;
         let until = self.time_s() + for_s;
         while self.time_s() < until {
@@ -164,7 +164,7 @@ impl<'i> Bench<'i> {
         for_s: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
         go_on: GoOn<'_>,
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), DistanceError> {
         let until = self.time_s() + for_s;
         while self.time_s() < until {
             self.take(&Input::Force(force_n), go_on)?;
@@ -191,9 +191,9 @@ impl Still {
         Still { below_m_s, for_s, since_s: None }
     }
 
-    pub fn seen(&mut self, bench: &Bench<'_>) -> bool {
-        let now = bench.time_s();
-        if bench.view().rise_m_s.abs() > self.below_m_s {
+    pub fn seen(&mut self, fixture: &Fixture<'_>) -> bool {
+        let now = fixture.time_s();
+        if fixture.view().rise_m_s.abs() > self.below_m_s {
             self.since_s = None;
             return false;
         }

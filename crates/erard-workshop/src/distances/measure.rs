@@ -9,7 +9,7 @@ use moreau::ModelError;
 use thiserror::Error;
 
 use super::anatomy::{Anatomy, AnatomyError};
-use super::bench::{Bench, GoOn, Still};
+use super::fixture::{Fixture, GoOn, Still};
 use erard::equilibrium::EquilibriumError;
 use erard::instrument::{Curve, Instrument, Vec2};
 
@@ -95,7 +95,7 @@ const STILL_S: f64 = 0.03;
 
 /// Why nothing could be measured.
 #[derive(Debug, Error)]
-pub enum MeasureError {
+pub enum DistanceError {
     /// No grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
@@ -131,14 +131,14 @@ impl Trial {
     /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are added.
     ///
     /// # Errors
-    /// See [`MeasureError`].
+    /// See [`DistanceError`].
     pub fn run(
         self,
         instrument: &Instrument,
         protocol: &Protocol,
         distances: &mut Distances,
         go_on: &mut dyn FnMut() -> bool,
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), DistanceError> {
         let anatomy = Anatomy::find(instrument)?;
         match self {
             Trial::SlowKey => slow_key(instrument, anatomy, protocol, distances, go_on),
@@ -151,12 +151,12 @@ impl Trial {
 /// Measures all distances: three trials. `go_on` is asked now and then whether to.
 ///
 /// # Errors
-/// See [`MeasureError`]. A distance that cannot be taken is no error: it is `None`.
+/// See [`DistanceError`]. A distance that cannot be taken is no error: it is `None`.
 pub fn measure(
     instrument: &Instrument,
     protocol: &Protocol,
     go_on: &mut dyn FnMut() -> bool,
-) -> Result<Distances, MeasureError> {
+) -> Result<Distances, DistanceError> {
     let mut distances = Distances::default();
     for trial in Trial::ALL {
         trial.run(instrument, protocol, &mut distances, go_on)?;
@@ -171,43 +171,45 @@ fn slow_key(
     protocol: &Protocol,
     distances: &mut Distances,
     go_on: GoOn<'_>,
-) -> Result<(), MeasureError> {
-    let mut bench = Bench::at_rest(instrument, anatomy, protocol.slow_step_s)?;
-    let rest_m = bench.view().below_string_m;
-    let damper_height =
-        |bench: &Bench<'_>| anatomy.damper.map(|d| bench.point(Some(d), instrument.bodies[d].center_of_mass_m)[1]);
-    let damper_rest = damper_height(&bench);
+) -> Result<(), DistanceError> {
+    let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.slow_step_s)?;
+    let rest_m = fixture.view().below_string_m;
+    let damper_height = |fixture: &Fixture<'_>| {
+        anatomy.damper.map(|d| fixture.point(Some(d), instrument.bodies[d].center_of_mass_m)[1])
+    };
+    let damper_rest = damper_height(&fixture);
     distances.blow_m = Some(rest_m);
-    distances.jack_position_m = jack_position(instrument, &anatomy, &bench);
+    distances.jack_position_m = jack_position(instrument, &anatomy, &fixture);
 
     let (mut lost, mut damper) = (None, None);
     let (mut nearest_m, mut nearest_key_m) = (rest_m, 0.0);
     let mut toe_seen = false;
-    let mut follow = |bench: &Bench<'_>| {
-        let view = bench.view();
+    let mut follow = |fixture: &Fixture<'_>| {
+        let view = fixture.view();
         if rest_m - view.below_string_m > MOVED_M {
             lost.get_or_insert(view.key_m);
         }
-        if let (Some(height), Some(rest)) = (damper_height(bench), damper_rest)
+        if let (Some(height), Some(rest)) = (damper_height(fixture), damper_rest)
             && height - rest > MOVED_M
         {
             damper.get_or_insert(view.key_m);
         }
         view
     };
-    let at_bottom = |bench: &Bench<'_>, force_n: f64| bench.gap(anatomy.punching) > 0.0 && force_n >= protocol.firm_n;
+    let at_bottom =
+        |fixture: &Fixture<'_>, force_n: f64| fixture.gap(anatomy.punching) > 0.0 && force_n >= protocol.firm_n;
 
     let mut dip_m = None;
-    let let_off = bench.move_finger(
+    let let_off = fixture.move_finger(
         protocol.slow_m_s,
         DEEPEST_M,
-        &mut |bench| {
-            let view = follow(bench);
-            toe_seen |= bench.gap(anatomy.button) > 0.0;
+        &mut |fixture| {
+            let view = follow(fixture);
+            toe_seen |= fixture.gap(anatomy.button) > 0.0;
             if view.below_string_m < nearest_m {
                 (nearest_m, nearest_key_m) = (view.below_string_m, view.key_m);
             }
-            if at_bottom(bench, view.force_n) {
+            if at_bottom(fixture, view.force_n) {
                 dip_m = Some(view.key_m);
             }
             dip_m.is_some() || (toe_seen && view.below_string_m > nearest_m + LET_OFF_FALL_M)
@@ -216,21 +218,21 @@ fn slow_key(
     )? && dip_m.is_none();
     if let_off {
         let mut still = Still::new(STILL_M_S, STILL_S);
-        bench.hold(
+        fixture.hold(
             DROP_S,
-            &mut |bench| {
-                follow(bench);
-                still.seen(bench)
+            &mut |fixture| {
+                follow(fixture);
+                still.seen(fixture)
             },
             go_on,
         )?;
-        distances.drop_m = Some(bench.view().below_string_m - nearest_m);
-        bench.move_finger(
+        distances.drop_m = Some(fixture.view().below_string_m - nearest_m);
+        fixture.move_finger(
             protocol.slow_m_s,
             DEEPEST_M,
-            &mut |bench| {
-                let view = follow(bench);
-                if at_bottom(bench, view.force_n) {
+            &mut |fixture| {
+                let view = follow(fixture);
+                if at_bottom(fixture, view.force_n) {
                     dip_m = Some(view.key_m);
                 }
                 dip_m.is_some()
@@ -245,26 +247,26 @@ fn slow_key(
     distances.lost_motion_m = lost;
     distances.dip_m = dip_m;
     distances.damper_start = damper.zip(dip_m).map(|(start, dip)| start / dip);
-    distances.unconverged_steps += bench.unconverged;
+    distances.unconverged_steps += fixture.unconverged;
     Ok(())
 }
 
 /// The rear edge of the jack's top and the direction along it to the back, in the jack's frame; `None` where it has no end.
-fn jack_edge(instrument: &Instrument, anatomy: &Anatomy, bench: &Bench<'_>) -> Option<(Vec2, Vec2)> {
+fn jack_edge(instrument: &Instrument, anatomy: &Anatomy, fixture: &Fixture<'_>) -> Option<(Vec2, Vec2)> {
     let zone = &instrument.zones[anatomy.jack_knuckle];
     let Curve::Segment { from_m, to_m, .. } = zone.curve else { return None };
-    let [from, to] = [from_m, to_m].map(|point| bench.point(zone.curve_body, point));
+    let [from, to] = [from_m, to_m].map(|point| fixture.point(zone.curve_body, point));
     let (front, rear) = if from[0] < to[0] { (from, to) } else { (to, from) };
     let along = [rear[0] - front[0], rear[1] - front[1]];
     let length = along[0].hypot(along[1]);
     Some((rear, along.map(|a| a / length)))
 }
 
-fn jack_position(instrument: &Instrument, anatomy: &Anatomy, bench: &Bench<'_>) -> Option<f64> {
+fn jack_position(instrument: &Instrument, anatomy: &Anatomy, fixture: &Fixture<'_>) -> Option<f64> {
     let zone = &instrument.zones[anatomy.jack_knuckle];
     let Curve::Segment { rounding_m, .. } = zone.curve else { return None };
-    let (rear, along) = jack_edge(instrument, anatomy, bench)?;
-    let knuckle = bench.point(zone.disc_body, zone.disc_center_m);
+    let (rear, along) = jack_edge(instrument, anatomy, fixture)?;
+    let knuckle = fixture.point(zone.disc_body, zone.disc_center_m);
     Some((rear[0] - knuckle[0]) * along[0] + (rear[1] - knuckle[1]) * along[1] + rounding_m)
 }
 
@@ -274,7 +276,7 @@ fn lifted_hammer(
     anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
-) -> Result<(), MeasureError> {
+) -> Result<(), DistanceError> {
     distances.lever_height_m = None;
     let Some(lever_knuckle) = anatomy.lever_knuckle else { return Ok(()) };
     // A knuckle without leather touches neither: the hammer lies on its rest, as far out of the way as it gets.
@@ -283,16 +285,16 @@ fn lifted_hammer(
         lifted.zones[zone].felt.stiffness = 0.0;
         lifted.zones[zone].felt.damping = 0.0;
     }
-    let bench = Bench::at_rest(&lifted, anatomy, protocol.slow_step_s)?;
+    let fixture = Fixture::at_rest(&lifted, anatomy, protocol.slow_step_s)?;
     let (jack, lever) = (&instrument.zones[anatomy.jack_knuckle], &instrument.zones[lever_knuckle]);
     let (Curve::Segment { rounding_m, .. }, Curve::Line { point_m, normal }) = (jack.curve, lever.curve) else {
         return Ok(());
     };
-    let Some((rear, along)) = jack_edge(instrument, &anatomy, &bench) else { return Ok(()) };
+    let Some((rear, along)) = jack_edge(instrument, &anatomy, &fixture) else { return Ok(()) };
     let up = [-along[1], along[0]];
     let top = [rear[0] + rounding_m * up[0], rear[1] + rounding_m * up[1]];
-    let foot = bench.point(lever.curve_body, point_m);
-    let tip = bench.point(lever.curve_body, [point_m[0] + normal[0], point_m[1] + normal[1]]);
+    let foot = fixture.point(lever.curve_body, point_m);
+    let tip = fixture.point(lever.curve_body, [point_m[0] + normal[0], point_m[1] + normal[1]]);
     let out = [tip[0] - foot[0], tip[1] - foot[1]];
     distances.lever_height_m = Some((foot[0] - top[0]) * out[0] + (foot[1] - top[1]) * out[1]);
     Ok(())
@@ -305,52 +307,52 @@ fn medium_blow(
     protocol: &Protocol,
     distances: &mut Distances,
     go_on: GoOn<'_>,
-) -> Result<(), MeasureError> {
+) -> Result<(), DistanceError> {
     (distances.check_m, distances.repetition_rise_m, distances.spring_m_s) = (None, None, None);
     let Some(check) = anatomy.check else { return Ok(()) };
-    let mut bench = Bench::at_rest(instrument, anatomy, protocol.blow_step_s)?;
-    blow_and_let_up(&mut bench, anatomy, check, protocol, distances, go_on)?;
-    distances.unconverged_steps += bench.unconverged;
+    let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.blow_step_s)?;
+    blow_and_let_up(&mut fixture, anatomy, check, protocol, distances, go_on)?;
+    distances.unconverged_steps += fixture.unconverged;
     Ok(())
 }
 
 fn blow_and_let_up(
-    bench: &mut Bench<'_>,
+    fixture: &mut Fixture<'_>,
     anatomy: Anatomy,
     check: usize,
     protocol: &Protocol,
     distances: &mut Distances,
     go_on: GoOn<'_>,
-) -> Result<(), MeasureError> {
+) -> Result<(), DistanceError> {
     let (mut struck, mut still) = (false, Still::new(STILL_M_S, STILL_S));
-    bench.press(
+    fixture.press(
         protocol.blow_n,
         BLOW_S,
-        &mut |bench| {
-            struck |= bench.gap(anatomy.string) > 0.0;
-            struck && bench.gap(anatomy.punching) > 0.0 && still.seen(bench)
+        &mut |fixture| {
+            struck |= fixture.gap(anatomy.string) > 0.0;
+            struck && fixture.gap(anatomy.punching) > 0.0 && still.seen(fixture)
         },
         go_on,
     )?;
-    if bench.gap(check) <= 0.0 {
+    if fixture.gap(check) <= 0.0 {
         return Ok(());
     }
-    let caught_m = bench.view().below_string_m;
+    let caught_m = fixture.view().below_string_m;
     distances.check_m = Some(caught_m);
-    let free = bench.move_finger(-protocol.slow_m_s, 0.0, &mut |bench| bench.gap(check) <= 0.0, go_on)?;
+    let free = fixture.move_finger(-protocol.slow_m_s, 0.0, &mut |fixture| fixture.gap(check) <= 0.0, go_on)?;
     if !free {
         return Ok(());
     }
     let (mut fastest_m_s, mut still) = (0.0_f64, Still::new(STILL_M_S, STILL_S));
-    bench.hold(
+    fixture.hold(
         RISE_S,
-        &mut |bench| {
-            fastest_m_s = fastest_m_s.max(bench.view().rise_m_s);
-            still.seen(bench)
+        &mut |fixture| {
+            fastest_m_s = fastest_m_s.max(fixture.view().rise_m_s);
+            still.seen(fixture)
         },
         go_on,
     )?;
-    distances.repetition_rise_m = Some(caught_m - bench.view().below_string_m);
+    distances.repetition_rise_m = Some(caught_m - fixture.view().below_string_m);
     distances.spring_m_s = Some(fastest_m_s);
     Ok(())
 }

@@ -4,7 +4,7 @@ use crate::instrument::Citation;
 
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
+pub struct GradingPoint {
     /// Number of the key, 1 to 88.
     pub key: usize,
     /// The quantity there, in the unit that the curve's name in the file ends with.
@@ -24,14 +24,14 @@ pub enum Between {
 
 /// A quantity over the number of the key: points, joined by straight lines; level before the first and after the last.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct GradingCurve {
     /// At least one, of ascending keys.
-    pub points: Vec<Point>,
+    pub points: Vec<GradingPoint>,
     /// Between them.
     pub between: Between,
 }
 
-impl Curve {
+impl GradingCurve {
     /// The quantity at a key.
     #[must_use]
     pub fn at(&self, key: usize) -> f64 {
@@ -55,9 +55,9 @@ impl Curve {
 mod tests {
     use super::*;
 
-    fn curve(between: Between, points: &[(usize, f64)]) -> Curve {
-        let points = points.iter().map(|&(key, value)| Point { key, value, citation: None }).collect();
-        Curve { points, between }
+    fn curve(between: Between, points: &[(usize, f64)]) -> GradingCurve {
+        let points = points.iter().map(|&(key, value)| GradingPoint { key, value, citation: None }).collect();
+        GradingCurve { points, between }
     }
 
     #[test]

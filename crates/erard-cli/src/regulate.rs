@@ -4,8 +4,8 @@ use std::fmt;
 use std::io::Write;
 
 use erard::instrument::ScrewAction;
+use erard_workshop::distances::Distances;
 use erard_workshop::regulate::{Achieved, Goal, Kind, Miss, Regulated, Turned};
-use erard_workshop::regulation::Distances;
 use serde::Serialize;
 
 /// The factor from SI to what is shown, and its unit.
