@@ -11,7 +11,7 @@ const LENGTH: f64 = 1.0;
 const MASS: f64 = 0.7;
 
 /// The first step: its report and normal force over mass.
-fn first_step(mu: f64, h: f64) -> (StepReport, f64) {
+fn first_step(mu: f64, h: f64) -> (StepReport<f64>, f64) {
     let bodies = [Body { mass: MASS, inertia: MASS * LENGTH * LENGTH / 12.0 }];
     let contacts = [Contact {
         disc_body: 0,

@@ -30,7 +30,7 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
         f64::from(self.steps) * self.settings.step
     }
 
-    pub fn step(&mut self) -> StepReport {
+    pub fn step(&mut self) -> StepReport<f64> {
         let report = step(&self.model, &self.settings, &[], &mut self.state, &mut self.scratch);
         self.sound &= report.outcome == Outcome::Converged;
         self.steps += 1;

@@ -18,7 +18,7 @@ pub(super) fn section(_: &Instrument, _: &mut Progress) -> Result<Section, Repro
         "impacts, sliding and planar-free joints, closed loops, moving surfaces (all of the inclusion set K)",
         "[T12], [T13]",
         "engine only",
-        "a rigid multibody step of its own with the textbook problems 9 to 14; no instrument file uses it",
+        "a rigid multibody step of its own with the textbook problems 9 to 14 and 16 to 21; no instrument file uses it",
     );
     row(
         "a six-body model beside the three levers of the kinematic model",

@@ -1,9 +1,9 @@
 //! Regular forces: gravity, loads, springs, viscous friction of joints. And the energies that they store.
 
-use super::model::{Model, Spring};
-use super::rows::joint_rows;
+use super::model::{Model, Spring, Torsion};
+use super::rows::{Row, joint_rows};
 use super::state::{Placement, State, Twist, placed};
-use crate::vector::{cross, dot, scale, sub};
+use crate::vector::{dot, scale, sub};
 use crate::{GROUND, Scalar};
 
 /// v0 + M^-1 h Q at the theta point: the velocities without any law's impulse.
@@ -27,15 +27,15 @@ pub(super) fn regular_impulse<T: Scalar, const B: usize>(
         }
     }
     for spring in model.springs {
-        let (pull, direction, arms) = tension(spring, q, v);
-        for (k, body, sign) in [(0, spring.first, T::ONE), (1, spring.second, -T::ONE)] {
-            if body != GROUND {
-                let (b, force) = (&model.bodies[body], scale(direction, sign * pull * h));
-                free[body][0] += force[0] / b.mass;
-                free[body][1] += force[1] / b.mass;
-                free[body][2] += cross(arms[k], force) / b.inertia;
-            }
-        }
+        let ends = spring_ends(spring, q);
+        let row = along_spring(spring, q, ends.direction);
+        let pull = spring.stiffness * (ends.length - spring.length) + spring.damping * row.velocity(v);
+        row.push(model, -(h * pull), &mut free);
+    }
+    for torsion in model.torsions {
+        let row = Row::turning(torsion.first, torsion.second);
+        let moment = torsion.stiffness * twist(torsion, q) + torsion.damping * row.velocity(v);
+        row.push(model, -(h * moment), &mut free);
     }
     for joint in model.joints {
         if T::ZERO < joint.viscous {
@@ -46,25 +46,34 @@ pub(super) fn regular_impulse<T: Scalar, const B: usize>(
     free
 }
 
-type Pull<T> = (T, [T; 2], [[T; 2]; 2]);
+/// Where a spring is.
+pub(super) struct Ends<T> {
+    /// From the first to the second end, a unit vector; zero if they coincide.
+    pub direction: [T; 2],
+    /// Their distance, m.
+    pub length: T,
+    /// The ends' places against the centres of mass.
+    pub arms: [[T; 2]; 2],
+}
 
-/// Tension of a spring, its direction from the first to the second end, and the ends' arms.
-fn tension<T: Scalar>(spring: &Spring<T>, q: &[Placement<T>], v: &[Twist<T>]) -> Pull<T> {
-    let bodies = [spring.first, spring.second];
-    let ends = [placed(q, bodies[0]).point(spring.at_first), placed(q, bodies[1]).point(spring.at_second)];
+pub(super) fn spring_ends<T: Scalar>(spring: &Spring<T>, q: &[Placement<T>]) -> Ends<T> {
+    let carriers = [placed(q, spring.first), placed(q, spring.second)];
+    let ends = [carriers[0].point(spring.at_first), carriers[1].point(spring.at_second)];
     let line = sub(ends[1], ends[0]);
     let length = dot(line, line).sqrt();
     let direction = if T::ZERO < length { scale(line, T::ONE / length) } else { [T::ZERO; 2] };
-    let arms: [[T; 2]; 2] = core::array::from_fn(|k| sub(ends[k], placed(q, bodies[k]).at));
-    let mut rate = T::ZERO;
-    for (k, sign) in [-T::ONE, T::ONE].into_iter().enumerate() {
-        if bodies[k] != GROUND {
-            let w = v[bodies[k]];
-            let end = [w[0] - w[2] * arms[k][1], w[1] + w[2] * arms[k][0]];
-            rate += sign * dot(end, direction);
-        }
-    }
-    (spring.stiffness * (length - spring.length) + spring.damping * rate, direction, arms)
+    Ends { direction, length, arms: core::array::from_fn(|k| sub(ends[k], carriers[k].at)) }
+}
+
+/// Velocity of a spring's second end minus that of its first, along a direction.
+pub(super) fn along_spring<T: Scalar>(spring: &Spring<T>, q: &[Placement<T>], direction: [T; 2]) -> Row<T> {
+    let at = [placed(q, spring.first).point(spring.at_first), placed(q, spring.second).point(spring.at_second)];
+    Row::between(q, [spring.first, spring.second], at, direction)
+}
+
+/// By how much a torsion spring is turned from where it has no moment, rad.
+fn twist<T: Scalar>(torsion: &Torsion<T>, q: &[Placement<T>]) -> T {
+    placed(q, torsion.second).angle - placed(q, torsion.first).angle - torsion.angle
 }
 
 /// Energies that a mechanism stores, J.
@@ -74,7 +83,7 @@ pub struct Energies<T> {
     pub kinetic: T,
     /// In gravity, zero at the world's origin.
     pub gravity: T,
-    /// In the springs.
+    /// In the springs and torsion springs.
     pub springs: T,
 }
 
@@ -87,12 +96,17 @@ impl<T: Scalar> Energies<T> {
             e.kinetic += half * (body.mass * (v[0] * v[0] + v[1] * v[1]) + body.inertia * v[2] * v[2]);
             e.gravity += -(body.mass * dot(model.gravity, place.at));
         }
-        let at_rest = [[T::ZERO; 3]; B];
         let known = |body: usize| body == GROUND || body < B;
         for spring in model.springs {
-            if T::ZERO < spring.stiffness && known(spring.first) && known(spring.second) {
-                let pull = tension(spring, &state.placement, &at_rest).0;
-                e.springs += half * pull * pull / spring.stiffness;
+            if known(spring.first) && known(spring.second) {
+                let stretch = spring_ends(spring, &state.placement).length - spring.length;
+                e.springs += half * spring.stiffness * stretch * stretch;
+            }
+        }
+        for torsion in model.torsions {
+            if known(torsion.first) && known(torsion.second) {
+                let turned = twist(torsion, &state.placement);
+                e.springs += half * torsion.stiffness * turned * turned;
             }
         }
         e

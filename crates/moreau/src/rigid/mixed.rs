@@ -7,14 +7,18 @@
 //!
 //! Because the bound follows the normal impulse the problem is not a convex one: it may have several solutions or none
 //! (Painleve). It is solved exactly, by guessing what every law does, solving the linear system that the guess leaves and
-//! correcting the guess; where guesses cycle, all of them are tried in order. Both are bounded.
+//! correcting the guess. Where guesses cycle, sweeps (`sweeps.rs`) lead to a better one; where they do not either and there are few
+//! enough, all are tried in order. All of it is bounded, and what is given back is admissible: no contact pulls, no friction is beyond its
+//! cone.
 
+use super::eliminate::eliminate;
+use super::sweeps::Reduced;
 use crate::Scalar;
 
-/// Corrected guesses before all are tried in order.
+/// Corrected guesses before something else is done.
 const GUESSES: u32 = 16;
-/// Pivots below this part of the largest entry mean a law that the others hold already.
-const DEPENDENT: f64 = 1e-11;
+/// If there are no more guesses than this, all are tried in order before there are sweeps.
+const FEW: u32 = 100;
 
 /// What a law is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,8 +55,43 @@ pub(super) enum Solved {
     Yes,
     /// All guesses were tried, and none meets every law.
     None,
-    /// The limit was reached before all guesses were tried.
-    Limit,
+    /// Admissible impulses that miss some laws by the residual.
+    Nearly,
+}
+
+/// Which solver gave the impulses of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SolvedBy {
+    /// Corrected guesses, from what the laws did in the step before: exact.
+    Guesses,
+    /// Projected Gauss-Seidel sweeps, after which a guess met every law: exact.
+    SweptGuess,
+    /// All guesses in order: exact, or none there is.
+    Enumeration,
+    /// Projected Gauss-Seidel sweeps alone: as near as the residual says.
+    Sweeps,
+}
+
+/// How a solve went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Solution<T> {
+    pub solved: Solved,
+    pub by: SolvedBy,
+    pub guesses: u32,
+    pub sweeps: u32,
+    /// The largest amount, as a velocity, by which a law is missed.
+    pub residual: T,
+}
+
+/// What a solve may do.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits<T> {
+    /// What velocities may miss.
+    pub tolerance: T,
+    /// Guesses tried in order.
+    pub guesses: u32,
+    /// Sweeps.
+    pub sweeps: u32,
 }
 
 /// The problem; only the first `count` laws are in use.
@@ -70,7 +109,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 
     /// u of law i at impulses p.
-    fn velocity(&self, i: usize, free: &[T; N], p: &[T; N]) -> T {
+    pub fn velocity(&self, i: usize, free: &[T; N], p: &[T; N]) -> T {
         let mut u = free[i];
         for j in 0..self.count {
             u += self.delassus[i][j] * p[j];
@@ -78,16 +117,101 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
         u
     }
 
-    /// Solves from a warm start, which it overwrites. Velocities may miss by `tolerance`. Returns the number of guesses too.
-    pub fn solve(&self, mode: &mut [Mode; N], p: &mut [T; N], tolerance: T, limit: u32) -> (Solved, u32) {
+    /// Solves from a warm start, which it overwrites.
+    pub fn solve(
+        &self,
+        mode: &mut [Mode; N],
+        p: &mut [T; N],
+        limits: &Limits<T>,
+        reduced: &mut Reduced<T, N>,
+    ) -> Solution<T> {
+        let mut solution =
+            Solution { solved: Solved::Yes, by: SolvedBy::Guesses, guesses: 0, sweeps: 0, residual: T::ZERO };
+        let start = *p;
         self.admit(mode);
-        for guess in 1..=GUESSES.min(limit) {
+        if self.guess(mode, p, limits.tolerance, &mut solution.guesses) {
+            solution.residual = self.residual(p);
+            return solution;
+        }
+        *p = start;
+        if self.guesses_at_most(FEW.min(limits.guesses)) {
+            solution.by = SolvedBy::Enumeration;
+            solution.solved = self.enumerate(mode, p, limits.tolerance, &mut solution.guesses);
+            solution.residual = self.residual(p);
+            return solution;
+        }
+        solution.by = SolvedBy::SweptGuess;
+        if self.sweep(mode, p, limits, reduced, &mut solution) {
+            solution.residual = self.residual(p);
+            return solution;
+        }
+        let swept = self.residual(p);
+        if swept > limits.tolerance && self.guesses_at_most(limits.guesses) {
+            let (mut all, mut tried) = (*mode, *p);
+            solution.by = SolvedBy::Enumeration;
+            solution.solved = self.enumerate(&mut all, &mut tried, limits.tolerance, &mut solution.guesses);
+            solution.residual = swept;
+            if solution.solved == Solved::Yes {
+                (*mode, *p) = (all, tried);
+                solution.residual = self.residual(p);
+            }
+            return solution;
+        }
+        solution.by = SolvedBy::Sweeps;
+        solution.solved = if swept <= limits.tolerance { Solved::Yes } else { Solved::Nearly };
+        solution.residual = swept;
+        solution
+    }
+
+    /// Corrects a guess until it meets every law; false if it was not met.
+    fn guess(&self, mode: &mut [Mode; N], p: &mut [T; N], tolerance: T, guesses: &mut u32) -> bool {
+        for _ in 0..GUESSES {
+            *guesses += 1;
             let consistent = self.impulses(mode, &self.free, p, tolerance);
-            if !self.correct(mode, p, tolerance) && consistent {
-                return (Solved::Yes, guess);
+            if !self.correct(mode, p, tolerance, true) && consistent {
+                return true;
             }
         }
-        self.enumerate(mode, p, tolerance, limit)
+        false
+    }
+
+    /// Whether there are so many guesses at most.
+    fn guesses_at_most(&self, limit: u32) -> bool {
+        let mut all = 1u32;
+        for law in &self.law[..self.count] {
+            all = all.saturating_mul(match law {
+                Law::Absent | Law::Equality => 1,
+                Law::Unilateral => 2,
+                Law::Relay(_) | Law::Coulomb(..) => 3,
+            });
+        }
+        all <= limit
+    }
+
+    /// The largest amount, as a velocity, by which impulses miss a law: u where it must be zero, else the distance of W_ii p from its
+    /// projection after -u.
+    pub fn residual(&self, p: &[T; N]) -> T {
+        let mut most = T::ZERO;
+        for i in 0..self.count {
+            let w = self.delassus[i][i];
+            let within = |bound: T| {
+                let u = self.velocity(i, &self.free, p);
+                // A law that nothing moves can only be missed by u.
+                let at = (w * p[i] - u).max(-(w * bound)).min(w * bound);
+                (w * p[i] - at).abs()
+            };
+            most = most.max(match self.law[i] {
+                Law::Absent => T::ZERO,
+                Law::Equality => self.velocity(i, &self.free, p).abs(),
+                Law::Unilateral => {
+                    let u = self.velocity(i, &self.free, p);
+                    u.min(w * p[i]).abs()
+                }
+                Law::Relay(bound) => within(bound),
+                Law::Coulomb(n, mu) => within(mu * p[n]),
+            });
+        }
+        most
     }
 
     /// Turns modes that a law cannot have into ones that it can.
@@ -112,7 +236,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 
     /// The impulses of a guess: zero velocity of what holds, full friction of what slips. False if the guess has none.
-    fn impulses(&self, mode: &[Mode; N], free: &[T; N], p: &mut [T; N], tolerance: T) -> bool {
+    pub fn impulses(&self, mode: &[Mode; N], free: &[T; N], p: &mut [T; N], tolerance: T) -> bool {
         let n = self.count;
         let mut unknown = [0usize; N];
         let mut m = 0;
@@ -164,11 +288,14 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
         unknown[..m].iter().all(|&i| self.velocity(i, free, p).abs() <= tolerance)
     }
 
-    /// Moves every law whose guess is refuted; says whether there was one.
-    fn correct(&self, mode: &mut [Mode; N], p: &[T; N], tolerance: T) -> bool {
+    /// Moves laws whose guess is refuted: all of them, or the first one alone. Says whether there was one.
+    pub fn correct(&self, mode: &mut [Mode; N], p: &[T; N], tolerance: T, all: bool) -> bool {
         let before = *mode;
         let mut changed = false;
         for i in 0..self.count {
+            if changed && !all {
+                break;
+            }
             let u = self.velocity(i, &self.free, p);
             let bound = match self.law[i] {
                 Law::Absent | Law::Equality => continue,
@@ -207,23 +334,21 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
 
     /// Tries all guesses in order.
     #[cold]
-    fn enumerate(&self, mode: &mut [Mode; N], p: &mut [T; N], tolerance: T, limit: u32) -> (Solved, u32) {
+    fn enumerate(&self, mode: &mut [Mode; N], p: &mut [T; N], tolerance: T, guesses: &mut u32) -> Solved {
         for i in 0..self.count {
             mode[i] = if self.law[i] == Law::Absent { Mode::Open } else { Mode::Hold };
         }
-        let mut tried = GUESSES.min(limit);
-        while tried < limit {
-            tried += 1;
+        loop {
+            *guesses += 1;
             let consistent = self.impulses(mode, &self.free, p, tolerance);
             let mut corrected = *mode;
-            if consistent && !self.correct(&mut corrected, p, tolerance) {
-                return (Solved::Yes, tried);
+            if consistent && !self.correct(&mut corrected, p, tolerance, true) {
+                return Solved::Yes;
             }
             if !self.next_guess(mode) {
-                return (Solved::None, tried);
+                return Solved::None;
             }
         }
-        (Solved::Limit, tried)
     }
 
     /// Counts on: the modes as digits of a number. False after the last one.
@@ -248,10 +373,13 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 
     /// Change of a contact's normal velocity per normal impulse while it slips with friction p_t = factor p_n, everything else
-    /// doing what `mode` says. Where that is not positive, no finite force keeps the contact closed while it slips.
-    pub fn slipping_mobility(&self, n: usize, t: usize, factor: T, mode: &[Mode; N], tolerance: T) -> T {
+    /// doing what `mode` says; and its velocity without its impulses. Where both are negative, no finite force keeps it closed while it slips.
+    pub fn slipping_mobility(&self, n: usize, t: usize, factor: T, mode: &[Mode; N], tolerance: T) -> (T, T) {
         let mut others = *mode;
         others[n] = Mode::Open;
+        let mut p = [T::ZERO; N];
+        self.impulses(&others, &self.free, &mut p, tolerance);
+        let without = self.velocity(n, &self.free, &p);
         let mut free = [T::ZERO; N];
         for i in 0..self.count {
             free[i] = self.delassus[i][n] + factor * self.delassus[i][t];
@@ -260,9 +388,9 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
                 others[i] = Mode::Open;
             }
         }
-        let mut p = [T::ZERO; N];
+        p = [T::ZERO; N];
         self.impulses(&others, &free, &mut p, tolerance);
-        self.velocity(n, &free, &p)
+        (self.velocity(n, &free, &p), without)
     }
 }
 
@@ -274,51 +402,6 @@ fn opposing<T: Scalar>(u: T, tolerance: T) -> Mode {
         Mode::Upper
     } else {
         Mode::Hold
-    }
-}
-
-/// Gaussian elimination with complete pivoting of the first `m` rows and columns. Unknowns that the others determine already keep
-/// the value that `x` came with.
-pub(super) fn eliminate<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) {
-    let mut column: [usize; N] = core::array::from_fn(|k| k);
-    let mut largest = T::ZERO;
-    let mut rank = 0;
-    while rank < m {
-        let (mut best, mut at) = (T::ZERO, (rank, rank));
-        for i in rank..m {
-            for j in rank..m {
-                if best < a[i][j].abs() {
-                    (best, at) = (a[i][j].abs(), (i, j));
-                }
-            }
-        }
-        largest = largest.max(best);
-        if best <= largest * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON) {
-            break;
-        }
-        a.swap(rank, at.0);
-        rhs.swap(rank, at.0);
-        for row in a.iter_mut().take(m) {
-            row.swap(rank, at.1);
-        }
-        column.swap(rank, at.1);
-        for i in rank + 1..m {
-            let factor = a[i][rank] / a[rank][rank];
-            for j in rank..m {
-                let t = a[rank][j];
-                a[i][j] -= factor * t;
-            }
-            let t = rhs[rank];
-            rhs[i] -= factor * t;
-        }
-        rank += 1;
-    }
-    for k in (0..rank).rev() {
-        let mut s = rhs[k];
-        for j in k + 1..m {
-            s -= a[k][j] * x[column[j]];
-        }
-        x[column[k]] = s / a[k][k];
     }
 }
 
@@ -377,7 +460,8 @@ mod tests {
                 relay.bound[i] = bound;
             }
             let (mut mode, mut p, mut expected) = ([Mode::Hold; N], [0.0; N], [0.0; N]);
-            assert_eq!(problem.solve(&mut mode, &mut p, 1e-12, 10_000).0, Solved::Yes);
+            let limits = Limits { tolerance: 1e-12, guesses: 10_000, sweeps: 100 };
+            assert_eq!(problem.solve(&mut mode, &mut p, &limits, &mut Reduced::new()).solved, Solved::Yes);
             assert!(solve_dense(&relay, &mut expected, 1e-12, 1000).converged);
             for i in 0..6 {
                 assert!((p[i] - expected[i]).abs() < 1e-7, "{p:?} {expected:?}");
@@ -404,9 +488,10 @@ mod tests {
                 Law::Coulomb(6, 0.3),
             ];
             let (mut mode, mut p) = ([Mode::Hold; N], [0.0; N]);
-            let (outcome, guesses) = problem.solve(&mut mode, &mut p, 1e-10, 5000);
-            assert_ne!(outcome, Solved::Limit, "2 x 3 to the third times 3 guesses are all that there are, {guesses}");
-            if outcome != Solved::Yes {
+            let limits = Limits { tolerance: 1e-10, guesses: 5000, sweeps: 1000 };
+            let solution = problem.solve(&mut mode, &mut p, &limits, &mut Reduced::new());
+            assert_ne!(solution.solved, Solved::Nearly, "2 x 3 to the third times 3 guesses are all that there are");
+            if solution.solved != Solved::Yes {
                 continue;
             }
             solved += 1;
@@ -435,8 +520,9 @@ mod tests {
         problem.free[..2].copy_from_slice(&[-1.0, 1.0]);
         problem.law[..2].copy_from_slice(&[Law::Unilateral, Law::Coulomb(0, 0.9)]);
         let (mut mode, mut p) = ([Mode::Hold; N], [0.0; N]);
-        let (outcome, guesses) = problem.solve(&mut mode, &mut p, 1e-12, 1000);
-        assert_eq!(outcome, Solved::None);
-        assert!(guesses < 30, "{guesses}");
+        let limits = Limits { tolerance: 1e-12, guesses: 1000, sweeps: 100 };
+        let solution = problem.solve(&mut mode, &mut p, &limits, &mut Reduced::new());
+        assert_eq!(solution.solved, Solved::None);
+        assert!(solution.guesses < 200 && solution.residual > 0.1, "{solution:?}");
     }
 }

@@ -8,16 +8,26 @@
 //!
 //! [`step()`] is the Moreau-Jean theta step; the equations are in this crate's `README.md`, "Rigid contacts and joints".
 
+mod contact;
+mod eliminate;
 mod forces;
+mod impact;
+mod implicit;
+mod laws;
 mod mixed;
 mod model;
+mod painleve;
 mod projection;
 mod rows;
 mod state;
 mod step;
+mod sweeps;
+mod touch;
 
+pub use contact::{Contact, PolygonContact, Surface};
 pub use forces::Energies;
-pub use mixed::Mode;
-pub use model::{Body, Contact, Joint, JointKind, Model, ModelError, Spring, Surface};
-pub use state::{Placement, Scratch, Settings, State, Twist};
+pub use mixed::{Mode, SolvedBy};
+pub use model::{Body, Joint, JointKind, Model, ModelError, Spring, Torsion};
+pub use state::{ImpactLaw, Placement, Scratch, Settings, State, Twist};
 pub use step::{Outcome, StepReport, step};
+pub use touch::ContactPoint;

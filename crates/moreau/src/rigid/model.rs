@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::contact::{Contact, Matter, PolygonContact};
 use crate::vector::{Vector, dot};
 use crate::{GROUND, Scalar};
 
@@ -26,12 +27,18 @@ pub enum JointKind<T> {
         /// Angle of the second body minus that of the first, rad.
         angle: T,
     },
+    /// A pin in a straight slot: the second body's point stays on the line through the first body's point; both turn freely. Friction and
+    /// motor act on the pin's way along the slot. Where the slot ends, a contact of the pin with a line on the first body is the stop.
+    Slot {
+        /// Unit direction of the slot, in the first body's frame.
+        axis: Vector<T>,
+    },
 }
 
 /// A joint between two bodies, or of a body with the ground. A tree's joint and the closure of a loop are the same thing.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint<T> {
-    /// Hinge or slide.
+    /// Hinge, slide or slot.
     pub kind: JointKind<T>,
     /// The first body, or [`GROUND`].
     pub first: usize,
@@ -41,7 +48,7 @@ pub struct Joint<T> {
     pub second: usize,
     /// The point in the second body's frame, m.
     pub at_second: Vector<T>,
-    /// Dry friction: torque (hinge, N m) or force (slide, N).
+    /// Dry friction: torque (hinge, N m) or force (slide and slot, N).
     pub dry: T,
     /// Viscous friction, N m s or N s/m.
     pub viscous: T,
@@ -69,46 +76,20 @@ pub struct Spring<T> {
     pub length: T,
 }
 
-/// The surface that a contact's disc meets, in its carrier's frame.
+/// A spring that resists turning, with a damper in parallel: the moment `stiffness (phi_2 - phi_1 - angle) + damping (rate)` on the first
+/// body, its opposite on the second.
 #[derive(Debug, Clone, Copy)]
-pub enum Surface<T> {
-    /// The half-plane behind a line.
-    Line {
-        /// A point of the line, m.
-        point: Vector<T>,
-        /// Outward unit normal.
-        normal: Vector<T>,
-    },
-    /// A disc.
-    Disc {
-        /// Centre, m.
-        center: Vector<T>,
-        /// Radius, m.
-        radius: T,
-    },
-}
-
-/// A rigid unilateral contact: a disc (radius 0: a point) of one body against a surface of another.
-#[derive(Debug, Clone, Copy)]
-pub struct Contact<T> {
-    /// Carrier of the disc, or [`GROUND`].
-    pub disc_body: usize,
-    /// Disc centre in its carrier's frame, m.
-    pub center: Vector<T>,
-    /// Disc radius, m.
-    pub radius: T,
-    /// Carrier of the surface, or [`GROUND`].
-    pub surface_body: usize,
-    /// The surface.
-    pub surface: Surface<T>,
-    /// Newton's coefficient of restitution, 0 to 1.
-    pub restitution: T,
-    /// Coulomb friction coefficient while slipping.
-    pub kinetic: T,
-    /// Friction coefficient up to which it sticks; at least the kinetic one.
-    pub limit: T,
-    /// Speed of the surface in its own frame (a belt), m/s, along t = (n_y, -n_x) with n the surface's outward normal.
-    pub belt: T,
+pub struct Torsion<T> {
+    /// The first body, or [`GROUND`].
+    pub first: usize,
+    /// The second body, or [`GROUND`].
+    pub second: usize,
+    /// N m/rad.
+    pub stiffness: T,
+    /// N m s/rad.
+    pub damping: T,
+    /// Angle of the second body minus that of the first without moment, rad.
+    pub angle: T,
 }
 
 /// A mechanism. It borrows its parts, so that it needs neither heap nor sizes of its own.
@@ -117,7 +98,9 @@ pub struct Model<'m, T> {
     pub(super) bodies: &'m [Body<T>],
     pub(super) joints: &'m [Joint<T>],
     pub(super) springs: &'m [Spring<T>],
-    pub(super) contacts: &'m [Contact<T>],
+    pub(super) torsions: &'m [Torsion<T>],
+    pub(super) contacts: &'m [Contact<'m, T>],
+    pub(super) polygons: &'m [PolygonContact<'m, T>],
     pub(super) gravity: Vector<T>,
 }
 
@@ -132,8 +115,12 @@ pub enum ModelError {
     BadJoint(usize),
     /// A number of this spring is not finite.
     BadSpring(usize),
+    /// A number of this torsion spring is not finite or negative.
+    BadTorsion(usize),
     /// A number of this contact is not finite or out of its range.
     BadContact(usize),
+    /// A number of this contact of polygons is not finite or out of its range, or a polygon is not convex or not counter-clockwise.
+    BadPolygonContact(usize),
     /// Gravity is not finite.
     BadGravity,
 }
@@ -147,6 +134,13 @@ impl fmt::Display for ModelError {
             ModelError::BadBody(i) => write!(f, "body {i}: mass and inertia must be positive and finite"),
             ModelError::BadJoint(i) => write!(f, "joint {i}: a number is not finite or out of range"),
             ModelError::BadSpring(i) => write!(f, "spring {i}: a number is not finite or out of range"),
+            ModelError::BadTorsion(i) => write!(f, "torsion spring {i}: a number is not finite or out of range"),
+            ModelError::BadPolygonContact(i) => {
+                write!(
+                    f,
+                    "polygon contact {i}: a number is out of range or a polygon is not convex and counter-clockwise"
+                )
+            }
             ModelError::BadContact(i) => write!(f, "contact {i}: a number is not finite or out of range"),
             ModelError::BadGravity => write!(f, "gravity is not finite"),
         }
@@ -167,10 +161,10 @@ impl<'m, T: Scalar> Model<'m, T> {
         bodies: &'m [Body<T>],
         joints: &'m [Joint<T>],
         springs: &'m [Spring<T>],
-        contacts: &'m [Contact<T>],
+        contacts: &'m [Contact<'m, T>],
         gravity: Vector<T>,
     ) -> Result<Self, ModelError> {
-        let known = |a: usize, b: usize| a != b && [a, b].iter().all(|&i| i == GROUND || i < bodies.len());
+        let known = |a, b| known(bodies.len(), a, b);
         for (i, body) in bodies.iter().enumerate() {
             if !(finite(&[body.mass, body.inertia]) && body.mass > T::ZERO && body.inertia > T::ZERO) {
                 return Err(ModelError::BadBody(i));
@@ -183,6 +177,7 @@ impl<'m, T: Scalar> Model<'m, T> {
             let sound = match joint.kind {
                 JointKind::Hinge => true,
                 JointKind::Slide { axis, angle } => angle.finite() && unit(axis),
+                JointKind::Slot { axis } => unit(axis),
             };
             let numbers = [joint.at_first, joint.at_second, [joint.dry, joint.viscous]];
             let finite = numbers.iter().all(|pair| finite(pair));
@@ -205,19 +200,65 @@ impl<'m, T: Scalar> Model<'m, T> {
             if !known(contact.disc_body, contact.surface_body) {
                 return Err(ModelError::UnknownBody);
             }
-            if !contact_is_sound(contact) {
+            if !contact.is_sound() {
                 return Err(ModelError::BadContact(i));
             }
         }
         if !finite(&gravity) {
             return Err(ModelError::BadGravity);
         }
-        Ok(Model { bodies, joints, springs, contacts, gravity })
+        Ok(Model { bodies, joints, springs, torsions: &[], contacts, polygons: &[], gravity })
     }
 
-    /// The number of laws that a state and a scratch must have room for: three a joint, two a contact.
+    /// The same with torsion springs, in place of those that it had.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn with_torsions(self, torsions: &'m [Torsion<T>]) -> Result<Self, ModelError> {
+        for (i, torsion) in torsions.iter().enumerate() {
+            if !known(self.bodies.len(), torsion.first, torsion.second) {
+                return Err(ModelError::UnknownBody);
+            }
+            let law = [torsion.stiffness, torsion.damping];
+            if !(finite(&law) && torsion.angle.finite() && law.iter().all(|x| *x >= T::ZERO)) {
+                return Err(ModelError::BadTorsion(i));
+            }
+        }
+        Ok(Model { torsions, ..self })
+    }
+
+    /// The same with contacts of polygons, in place of those that it had.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn with_polygons(self, polygons: &'m [PolygonContact<'m, T>]) -> Result<Self, ModelError> {
+        for (i, pair) in polygons.iter().enumerate() {
+            if !known(self.bodies.len(), pair.first, pair.second) {
+                return Err(ModelError::UnknownBody);
+            }
+            if !pair.is_sound() {
+                return Err(ModelError::BadPolygonContact(i));
+            }
+        }
+        Ok(Model { polygons, ..self })
+    }
+
+    /// The number of laws that a state and a scratch must have room for: three a joint, two a contact, four a contact of polygons.
     pub fn laws(&self) -> usize {
-        3 * self.joints.len() + 2 * self.contacts.len()
+        3 * self.joints.len() + 2 * self.points()
+    }
+
+    /// Points at which the mechanism can touch: one a contact, two a contact of polygons.
+    pub(super) fn points(&self) -> usize {
+        self.contacts.len() + 2 * self.polygons.len()
+    }
+
+    /// What a point's laws are made of.
+    pub(super) fn matter(&self, point: usize) -> Matter<T> {
+        match self.contacts.get(point) {
+            Some(contact) => contact.matter(),
+            None => self.polygons[(point - self.contacts.len()) / 2].matter(),
+        }
     }
 
     /// The law slots of a contact: its normal one, its tangential one.
@@ -225,27 +266,23 @@ impl<'m, T: Scalar> Model<'m, T> {
         let first = 3 * self.joints.len() + 2 * contact;
         [first, first + 1]
     }
+
+    /// The law slots of a point, 0 or 1, of a contact of polygons: its normal one, its tangential one. The points are in the order in which
+    /// they lie along t = (n_y, -n_x), n the outward normal of the second polygon.
+    pub fn polygon_laws(&self, contact: usize, point: usize) -> [usize; 2] {
+        self.contact_laws(self.contacts.len() + 2 * contact + point)
+    }
 }
 
-fn finite<T: Scalar>(numbers: &[T]) -> bool {
+/// Whether a and b are two of `bodies` bodies or the ground.
+fn known(bodies: usize, a: usize, b: usize) -> bool {
+    a != b && [a, b].iter().all(|&i| i == GROUND || i < bodies)
+}
+
+pub(super) fn finite<T: Scalar>(numbers: &[T]) -> bool {
     numbers.iter().all(|x| x.finite())
 }
 
-fn unit<T: Scalar>(v: Vector<T>) -> bool {
+pub(super) fn unit<T: Scalar>(v: Vector<T>) -> bool {
     finite(&v) && (dot(v, v) - T::ONE).abs() < T::from_f64(UNIT)
-}
-
-fn contact_is_sound<T: Scalar>(contact: &Contact<T>) -> bool {
-    let surface = match contact.surface {
-        Surface::Line { point, normal } => finite(&point) && unit(normal),
-        Surface::Disc { center, radius } => finite(&center) && radius.finite() && radius >= T::ZERO,
-    };
-    let c = contact;
-    surface
-        && finite(&[c.center[0], c.center[1], c.radius, c.restitution, c.kinetic, c.limit, c.belt])
-        && c.radius >= T::ZERO
-        && c.restitution >= T::ZERO
-        && c.restitution <= T::ONE
-        && c.kinetic >= T::ZERO
-        && c.limit >= c.kinetic
 }

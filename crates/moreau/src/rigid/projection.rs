@@ -1,7 +1,7 @@
 //! Joints are closed in position, not in velocity only: after a step the placements move, by as little as possible in the metric
-//! of the mass matrix, to where every joint is closed (Newton's method).
+//! of the mass matrix, to where every joint is closed (Newton's method). What a motor drives stays where the motor has brought it.
 
-use super::mixed::eliminate;
+use super::eliminate::eliminate;
 use super::model::Model;
 use super::rows::{Row, joint_rows};
 use super::state::{Placement, State, Twist};
@@ -17,27 +17,34 @@ pub(super) fn close_joints<T: Scalar, const B: usize>(
     model: &Model<'_, T>,
     q: &mut [Placement<T>; B],
     tolerance: T,
+    motors_hold: bool,
 ) -> bool {
     for _ in 0..CORRECTIONS {
         if largest_opening(model, q) <= tolerance {
             return true;
         }
         for some in model.joints.chunks(JOINTS) {
-            let mut rows = [Row::none(); 2 * JOINTS];
-            let mut open = [T::ZERO; 2 * JOINTS];
-            for (k, joint) in some.iter().enumerate() {
+            let mut rows = [Row::none(); 3 * JOINTS];
+            let mut open = [T::ZERO; 3 * JOINTS];
+            let mut m = 0;
+            for joint in some {
                 let at = joint_rows(joint, q);
-                [rows[2 * k], rows[2 * k + 1]] = at.closed;
-                [open[2 * k], open[2 * k + 1]] = [-at.open[0], -at.open[1]];
+                for (row, by) in at.closed.into_iter().zip(at.open) {
+                    (rows[m], open[m]) = (row, -by);
+                    m += 1;
+                }
+                if motors_hold && joint.rate.is_some() {
+                    rows[m] = at.free;
+                    m += 1;
+                }
             }
-            let m = 2 * some.len();
-            let mut a = [[T::ZERO; 2 * JOINTS]; 2 * JOINTS];
+            let mut a = [[T::ZERO; 3 * JOINTS]; 3 * JOINTS];
             for i in 0..m {
                 for j in 0..m {
                     a[i][j] = rows[i].coupling(&rows[j], model);
                 }
             }
-            let mut push = [T::ZERO; 2 * JOINTS];
+            let mut push = [T::ZERO; 3 * JOINTS];
             eliminate(&mut a, &mut open, &mut push, m);
             let mut by: [Twist<T>; B] = [[T::ZERO; 3]; B];
             for (row, p) in rows.iter().zip(push).take(m) {
@@ -74,7 +81,7 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
     /// False if they do not close; the state is then left as it was.
     pub fn assemble(&mut self, model: &Model<'_, T>, tolerance: T) -> bool {
         let mut q = self.placement;
-        if model.bodies.len() > B || !close_joints(model, &mut q, tolerance) {
+        if model.bodies.len() > B || !close_joints(model, &mut q, tolerance, false) {
             return false;
         }
         self.placement = q;

@@ -1,8 +1,11 @@
 //! Where the bodies are, how a step is to be taken, and a step's working memory.
 
+use super::implicit::Implicit;
 use super::mixed::{Mode, Problem};
 use super::rows::Row;
-use crate::vector::{Vector, add};
+use super::sweeps::Reduced;
+use super::touch::Touch;
+use crate::vector::{Vector, add, sub};
 use crate::{GROUND, Scalar};
 
 /// Position of a body: its centre of mass and its angle.
@@ -24,6 +27,13 @@ impl<T: Scalar> Placement<T> {
     /// A point of the body's frame, in the world.
     pub fn point(&self, point: Vector<T>) -> Vector<T> {
         add(self.at, self.turn(point))
+    }
+
+    /// A point of the world, in the body's frame.
+    pub(super) fn seen(&self, point: Vector<T>) -> Vector<T> {
+        let (s, c) = self.angle.sin_cos_any();
+        let [x, y] = sub(point, self.at);
+        [c * x + s * y, c * y - s * x]
     }
 
     pub(super) fn origin() -> Self {
@@ -69,6 +79,17 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
     }
 }
 
+/// What the coefficient of restitution e of a contact means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImpactLaw {
+    /// Newton's: a contact parts with e times the speed with which it closed. Simple, solved with the other laws of the step at once; with
+    /// friction or several contacts an impact may give energy (Kane's paradox), which [`super::StepReport::impact_energy`] tells.
+    Newton,
+    /// Stronge's: a contact's normal impulse gives back e squared of the work that it took. The impact is followed through in the space of
+    /// impulses before the rest of the step, friction with it, and takes energy whatever the contacts are.
+    Stronge,
+}
+
 /// How a step is to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {
@@ -79,13 +100,17 @@ pub struct Settings<T> {
     /// The iteration on forces and rows ends when no velocity changes by more than this times (1 + |velocity|). 1e-11 is usual:
     /// each iteration gains two or three digits, so that what is left is far less.
     pub tolerance: T,
-    /// Largest number of those iterations; three to six are usual. Springs converge where h^2 k < 4 m.
+    /// Largest number of those iterations; three to six are usual.
     pub iteration_limit: u32,
     /// What a law's velocity may miss, times (1 + |largest velocity|). 1e-12 is usual.
     pub solver_tolerance: T,
-    /// Largest number of guesses in one one-step problem. Four for every contact and three for every dry joint, multiplied, are
-    /// all that there are.
+    /// Most guesses that are tried in order in one one-step problem. Four for every contact and three for every dry joint, multiplied, are
+    /// all that there are; where that is more than this limit none are tried in order, and what the sweeps found is taken.
     pub solver_limit: u32,
+    /// Most sweeps of projected Gauss-Seidel in one one-step problem.
+    pub sweep_limit: u32,
+    /// What contacts do when they collide.
+    pub impact_law: ImpactLaw,
     /// What a joint may be open after a step, m or rad, before its position is corrected again. 1e-12 is usual.
     pub position_tolerance: T,
     /// A contact is closed from this distance on, m: more than rounding, less than matters. 1e-10 is usual.
@@ -102,7 +127,9 @@ impl<T: Scalar> Settings<T> {
             tolerance: at_least(1e-11, 64.0),
             iteration_limit: 30,
             solver_tolerance: at_least(1e-12, 256.0),
-            solver_limit: 50_000,
+            solver_limit: 5_000,
+            sweep_limit: 200,
+            impact_law: ImpactLaw::Newton,
             position_tolerance: at_least(1e-12, 64.0),
             contact_tolerance: at_least(1e-10, 64.0),
         }
@@ -117,12 +144,25 @@ pub struct Scratch<T, const B: usize, const N: usize> {
     /// Whose velocity the laws speak of: the rows at t0 + h.
     pub(super) end_rows: [Row<T>; N],
     pub(super) problem: Problem<T, N>,
+    /// The problem without its equalities, for sweeps.
+    pub(super) reduced: Reduced<T, N>,
+    /// What touches, point by point.
+    pub(super) touch: [Touch<T>; N],
+    /// Regular forces that depend on the step's end, linearised.
+    pub(super) implicit: Implicit<T, B>,
 }
 
 impl<T: Scalar, const B: usize, const N: usize> Scratch<T, B, N> {
     /// Fresh working memory; results do not depend on what it held before.
     pub fn new() -> Self {
-        Scratch { rows: [Row::none(); N], end_rows: [Row::none(); N], problem: Problem::new() }
+        Scratch {
+            rows: [Row::none(); N],
+            end_rows: [Row::none(); N],
+            problem: Problem::new(),
+            reduced: Reduced::new(),
+            touch: [Touch::None; N],
+            implicit: Implicit::new(),
+        }
     }
 }
 

@@ -1,21 +1,30 @@
 //! One Moreau-Jean theta step of rigid bodies. The equations stand in this crate's README, "Rigid contacts and joints".
 
 use super::forces::regular_impulse;
-use super::mixed::{Law, Mode, Solved};
+use super::impact::collide;
+use super::laws::{contact_laws, friction_laws, joint_laws, let_go, one_step_problem, place_rows, start_velocities};
+use super::mixed::{Law, Limits, Solved, SolvedBy};
 use super::model::Model;
+use super::painleve::jammed;
 use super::projection::close_joints;
-use super::rows::{contact_rows, joint_rows};
-use super::state::{Placement, Scratch, Settings, State, Twist};
+use super::state::{ImpactLaw, Placement, Scratch, Settings, State, Twist};
+use super::touch::touches;
 use crate::Scalar;
+
+/// Iterations after which impulses that are only nearly right are iterated upon no more.
+const NEARLY: u32 = 4;
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// Velocities, laws and joints met their tolerances.
     Converged,
-    /// The same, but a contact that slipped at the start of the step stayed closed although Coulomb's law lets no finite force
-    /// keep it so (Painleve): an impulse that does not shrink with h did. Other solutions may exist.
+    /// The same, but a contact that slipped at the start of the step, and did not close then, stayed closed although Coulomb's law lets no
+    /// finite force keep it so (Painleve): an impulse that does not shrink with h did. Other solutions may exist.
     Painleve,
+    /// Impulses that every law admits (no contact pulls, no friction is beyond its cone), but some velocity misses its law by the report's
+    /// residual: the sweeps ended before they met the tolerance.
+    Approximate,
     /// An iteration limit was reached; the last (finite) iterate was taken.
     IterationLimit,
     /// The one-step problem has no solution: all guesses were tried. The state was left as it was.
@@ -27,14 +36,27 @@ pub enum Outcome {
 }
 
 /// What a step did: its outcome and its work.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct StepReport {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport<T> {
     /// How it ended.
     pub outcome: Outcome,
     /// Iterations on forces and rows.
     pub iterations: u32,
     /// Guesses in the one-step problems, summed.
     pub guesses: u32,
+    /// Sweeps in the one-step problems, summed.
+    pub sweeps: u32,
+    /// What solved the last one-step problem.
+    pub solver: SolvedBy,
+    /// The largest amount, m/s or rad/s, by which its impulses miss a law.
+    pub residual: T,
+    /// Work of the contacts' impulses in a step in which a contact closed, against the velocities of the surfaces, J; else zero. Negative:
+    /// the impact took energy. Positive: it gave energy, which Newton's law does not exclude.
+    pub impact_energy: T,
+    /// Increments in which Stronge's law followed an impact.
+    pub impact_increments: u32,
+    /// Whether Stronge's law followed the impact to its end; else what was left of it was ended without restitution.
+    pub impact_ended: bool,
 }
 
 /// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
@@ -46,8 +68,18 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
     loads: &[[T; 3]],
     state: &mut State<T, B, N>,
     scratch: &mut Scratch<T, B, N>,
-) -> StepReport {
-    let mut report = StepReport { outcome: Outcome::IterationLimit, iterations: 0, guesses: 0 };
+) -> StepReport<T> {
+    let mut report = StepReport {
+        outcome: Outcome::IterationLimit,
+        iterations: 0,
+        guesses: 0,
+        sweeps: 0,
+        solver: SolvedBy::Guesses,
+        residual: T::ZERO,
+        impact_energy: T::ZERO,
+        impact_increments: 0,
+        impact_ended: true,
+    };
     if model.bodies.len() > B || model.laws() > N {
         report.outcome = Outcome::NoRoom;
         return report;
@@ -56,61 +88,107 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
     let (q0, v0) = (state.placement, state.velocity);
     let (mut mode, mut p) = (state.mode, state.impulse);
     let mut v = v0;
+    // Velocities from which the regular part of the step begins: v0, or those after an impact.
+    let mut start = v0;
+    let mut struck = [T::ZERO; N];
     let tolerance = settings.solver_tolerance * (T::ONE + largest(&v0));
-    let mut slip = [T::ZERO; N];
+    // What stuck, or did not close, has a velocity of zero but for the tolerances.
+    let still = tolerance * T::from_f64(1e3);
+    let limits = Limits { tolerance, guesses: settings.solver_limit, sweeps: settings.sweep_limit };
+    let (mut slip, mut closing) = ([T::ZERO; N], [T::ZERO; N]);
 
     for iteration in 0..settings.iteration_limit {
         let v_theta = blend(&v0, &v, theta);
         let q_theta = moved(&q0, &v_theta, theta * h);
         let mut q1 = moved(&q0, &v_theta, h);
-        close_joints(model, &mut q1, settings.position_tolerance);
+        close_joints(model, &mut q1, settings.position_tolerance, true);
         if iteration == 0 {
-            // Which contacts are closed is decided once, at the predicted pose.
-            laws(model, settings, &q0, &q_theta, &v0, tolerance, &mut slip, scratch);
+            // What touches what, and which contacts are closed, is decided once, at the predicted pose.
+            touches(model, &q_theta, settings.contact_tolerance, &mut scratch.touch);
+            joint_laws(model, settings, scratch);
+            contact_laws(model, settings, &q_theta, scratch);
+            start_velocities(model, &q0, &v0, scratch, &mut slip, &mut closing);
+            let bounces = (0..model.points()).any(|c| {
+                scratch.problem.law[model.contact_laws(c)[0]] != Law::Absent && T::ZERO < model.matter(c).restitution
+            });
+            if settings.impact_law == ImpactLaw::Stronge && bounces && closing.iter().any(|u| *u > still) {
+                friction_laws(model, &slip, still, scratch);
+                place_rows(model, &q0, &mut scratch.rows, &scratch.touch);
+                let impact = collide(model, still, &mut start, &mut struck, scratch);
+                report.impact_energy = impact.energy;
+                report.impact_increments = impact.increments;
+                report.impact_ended = impact.ended;
+                let mut after = [T::ZERO; N];
+                start_velocities(model, &q0, &start, scratch, &mut slip, &mut after);
+            }
+            friction_laws(model, &slip, still, scratch);
         }
-        place_rows(model, &q_theta, &q1, scratch);
-        let free = regular_impulse(model, h, loads, &v0, &q_theta, &v_theta);
-        one_step_problem(model, &v0, &free, scratch);
-        let solved = loop {
-            let (solved, guesses) = scratch.problem.solve(&mut mode, &mut p, tolerance, settings.solver_limit);
-            report.guesses += guesses;
-            if solved != Solved::Yes || !let_go(model, &mode, scratch) {
-                break solved;
+        place_rows(model, &q_theta, &mut scratch.rows, &scratch.touch);
+        place_rows(model, &q1, &mut scratch.end_rows, &scratch.touch);
+        let mut free = regular_impulse(model, h, loads, &start, &q_theta, &v_theta);
+        scratch.implicit.renew(model, h, theta, &q_theta, &v_theta);
+        if scratch.implicit.present {
+            // Newton's method: A (v1 - v) = M (free - v) + D p.
+            let mut by: [Twist<T>; B] = core::array::from_fn(|i| core::array::from_fn(|k| free[i][k] - v[i][k]));
+            momenta(model, &mut by);
+            scratch.implicit.solve(model.bodies.len(), &mut by);
+            for (free, (v, by)) in free.iter_mut().zip(v.iter().zip(&by)) {
+                *free = core::array::from_fn(|k| v[k] + by[k]);
+            }
+        }
+        one_step_problem(model, settings.impact_law, &v0, &free, scratch);
+        let solution = loop {
+            let Scratch { problem, reduced, .. } = &mut *scratch;
+            let solution = problem.solve(&mut mode, &mut p, &limits, reduced);
+            report.guesses += solution.guesses;
+            report.sweeps += solution.sweeps;
+            if solution.solved != Solved::Yes || !let_go(model, &mode, scratch) {
+                break solution;
             }
         };
+        (report.solver, report.residual) = (solution.by, solution.residual);
         report.iterations = iteration + 1;
-        if solved == Solved::None {
+        if solution.solved == Solved::None {
             report.outcome = Outcome::NoSolution;
             return report;
         }
         let mut next = free;
-        for i in 0..scratch.problem.count {
-            scratch.rows[i].push(model, p[i], &mut next);
-        }
+        push_all(model, &p, scratch, &mut next);
         let (change, finite) = correction(&v, &next);
         if !finite {
             report.outcome = Outcome::NonFinite;
             return report;
         }
         v = next;
-        if change <= settings.tolerance && solved == Solved::Yes {
-            report.outcome = Outcome::Converged;
+        if solution.solved == Solved::Yes {
+            if change <= settings.tolerance {
+                report.outcome = Outcome::Converged;
+                break;
+            }
+        } else if change <= settings.tolerance.max(solution.residual) || report.iterations >= NEARLY {
+            report.outcome = Outcome::Approximate;
             break;
         }
     }
 
     let mut q1 = moved(&q0, &blend(&v0, &v, theta), h);
-    let closed = close_joints(model, &mut q1, settings.position_tolerance);
+    let closed = close_joints(model, &mut q1, settings.position_tolerance, true);
     if !q1.iter().all(|q| q.at[0].finite() && q.at[1].finite() && q.angle.finite()) {
         report.outcome = Outcome::NonFinite;
         return report;
     }
-    if report.outcome == Outcome::Converged {
-        if !closed {
-            report.outcome = Outcome::IterationLimit;
-        } else if jammed(model, &slip, &mode, &p, tolerance, scratch) {
-            report.outcome = Outcome::Painleve;
-        }
+    if !closed {
+        report.outcome = Outcome::IterationLimit;
+    } else if report.outcome == Outcome::Converged
+        && jammed(model, &slip, &closing, &mode, &p, still, tolerance, &scratch.problem)
+    {
+        report.outcome = Outcome::Painleve;
+    }
+    if settings.impact_law == ImpactLaw::Newton && closing.iter().any(|u| *u > still) {
+        report.impact_energy = contact_work(model, &v0, &v, &p, scratch);
+    }
+    for (p, struck) in p.iter_mut().zip(&struck) {
+        *p += *struck;
     }
     *state = State { placement: q1, velocity: v, impulse: p, mode };
     report
@@ -133,118 +211,57 @@ fn moved<T: Scalar, const B: usize>(q: &[Placement<T>; B], v: &[Twist<T>; B], t:
     })
 }
 
-/// The laws in force in this step, with the restitution of contacts and what friction may bear; leaves the slips at its start.
-#[allow(clippy::too_many_arguments)]
-fn laws<T: Scalar, const B: usize, const N: usize>(
-    model: &Model<'_, T>,
-    settings: &Settings<T>,
-    q0: &[Placement<T>; B],
-    q_theta: &[Placement<T>; B],
-    v0: &[Twist<T>; B],
-    tolerance: T,
-    slip: &mut [T; N],
-    scratch: &mut Scratch<T, B, N>,
-) {
-    let problem = &mut scratch.problem;
-    problem.count = model.laws();
-    problem.law = [Law::Absent; N];
-    for (j, joint) in model.joints.iter().enumerate() {
-        problem.law[3 * j] = Law::Equality;
-        problem.law[3 * j + 1] = Law::Equality;
-        if joint.rate.is_some() {
-            problem.law[3 * j + 2] = Law::Equality;
-        } else if T::ZERO < joint.dry {
-            problem.law[3 * j + 2] = Law::Relay(settings.step * joint.dry);
+/// Momenta of velocities.
+fn momenta<T: Scalar, const B: usize>(model: &Model<'_, T>, v: &mut [Twist<T>; B]) {
+    for (v, body) in v.iter_mut().zip(model.bodies) {
+        for (x, m) in v.iter_mut().zip([body.mass, body.mass, body.inertia]) {
+            *x = *x * m;
         }
     }
-    // What stuck has a slip of zero but for the tolerances.
-    let stuck = tolerance * T::from_f64(1e3);
-    for (c, contact) in model.contacts.iter().enumerate() {
+}
+
+/// Adds what the laws' impulses change to velocities.
+fn push_all<T: Scalar, const B: usize, const N: usize>(
+    model: &Model<'_, T>,
+    p: &[T; N],
+    scratch: &Scratch<T, B, N>,
+    v: &mut [Twist<T>; B],
+) {
+    if scratch.implicit.present {
+        let mut by = [[T::ZERO; 3]; B];
+        for i in 0..scratch.problem.count {
+            scratch.rows[i].add(p[i], &mut by);
+        }
+        scratch.implicit.solve(model.bodies.len(), &mut by);
+        for (v, by) in v.iter_mut().flatten().zip(by.iter().flatten()) {
+            *v += *by;
+        }
+    } else {
+        for i in 0..scratch.problem.count {
+            scratch.rows[i].push(model, p[i], v);
+        }
+    }
+}
+
+/// Work of the contacts' impulses over the step, against the velocities of the surfaces.
+fn contact_work<T: Scalar, const B: usize, const N: usize>(
+    model: &Model<'_, T>,
+    v0: &[Twist<T>; B],
+    v1: &[Twist<T>; B],
+    p: &[T; N],
+    scratch: &Scratch<T, B, N>,
+) -> T {
+    let mut work = T::ZERO;
+    for c in 0..model.points() {
         let [n, t] = model.contact_laws(c);
-        if contact_rows(contact, q_theta).distance <= settings.contact_tolerance {
-            problem.law[n] = Law::Unilateral;
-            slip[t] = contact_rows(contact, q0).tangential.velocity(v0) - contact.belt;
-            let holds = slip[t].abs() <= stuck;
-            let mu = if holds { contact.limit } else { contact.kinetic };
-            if T::ZERO < mu {
-                problem.law[t] = Law::Coulomb(n, mu);
+        if scratch.problem.law[n] != Law::Absent {
+            for (i, belt) in [(n, T::ZERO), (t, model.matter(c).belt)] {
+                let row = &scratch.rows[i];
+                work += p[i] * (T::from_f64(0.5) * (row.velocity(v0) + row.velocity(v1)) - belt);
             }
         }
     }
-}
-
-/// The rows of all laws at the theta point and at the step's end.
-fn place_rows<T: Scalar, const B: usize, const N: usize>(
-    model: &Model<'_, T>,
-    q_theta: &[Placement<T>; B],
-    q1: &[Placement<T>; B],
-    scratch: &mut Scratch<T, B, N>,
-) {
-    for (rows, q) in [(&mut scratch.rows, q_theta), (&mut scratch.end_rows, q1)] {
-        for (j, joint) in model.joints.iter().enumerate() {
-            let at = joint_rows(joint, q);
-            [rows[3 * j], rows[3 * j + 1]] = at.closed;
-            rows[3 * j + 2] = at.free;
-        }
-        for (c, contact) in model.contacts.iter().enumerate() {
-            let at = contact_rows(contact, q);
-            let [n, t] = model.contact_laws(c);
-            rows[n] = at.normal;
-            rows[t] = at.tangential;
-        }
-    }
-}
-
-/// W and u_free: impulses act along the rows at the theta point, the laws speak of the velocities of the rows at the step's end. W is
-/// therefore symmetric up to order h only; but redundant joints stay consistent, since what they ask for is asked at one pose.
-fn one_step_problem<T: Scalar, const B: usize, const N: usize>(
-    model: &Model<'_, T>,
-    v0: &[Twist<T>; B],
-    free: &[Twist<T>; B],
-    scratch: &mut Scratch<T, B, N>,
-) {
-    let (rows, end_rows, problem) = (&scratch.rows, &scratch.end_rows, &mut scratch.problem);
-    for i in 0..problem.count {
-        if problem.law[i] == Law::Absent {
-            continue;
-        }
-        problem.free[i] = end_rows[i].velocity(free);
-        for j in 0..problem.count {
-            let absent = problem.law[j] == Law::Absent;
-            problem.delassus[i][j] = if absent { T::ZERO } else { end_rows[i].coupling(&rows[j], model) };
-        }
-    }
-    for (j, joint) in model.joints.iter().enumerate() {
-        if let Some(rate) = joint.rate {
-            problem.free[3 * j + 2] -= rate;
-        }
-    }
-    for (c, contact) in model.contacts.iter().enumerate() {
-        let [n, t] = model.contact_laws(c);
-        let approach = (-rows[n].velocity(v0)).max(T::ZERO);
-        problem.free[n] -= contact.restitution * approach;
-        problem.free[t] -= contact.belt;
-    }
-}
-
-/// What stuck up to its static limit and now slips has kinetic friction; says whether there was such a contact.
-fn let_go<T: Scalar, const B: usize, const N: usize>(
-    model: &Model<'_, T>,
-    mode: &[Mode; N],
-    scratch: &mut Scratch<T, B, N>,
-) -> bool {
-    let mut any = false;
-    for (c, contact) in model.contacts.iter().enumerate() {
-        let [n, t] = model.contact_laws(c);
-        if let Law::Coulomb(_, mu) = scratch.problem.law[t] {
-            let slips = matches!(mode[t], Mode::Upper | Mode::Lower) && mode[n] == Mode::Hold;
-            if slips && contact.kinetic < mu {
-                scratch.problem.law[t] = Law::Coulomb(n, contact.kinetic);
-                any = true;
-            }
-        }
-    }
-    any
+    work
 }
 
 /// The largest change relative to 1 + |velocity|, and whether all are finite.
@@ -255,26 +272,4 @@ fn correction<T: Scalar, const B: usize>(v: &[Twist<T>; B], next: &[Twist<T>; B]
         finite &= b.finite();
     }
     (change, finite)
-}
-
-/// Whether a contact that slipped when the step began was kept closed where no finite force can do that.
-fn jammed<T: Scalar, const B: usize, const N: usize>(
-    model: &Model<'_, T>,
-    slip: &[T; N],
-    mode: &[Mode; N],
-    p: &[T; N],
-    tolerance: T,
-    scratch: &Scratch<T, B, N>,
-) -> bool {
-    (0..model.contacts.len()).any(|c| {
-        let [n, t] = model.contact_laws(c);
-        match scratch.problem.law[t] {
-            Law::Coulomb(_, mu) if slip[t].abs() > tolerance * T::from_f64(1e3) && p[n] > T::ZERO => {
-                let factor = if slip[t] > T::ZERO { -mu } else { mu };
-                let mobility = scratch.problem.slipping_mobility(n, t, factor, mode, tolerance);
-                mobility <= T::ZERO
-            }
-            _ => false,
-        }
-    })
 }
