@@ -11,15 +11,21 @@ mod belt;
 mod control;
 mod disc;
 mod felt;
+mod finite;
 mod hinge;
 mod incline;
+mod kane;
 mod loops;
 mod mechanism;
 mod pendulum;
 mod relay;
+mod rocking;
 mod rod;
 mod row;
 mod run;
+mod slot;
+mod springs;
+mod stack;
 
 pub use row::{Expected, Order, Row};
 
@@ -53,5 +59,11 @@ pub fn problems() -> Vec<Problem> {
         problem(13, "Painleve's rod", rod::rows),
         problem(14, "Closed loops", loops::rows),
         problem(15, "Steps with controlled error", control::rows),
+        problem(16, "Stack of tilted blocks", stack::rows),
+        problem(17, "Rocking block", rocking::rows),
+        problem(18, "Kane's paradox", kane::rows),
+        problem(19, "Surfaces that end", finite::rows),
+        problem(20, "Scotch yoke", slot::rows),
+        problem(21, "Torsion springs and stiff springs", springs::rows),
     ]
 }

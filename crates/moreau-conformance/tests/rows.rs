@@ -40,6 +40,12 @@ problems_hold! {
     painleves_rod 13
     closed_loops 14
     steps_with_controlled_error 15
+    stack_of_tilted_blocks 16
+    rocking_block 17
+    kanes_paradox 18
+    surfaces_that_end 19
+    scotch_yoke 20
+    torsion_springs_and_stiff_springs 21
 }
 
 /// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.
