@@ -529,3 +529,39 @@ fn a_table_carries_a_block() {
         assert!((block - expected).abs() < 1e-10, "{t}: {block} {expected}");
     }
 }
+
+/// Three tilted blocks in single precision, by both laws of impacts: they come to rest, and a step that does not meet its tolerance says so.
+#[test]
+fn a_stack_in_single_precision() {
+    let (x, y) = (0.1_f32, 0.05_f32);
+    let bodies = [Body { mass: 1.0, inertia: (x * x + y * y) / 3.0 }; 3];
+    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]];
+    let ground = [[-1.0, -1.0], [1.0, -1.0], [1.0, 0.0], [-1.0, 0.0]];
+    let pairs = [0, 1, 2].map(|i| PolygonContact {
+        first: i,
+        first_corners: &corners[..],
+        second: if i == 0 { GROUND } else { i - 1 },
+        second_corners: if i == 0 { &ground[..] } else { &corners },
+        restitution: 0.3,
+        kinetic: 0.5,
+        limit: 0.5,
+    });
+    let model = Model::new(&bodies, &[], &[], &[], [0.0, -9.81]).unwrap().with_polygons(&pairs).unwrap();
+    for law in [ImpactLaw::Newton, ImpactLaw::Stronge] {
+        let place = |i: usize| Placement { at: [0.0, 0.055 + 0.102 * i as f32], angle: [0.01, -0.01, 0.01][i] };
+        let start = [0, 1, 2].map(|i| (place(i), [0.0; 3]));
+        let mut state = State::<f32, 3, 12>::new(&start);
+        let mut scratch = Scratch::new();
+        let settings = Settings { impact_law: law, ..Settings::new(1e-3) };
+        for n in 0..1000 {
+            let report = step(&model, &settings, &[], &mut state, &mut scratch);
+            let sound = matches!(report.outcome, Outcome::Converged | Outcome::Approximate);
+            assert!(sound && report.residual < 1e-3, "{law:?}, step {n}: {report:?}");
+            for (c, k) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+                let [normal, friction] = model.polygon_laws(c, k).map(|i| state.impulse[i]);
+                assert!(normal >= 0.0 && friction.abs() <= 0.5 * normal + 1e-8, "{law:?}, step {n}");
+            }
+        }
+        assert!(state.velocity.iter().flatten().all(|v| v.abs() < 1e-4), "{law:?}: {:?}", state.velocity);
+    }
+}

@@ -12,9 +12,9 @@ use super::state::{Scratch, Twist};
 use crate::Scalar;
 
 /// Most increments; after them the step's other laws end the impact without restitution.
-const INCREMENTS: u32 = 2_000;
+const INCREMENTS: u32 = 500;
 /// Part of the stiffest contact's time (its inverse angular frequency) that an increment of several contacts takes.
-const PART: f64 = 0.05;
+const PART: f64 = 0.1;
 
 /// What an impact did.
 #[derive(Debug, Clone, Copy)]
