@@ -2,7 +2,8 @@
 
 use crate::cores::{self, do_all, job};
 use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
-use crate::measure::{Interrupt, MeasureError, Parts, pedal_down};
+use crate::measure::{Interrupt, MeasureError};
+use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::keyboard::note_name;
 

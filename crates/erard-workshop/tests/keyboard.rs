@@ -7,12 +7,13 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use common::{USUAL_STEP_S, grand};
+use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Certainty, Instrument};
 use erard::keyboard::{KEYS, Keyboard, note_name};
 use erard::simulation::{Drive, Setup, simulate};
 use erard::stroke::{Series, Touch};
 use erard_workshop::distances::{Protocol, measure};
-use erard_workshop::measure::{Parts, pedal_down, weights};
+use erard_workshop::measure::weights;
 use moreau::Settings;
 
 /// The built-in keyboard and its instruments, read once.

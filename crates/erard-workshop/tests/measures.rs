@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 
 use common::{body, grand};
 use erard::equilibrium;
+use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::mechanism::mechanism;
 use erard::one_dof;
@@ -18,7 +19,7 @@ use erard_workshop::measure::norms::lines;
 use erard_workshop::measure::range::{Softest, softest};
 use erard_workshop::measure::repetition::repetition;
 use erard_workshop::measure::weights::{HOME_M, Weights, weigh};
-use erard_workshop::measure::{Parts, measure, pedal_down, slow_loop};
+use erard_workshop::measure::{measure, slow_loop};
 use moreau::{Input, Settings};
 
 /// Two weights are searched to a fiftieth of a gram each, and a key that is caught at a millimetre per second is carried over a tenth

@@ -2,6 +2,7 @@
 
 use moreau::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Scalar, Site, Spring, Zone};
 
+use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};
 
 /// Assembles the model of an instrument, for any engine size that holds it, in single or double precision.
@@ -60,7 +61,7 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
     let site = instrument.roles.key.map(|body| Site {
         body,
         point: vector(instrument.roles.key_front_m),
-        direction: [T::ZERO, -T::ONE],
+        direction: KEY_DOWN.map(t),
         stiffness: t(instrument.finger.stiffness_n_per_m),
         damping: t(instrument.finger.damping_n_s_per_m),
     });

@@ -7,6 +7,7 @@ pub mod assembly;
 pub mod course;
 pub mod equilibrium;
 pub mod events;
+pub mod grand;
 pub mod instrument;
 pub mod keyboard;
 pub mod mechanism;

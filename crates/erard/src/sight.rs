@@ -2,6 +2,7 @@
 
 use moreau::{GROUND, Model, Pose};
 
+use crate::grand::rise_m;
 use crate::instrument::Instrument;
 
 /// What can be seen of a mechanism. Indices follow the instrument's bodies and zones.
@@ -18,7 +19,7 @@ pub trait Visible {
 
 /// Height of the hammer's strike point, m; zero where there is no hammer.
 pub fn head_height(instrument: &Instrument, seen: &dyn Visible) -> f64 {
-    instrument.roles.hammer.map_or(0.0, |h| seen.point(Some(h), instrument.roles.hammer_head_m)[1])
+    instrument.roles.hammer.map_or(0.0, |h| rise_m(seen.point(Some(h), instrument.roles.hammer_head_m)))
 }
 
 /// A model in one pose, moving.

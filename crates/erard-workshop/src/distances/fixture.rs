@@ -2,9 +2,9 @@
 
 use moreau::{Input, Outcome, Settings};
 
-use super::anatomy::Anatomy;
 use super::measure::DistanceError;
 use erard::equilibrium;
+use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Vec2};
 use erard::mechanism::{Mechanism, mechanism};
 

@@ -8,9 +8,9 @@
 use moreau::ModelError;
 use thiserror::Error;
 
-use super::anatomy::{Anatomy, AnatomyError};
 use super::fixture::{Fixture, GoOn, Still};
 use erard::equilibrium::EquilibriumError;
+use erard::grand::{Anatomy, AnatomyError, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
 
 /// How the key is pressed. The default is the project's protocol; a shop that measures otherwise can say so.
@@ -175,7 +175,7 @@ fn slow_key(
     let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.slow_step_s)?;
     let rest_m = fixture.view().below_string_m;
     let damper_height = |fixture: &Fixture<'_>| {
-        anatomy.damper.map(|d| fixture.point(Some(d), instrument.bodies[d].center_of_mass_m)[1])
+        anatomy.damper.map(|d| rise_m(fixture.point(Some(d), instrument.bodies[d].center_of_mass_m)))
     };
     let damper_rest = damper_height(&fixture);
     distances.blow_m = Some(rest_m);

@@ -26,7 +26,7 @@ const NOTABLE_PLAY_M: f64 = 1e-5;
 pub enum DeriveError {
     /// A part is not there, or not as three levers need it.
     #[error("the instrument has no three levers: {0}")]
-    NotThreeLevers(String),
+    NotThreeLevers(#[from] NotThreeLevers),
     /// No rest.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
@@ -38,8 +38,48 @@ pub enum DeriveError {
     Levers(#[from] ThreeLeverError),
 }
 
-fn lacking<T>(what: impl Into<String>) -> Result<T, DeriveError> {
-    Err(DeriveError::NotThreeLevers(what.into()))
+/// What an instrument lacks of the three levers, or has otherwise than they need it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotThreeLevers {
+    /// A role that nothing has.
+    #[error("`roles` names no {role}")]
+    NoRole {
+        /// Its key in the instrument file.
+        role: &'static str,
+    },
+    /// The key front lies behind the balance pin.
+    #[error("the finger presses the key behind its pivot")]
+    FingerBehindPivot,
+    /// A lever that rides on another.
+    #[error("`{body}` is not hinged on the ground")]
+    NotOnTheGround {
+        /// Its name.
+        body: String,
+    },
+    /// No zone of `roles.knuckle` is between a body and the hammer.
+    #[error("`roles.knuckle` names no zone in which a body pushes the hammer")]
+    NobodyPushesTheHammer,
+    /// What pushes the knuckle rides on no whippen.
+    #[error("`{body}` pushes the knuckle without a whippen")]
+    NoWhippen {
+        /// What pushes.
+        body: String,
+    },
+    /// Key and whippen do not touch.
+    #[error("no zone between `{key}` and `{whippen}`")]
+    NoCapstan {
+        /// The key's name.
+        key: String,
+        /// The whippen's name.
+        whippen: String,
+    },
+    /// A contact of two discs has no straight line to slide on.
+    #[error("zone `{zone}` is a disc on a disc, and a straight line is needed")]
+    DiscOnDisc {
+        /// Its name.
+        zone: String,
+    },
 }
 
 /// The three levers of an instrument.
@@ -94,8 +134,8 @@ struct AtRest<'i> {
 /// When a part is missing, the instrument finds no rest, or a contact is one of two discs.
 pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let roles = &instrument.roles;
-    let Some(key) = roles.key else { return lacking("`roles` names no key") };
-    let Some(hammer) = roles.hammer else { return lacking("`roles` names no hammer") };
+    let Some(key) = roles.key else { return Err(NotThreeLevers::NoRole { role: "key" }.into()) };
+    let Some(hammer) = roles.hammer else { return Err(NotThreeLevers::NoRole { role: "hammer" }.into()) };
     let parts = Parts::find(instrument, key, hammer)?;
 
     let mut mechanism = mechanism(instrument, Settings::new(equilibrium::STEP_S))?;
@@ -114,7 +154,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     // The arm's level part: what the finger goes down is this times the key's turning.
     let key_front = key_place.pivot[0] - front[0];
     if key_front <= 0.0 {
-        return lacking("the finger presses the key behind its pivot");
+        return Err(NotThreeLevers::FingerBehindPivot.into());
     }
     let mut notes = Vec::new();
     let whippen = (parts.whippen, whippen_place);
@@ -171,7 +211,7 @@ impl Parts {
         let bodies = &instrument.bodies;
         for body in [key, hammer] {
             if bodies[body].parent.is_some() {
-                return lacking(format!("`{}` is not hinged on the ground", bodies[body].name));
+                return Err(NotThreeLevers::NotOnTheGround { body: bodies[body].name.clone() }.into());
             }
         }
         let meets_button = |body: Option<usize>| {
@@ -181,14 +221,14 @@ impl Parts {
         let pushers = || roles.knuckle.iter().map(|&zone| (zone, other_than(&zones[zone], hammer)));
         let found = pushers().find(|(_, body)| meets_button(*body)).or_else(|| pushers().next());
         let Some((knuckle_zone, Some(pusher))) = found else {
-            return lacking("`roles.knuckle` names no zone in which a body pushes the hammer");
+            return Err(NotThreeLevers::NobodyPushesTheHammer.into());
         };
         let mut whippen = pusher;
         while let Some(parent) = bodies[whippen].parent {
             whippen = parent;
         }
         if whippen == key || whippen == hammer {
-            return lacking(format!("`{}` pushes the knuckle without a whippen", bodies[pusher].name));
+            return Err(NotThreeLevers::NoWhippen { body: bodies[pusher].name.clone() }.into());
         }
         Ok(Parts { key, whippen, knuckle_zone })
     }
@@ -199,8 +239,8 @@ impl Parts {
         match between.map(|(zone, _)| zone).max_by(|&a, &b| rest.gap(a).total_cmp(&rest.gap(b))) {
             Some(zone) => Ok(zone),
             None => {
-                let name = |body: usize| &rest.instrument.bodies[body].name;
-                lacking(format!("no zone between `{}` and `{}`", name(self.key), name(self.whippen)))
+                let name = |body: usize| rest.instrument.bodies[body].name.clone();
+                Err(NotThreeLevers::NoCapstan { key: name(self.key), whippen: name(self.whippen) }.into())
             }
         }
     }
@@ -267,9 +307,7 @@ impl AtRest<'_> {
                 let normal = normal.map(|n| n.copysign(n * height));
                 Ok(([from[0] + rounding_m * normal[0], from[1] + rounding_m * normal[1]], normal))
             }
-            Curve::Disc { .. } => {
-                lacking(format!("zone `{}` is a disc on a disc, and a straight line is needed", zone.name))
-            }
+            Curve::Disc { .. } => Err(NotThreeLevers::DiscOnDisc { zone: zone.name.clone() }.into()),
         }
     }
 

@@ -8,7 +8,6 @@
 
 pub mod inertia;
 pub mod norms;
-mod parts;
 pub mod range;
 pub mod repetition;
 mod sheet;
@@ -18,7 +17,6 @@ mod trial;
 pub mod weights;
 
 pub use crate::cores::Interrupt;
-pub use parts::{Parts, pedal_down};
 pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
@@ -29,17 +27,18 @@ use crate::cores::Ending;
 use crate::distances;
 use crate::kinematics::DeriveError;
 use erard::equilibrium::EquilibriumError;
+use erard::grand::AnatomyError;
 use erard::simulation::SimulationError;
 
 /// Why an instrument cannot be measured.
 #[derive(Debug, Error)]
 pub enum MeasureError {
-    /// A part is not there.
+    /// Nothing that a technician could measure.
     #[error("this is no piano action that a technician could measure: {0}")]
-    NotAnAction(String),
+    NotAnAction(#[from] NotAnAction),
     /// No grand action.
     #[error(transparent)]
-    Anatomy(#[from] distances::AnatomyError),
+    Anatomy(#[from] AnatomyError),
     /// No three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),
@@ -58,6 +57,36 @@ pub enum MeasureError {
     /// A measurement ended without a result or an error: its thread died.
     #[error("a measurement ended without a result")]
     Lost,
+}
+
+/// What keeps an instrument from being measured as a piano action.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotAnAction {
+    /// `roles.key_bottom` is not there.
+    #[error("`roles` names no key bottom")]
+    NoKeyBottom,
+    /// A firm press ends nowhere.
+    #[error("pressed firmly, the key meets no bottom")]
+    Bottomless,
+    /// Something ends the key's free way at once.
+    #[error("pressed slowly, the key goes {:.1} mm before let-off, string or punching end its free way", way_m * 1e3)]
+    NoFreeWay {
+        /// How far it goes, m.
+        way_m: f64,
+    },
+    /// Nothing ends it.
+    #[error("pressed slowly by {} mm, nothing lets the hammer off, and neither does it meet the string nor the key its punching", depth_m * 1e3)]
+    NoLetOff {
+        /// How far the key was pressed, m.
+        depth_m: f64,
+    },
+    /// The instrument's gravity is zero.
+    #[error("there is no gravity, and nothing weighs anything")]
+    Weightless,
+    /// The three levers part before the hammer is let off.
+    #[error("its levers do not reach as far as let-off")]
+    ShortLevers,
 }
 
 impl MeasureError {

@@ -2,8 +2,8 @@
 
 use moreau::Settings;
 
-use super::parts::Parts;
 use super::{Interrupt, MeasureError};
+use erard::grand::{Parts, falling_moment_n_m};
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::simulation::{Drive, Setup, simulate};
@@ -63,9 +63,8 @@ pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), G
 #[must_use]
 pub fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     let body = &instrument.bodies[hammer];
-    let moment = body.mass_kg * instrument.gravity_m_s2 * body.center_of_mass_m[0] + body.friction_torque_n_m;
     let [along, above] = instrument.roles.hammer_head_m;
-    moment / body.inertia_kg_m2 * along.hypot(above)
+    falling_moment_n_m(instrument, hammer) / body.inertia_kg_m2 * along.hypot(above)
 }
 
 /// Hammer speed at each of [`FORCES_N`]; `each` is told how many are done.

@@ -8,7 +8,7 @@
 
 use moreau::{Input, Outcome, Settings};
 
-use super::{Interrupt, MeasureError};
+use super::{Interrupt, MeasureError, NotAnAction};
 use erard::equilibrium;
 use erard::events::Watch;
 use erard::instrument::Instrument;
@@ -56,7 +56,7 @@ pub fn repetition(
     going: Interrupt<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
     let Some(bottom) = instrument.roles.key_bottom else {
-        return Err(MeasureError::NotAnAction("`roles` names no key bottom".into()));
+        return Err(NotAnAction::NoKeyBottom.into());
     };
     let mut neighbours = Vec::new();
     for n in 0..STAYS {

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use super::inertia::{InertiaCurve, inertia};
 use super::norms::{Flag, flags};
-use super::parts::{Parts, pedal_down};
 use super::range::{Loudness, Softest, midi_velocity, softest, speed_against_force};
 use super::repetition::{PRESS_N, Repetition, repetition};
 use super::slow_loop::{SlowLoop, SlowWay, slow_loop};
@@ -12,9 +11,10 @@ use super::timing::{Timing, timing};
 use super::weights::{
     FreeWay, HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, free_way, on_the_key, on_the_scale,
 };
-use super::{MeasureError, range};
+use super::{MeasureError, NotAnAction, range};
 use crate::cores::{self, do_all, job};
 use crate::distances::{self, Distances, Protocol};
+use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::stroke::Touch as FingerTouch;
 
@@ -273,7 +273,7 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
     do_all(first, cores::count(), &mut |share| progress(FIRST * share))?;
     let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };
     let Some(dip) = distances.dip_m else {
-        return Err(MeasureError::NotAnAction("pressed firmly, the key meets no bottom".into()));
+        return Err(NotAnAction::Bottomless.into());
     };
 
     let mut r = Results::default();

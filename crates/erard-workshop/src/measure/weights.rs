@@ -10,12 +10,12 @@
 //! gives the strike-weight ratio R, which the geometry gives by itself: speed of a mass at the strike weight's place, with the
 //! shank level, over the speed of the key front.
 
-use super::parts::{Parts, pedal_down};
 use super::slow_loop::{SlowLoop, slow_loop};
 use super::trial::{largest_that_is_lifted, smallest_that_sinks};
-use super::{Interrupt, MeasureError};
+use super::{Interrupt, MeasureError, NotAnAction};
 use crate::kinematics::{DeriveError, derive};
-use erard::instrument::{Body, Instrument, Vec2};
+use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
+use erard::instrument::Instrument;
 
 /// A key this near to its rest has come up, m: the cloths that it rests on push from there.
 pub const HOME_M: f64 = 0.5e-3;
@@ -172,14 +172,8 @@ pub fn free_way(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) ->
     let end_m = if is_first { let_off } else { other };
     match end_m {
         Some(end_m) if end_m > SHORTEST_WAY_M => Ok(FreeWay { end_m, let_off: is_first }),
-        Some(end_m) => Err(MeasureError::NotAnAction(format!(
-            "pressed slowly, the key goes {:.1} mm before let-off, string or punching end its free way",
-            end_m * 1e3
-        ))),
-        None => Err(MeasureError::NotAnAction(format!(
-            "pressed slowly by {} mm, nothing lets the hammer off, and neither does it meet the string nor the key its punching",
-            DEEP_M * 1e3
-        ))),
+        Some(end_m) => Err(NotAnAction::NoFreeWay { way_m: end_m }.into()),
+        None => Err(NotAnAction::NoLetOff { depth_m: DEEP_M }.into()),
     }
 }
 
@@ -200,7 +194,7 @@ pub struct LoopWeights {
 /// Where there is no gravity, and those of the run.
 pub fn by_loop(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<LoopWeights, MeasureError> {
     if instrument.gravity_m_s2 <= 0.0 {
-        return Err(MeasureError::NotAnAction("there is no gravity, and nothing weighs anything".into()));
+        return Err(NotAnAction::Weightless.into());
     }
     let turn_m = way_m - BEFORE_LET_OFF_M;
     let grams = |force: f64| force / instrument.gravity_m_s2 * G_PER_KG;
@@ -246,39 +240,20 @@ pub fn on_the_scale(
 ) -> Result<(PartWeights, StrikeRatio), MeasureError> {
     let levers = derive(instrument)?.levers;
     let train = levers.assemble().map_err(DeriveError::from)?;
-    let bodies = &instrument.bodies;
-    let key = &bodies[parts.key];
-    let hammer = &bodies[parts.hammer];
     // From the key's pivot, in the world at rest.
     let [capstan, _] = levers.contact_points(&train.rest());
     let key_front_m = levers.key_front;
-    let drawn = |body: &Body, [x, y]: Vec2| {
-        let (s, c) = body.angle_rad.sin_cos();
-        c * x - s * y
-    };
-    // The whippen with what rides on it, level as drawn.
-    let mut whippen_moment = 0.0;
-    for body in Parts::riders(instrument, parts.whippen) {
-        let mut x = drawn(&bodies[body], bodies[body].center_of_mass_m);
-        let mut at = body;
-        while at != parts.whippen {
-            let Some(parent) = bodies[at].parent else { break };
-            x += drawn(&bodies[parent], bodies[at].pivot_m);
-            at = parent;
-        }
-        whippen_moment += bodies[body].mass_kg * x;
-    }
+    let whippen_arm_m = capstan[0] - levers.whippen_pivot[0];
     let weights = PartWeights {
-        front_weight_g: -G_PER_KG * key.mass_kg * drawn(key, key.center_of_mass_m) / key_front_m,
-        // In the hammer's own frame, which lies along the shank: the shank is level on the scale.
-        strike_weight_g: G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_head_m[0],
-        whippen_weight_g: G_PER_KG * whippen_moment / (capstan[0] - levers.whippen_pivot[0]),
+        front_weight_g: front_weight_g(instrument, parts, key_front_m),
+        strike_weight_g: strike_weight_g(instrument, parts),
+        whippen_weight_g: whippen_weight_g(instrument, parts, whippen_arm_m),
         key_ratio: capstan[0] / key_front_m,
     };
     // A mass at the strike weight's place: at the hammer's arm with the shank level.
     let ratio = |key_m: f64| match &train.stroke(key_m, key_m, 0).poses[..] {
         [pose] => Ok(pose.hammer_ratio * levers.head[0] / levers.key_front),
-        _ => Err(MeasureError::NotAnAction("its levers do not reach as far as let-off".into())),
+        _ => Err(NotAnAction::ShortLevers),
     };
     let ratios = StrikeRatio {
         where_weighed: 0.5 * (ratio(decided_m[0])? + ratio(decided_m[1])?),

@@ -1,8 +1,7 @@
 //! What is taken out of the action, or out of the key's reach, to weigh the rest.
 
-use super::MeasureError;
-use crate::distances::Anatomy;
-use erard::instrument::{Instrument, Zone};
+use super::{Anatomy, AnatomyError};
+use crate::instrument::{Instrument, Zone};
 
 /// The parts that are weighed, and where let-off begins. Indices into [`Instrument::bodies`] and [`Instrument::zones`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,7 +23,7 @@ impl Parts {
     ///
     /// # Errors
     /// When it is no grand action.
-    pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
+    pub fn of(instrument: &Instrument) -> Result<Self, AnatomyError> {
         let anatomy = Anatomy::find(instrument)?;
         let rides_on_whippen = |body: usize| body != anatomy.whippen && carries(instrument, anatomy.whippen, body);
         let stops_a_rider = |(_, zone): &(usize, &Zone)| match (zone.disc_body, zone.curve_body) {

@@ -1,19 +1,43 @@
 //! Which body and which zone is which, as a technician names them. Found from who touches whom, so that no file has to say it.
 
-use erard::instrument::{Instrument, Zone};
+use crate::instrument::{Instrument, Zone};
 
-/// A part that a grand action needs to be regulated, and that is not there or not where it belongs.
+/// A part that a grand action needs to be regulated is not there, or not where it belongs.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the instrument cannot be measured as a grand action: {0}")]
-pub struct AnatomyError(pub String);
+pub enum AnatomyError {
+    /// A role that nothing has.
+    #[error("the instrument cannot be measured as a grand action: `roles` names no `{role}`")]
+    NoRole {
+        /// Its key in the instrument file.
+        role: &'static str,
+    },
+    /// The let-off zone is on the ground on both sides.
+    #[error("the instrument cannot be measured as a grand action: zone `{zone}` touches no body")]
+    LetOffTouchesNothing {
+        /// Its name.
+        zone: String,
+    },
+    /// What meets the let-off button does not push the knuckle.
+    #[error(
+        "the instrument cannot be measured as a grand action: `{body}` meets the let-off button, but no zone of `roles.knuckle` has it push the \
+         hammer"
+    )]
+    JackPushesNothing {
+        /// Its name.
+        body: String,
+    },
+}
 
 /// The parts of a grand action: indices of bodies and zones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Anatomy {
+pub struct Anatomy {
+    /// The key.
     pub key: usize,
     /// The body on the ground that carries, or is, the jack.
     pub whippen: usize,
+    /// The hammer.
     pub hammer: usize,
+    /// Strike point - string.
     pub string: usize,
     /// Jack toe - let-off button.
     pub button: usize,
@@ -21,6 +45,7 @@ pub(crate) struct Anatomy {
     pub jack_knuckle: usize,
     /// Key front - punching.
     pub punching: usize,
+    /// The jack.
     pub jack: usize,
     /// Hammer tail - back check.
     pub check: Option<usize>,
@@ -36,24 +61,23 @@ impl Anatomy {
     /// Finds the parts: key, hammer, string, let-off, knuckle zones and key bottom by their roles; the jack is what meets the
     /// let-off button; the repetition lever is the other body that pushes the knuckle; the damper is the other body on the
     /// ground that the key touches besides whippen and hammer.
+    ///
+    /// # Errors
+    /// Where a part is missing that regulation needs.
     pub fn find(instrument: &Instrument) -> Result<Self, AnatomyError> {
         let (roles, zones) = (&instrument.roles, &instrument.zones);
-        let needed =
-            |role: Option<usize>, name: &str| role.ok_or_else(|| AnatomyError(format!("`roles` names no `{name}`")));
+        let needed = |found: Option<usize>, role: &'static str| found.ok_or(AnatomyError::NoRole { role });
         let key = needed(roles.key, "key")?;
         let hammer = needed(roles.hammer, "hammer")?;
         let string = needed(roles.string, "string")?;
         let button = needed(roles.let_off, "let_off")?;
         let punching = needed(roles.key_bottom, "key_bottom")?;
         let Some(jack) = zones[button].disc_body.or(zones[button].curve_body) else {
-            return Err(AnatomyError(format!("zone `{}` touches no body", zones[button].name)));
+            return Err(AnatomyError::LetOffTouchesNothing { zone: zones[button].name.clone() });
         };
         let pushers = || roles.knuckle.iter().map(|&zone| (zone, other_than(&zones[zone], hammer)));
         let Some((jack_knuckle, _)) = pushers().find(|(_, body)| *body == Some(jack)) else {
-            let name = &instrument.bodies[jack].name;
-            return Err(AnatomyError(format!(
-                "`{name}` meets the let-off button, but no zone of `roles.knuckle` has it push the hammer"
-            )));
+            return Err(AnatomyError::JackPushesNothing { body: instrument.bodies[jack].name.clone() });
         };
         let lever_knuckle = pushers().find(|(_, body)| body.is_some() && *body != Some(jack)).map(|(zone, _)| zone);
         let mut whippen = jack;
