@@ -8,7 +8,7 @@ use erard::keyboard::KEYS;
 use erard_workshop::weighing::WeighedKey;
 
 use crate::table::shortest;
-use erard_figures::figure::{self, Dash, Figure, Layout, PALETTE, Panel, Trace, Window};
+use erard_figures::figure::{self, Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window};
 
 /// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
 /// weighed stand in the text.
@@ -125,6 +125,7 @@ pub fn figure_svg(name: &str, weighed: &[WeighedKey]) -> String {
         width_px: 860.0,
         x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
         x_unit: 1.0,
+        x_scale: Scale::Linear,
         windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
         panels,
         markers: Vec::new(),

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
-use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Trace, Window, figure_svg, png_from_svg};
+use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg};
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
 #[derive(Debug, Args)]
@@ -301,6 +301,7 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
         width_px: 1180.0,
         x_label: "time (ms)".into(),
         x_unit: 1e3,
+        x_scale: Scale::Linear,
         windows: vec![Window {
             from: c.time_s[0],
             to: c.time_s[c.time_s.len() - 1],

@@ -13,7 +13,9 @@ use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
 use crate::table::three;
-use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg, png_from_svg};
+use erard_figures::figure::{
+    Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg,
+};
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -276,6 +278,7 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
         width_px: 860.0,
         x_label: "hammer speed at the string (m/s)".into(),
         x_unit: 1.0,
+        x_scale: Scale::Linear,
         windows: vec![Window {
             from: 0.0,
             to: ahead_x.last().copied().unwrap_or(7.0) * 1.08,

@@ -6,7 +6,9 @@ use erard_workshop::kinematics::{Agreement, Design, SlowPress};
 use moreau_linkage::three_lever::StrokePose;
 
 use super::Shown;
-use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg, padded_range};
+use erard_figures::figure::{
+    Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg, padded_range,
+};
 
 /// Width of a figure, px: a page's text is as wide.
 const WIDTH_PX: f64 = 860.0;
@@ -56,6 +58,7 @@ fn figure<'a>(
         width_px: WIDTH_PX,
         x_label: "key front, down (mm)".into(),
         x_unit: 1e3,
+        x_scale: Scale::Linear,
         windows: vec![window(from, to)],
         panels,
         markers: let_offs(let_off_name(design), cases),
@@ -165,6 +168,7 @@ pub fn dynamics_svg(design: &Design, unmoved: &Shown, press: &SlowPress, agreeme
         width_px: WIDTH_PX,
         x_label: "key front, down (mm)".into(),
         x_unit: 1e3,
+        x_scale: Scale::Linear,
         windows: vec![window(0.0, end)],
         panels,
         markers,

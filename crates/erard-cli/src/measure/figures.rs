@@ -6,7 +6,7 @@ use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
-use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg};
+use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg};
 
 /// Width of a figure, px: a page's text is as wide.
 const WIDTH_PX: f64 = 860.0;
@@ -91,6 +91,7 @@ fn figure<'a>(
         width_px: WIDTH_PX,
         x_label: x_label.into(),
         x_unit: 1.0,
+        x_scale: Scale::Linear,
         windows: vec![Window {
             from: range.0,
             to: range.1,

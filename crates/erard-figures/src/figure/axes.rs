@@ -1,32 +1,30 @@
 //! A panel's axes, curves and legend.
 
-use super::ticks::{range, tick_label, ticks};
-use super::{Area, Dash, Figure, LEFT, Panel, Trace, Window, decimate};
+use super::axis::{Axis, Scale};
+use super::{Area, Dash, Figure, LEFT, Layout, Panel, Trace, Window, decimate};
 use crate::svg::{escape, number};
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// The abscissa's grid, and below the last panel its numbers.
 pub(super) fn abscissa(out: &mut String, figure: &Figure, window: &Window, area: Area, numbers: bool) {
-    let shown = (window.from * figure.x_unit, window.to * figure.x_unit);
-    let marks = ticks(shown, ((area.width / 64.0) as usize).max(2));
-    let step = if marks.len() > 1 { marks[1] - marks[0] } else { 1.0 };
-    for tick in marks {
-        let x = area.left + (tick - shown.0) / (shown.1 - shown.0) * area.width;
+    let axis = Axis::between(figure.x_scale, (window.from * figure.x_unit, window.to * figure.x_unit));
+    for (share, label) in axis.ticks(((area.width / 64.0) as usize).max(2)) {
+        let x = area.left + share * area.width;
         line(out, "grid", [x, area.top], [x, area.bottom()]);
         if numbers {
             line(out, "tick", [x, area.bottom()], [x, area.bottom() + 4.0]);
             let _ = write!(
                 out,
-                "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"middle\" font-size=\"11\">{}</text>",
+                "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"middle\" font-size=\"11\">{label}</text>",
                 number(x),
                 number(area.bottom() + 16.0),
-                tick_label(tick, step)
             );
         }
     }
 }
 
-/// Curves over one linear axis.
+/// Curves over one axis.
 pub(super) fn together(
     out: &mut String,
     figure: &Figure,
@@ -36,58 +34,100 @@ pub(super) fn together(
     numbers: bool,
     clip: &str,
 ) {
-    let (low, high) = panel.y_range.unwrap_or_else(|| fitted(figure, panel));
-    let y_of = |value: f64| area.bottom() - (value - low) / (high - low) * area.height;
-    let marks = ticks((low, high), ((area.height / 24.0) as usize).clamp(2, 8));
-    let step = if marks.len() > 1 { marks[1] - marks[0] } else { 1.0 };
-    for tick in marks {
-        let y = y_of(tick);
+    let scale = if panel.layout == Layout::Logarithmic { Scale::Logarithmic } else { Scale::Linear };
+    let axis = match panel.y_range {
+        Some(ends) => Axis::between(scale, ends),
+        None => Axis::around(scale, shown(figure, panel)),
+    };
+    let y_of = |value: f64| area.bottom() - axis.share(axis.measure(value)) * area.height;
+    for (share, label) in axis.ticks(((area.height / 24.0) as usize).clamp(2, 8)) {
+        let y = area.bottom() - share * area.height;
         line(out, "grid", [area.left, y], [area.right(), y]);
         if numbers {
             line(out, "tick", [area.left - 4.0, y], [area.left, y]);
             let _ = write!(
                 out,
-                "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"11\">{}</text>",
+                "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"11\">{label}</text>",
                 number(area.left - 7.0),
                 number(y + 4.0),
-                tick_label(tick, step)
             );
         }
     }
     let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
-    for curve in &panel.curves {
-        for run in thinned(curve, window, area) {
-            let _ = write!(
-                out,
-                "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" stroke-linejoin=\"round\"{} points=\"",
-                curve.colour,
-                dashes(curve.dash)
-            );
-            for (index, (x, value)) in run.into_iter().enumerate() {
-                let gap = if index == 0 { "" } else { " " };
-                let _ = write!(out, "{gap}{},{}", short(x), short(y_of(value)));
+    for (index, curve) in panel.curves.iter().enumerate() {
+        for run in thinned(figure, curve, window, area) {
+            let run: Vec<(f64, f64)> = run.into_iter().map(|(x, value)| (x, y_of(value))).collect();
+            // A logarithm may be infinite where the value is not.
+            for run in run.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty()) {
+                polyline(out, curve, run);
+                if curve.dash == Dash::Points {
+                    let inside = |(x, y): &&(f64, f64)| {
+                        (area.left..=area.right()).contains(x) && (area.top..=area.bottom()).contains(y)
+                    };
+                    run.iter().filter(inside).for_each(|(x, y)| point(out, index, *x, *y, curve.colour));
+                }
             }
-            out.push_str("\"/>");
         }
     }
     out.push_str("</g>");
 }
 
-/// The range of everything that any window shows, so that windows share their ordinate.
-fn fitted(figure: &Figure, panel: &Panel) -> (f64, f64) {
+fn polyline(out: &mut String, curve: &Trace, run: &[(f64, f64)]) {
+    let _ = write!(
+        out,
+        "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" stroke-linejoin=\"round\"{} points=\"",
+        curve.colour,
+        dashes(curve.dash)
+    );
+    for (index, (x, y)) in run.iter().enumerate() {
+        let gap = if index == 0 { "" } else { " " };
+        let _ = write!(out, "{gap}{},{}", short(*x), short(*y));
+    }
+    out.push_str("\"/>");
+}
+
+/// A point; its shape tells curves apart in grey print too.
+fn point(out: &mut String, index: usize, x: f64, y: f64, colour: &str) {
+    let _ = match index % 4 {
+        0 => write!(out, "<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{colour}\"/>", short(x), short(y)),
+        shape => {
+            let corners: &[(f64, f64)] = match shape {
+                1 => &[(-2.8, -2.8), (2.8, -2.8), (2.8, 2.8), (-2.8, 2.8)],
+                2 => &[(0.0, -3.8), (3.6, 2.8), (-3.6, 2.8)],
+                _ => &[(0.0, -4.0), (3.4, 0.0), (0.0, 4.0), (-3.4, 0.0)],
+            };
+            let points: Vec<String> =
+                corners.iter().map(|(dx, dy)| format!("{},{}", short(x + dx), short(y + dy))).collect();
+            write!(out, "<polygon points=\"{}\" fill=\"{colour}\"/>", points.join(" "))
+        }
+    };
+}
+
+/// The ordinates that any window shows, so that windows share their axis.
+fn shown(figure: &Figure, panel: &Panel) -> impl Iterator<Item = f64> {
     let shown = |x: f64| figure.windows.iter().any(|window| (window.from..=window.to).contains(&x));
-    range(panel.curves.iter().flat_map(|curve| {
+    panel.curves.iter().flat_map(move |curve| {
         let pairs = curve.x.iter().zip(curve.y.iter());
-        pairs.filter(|(x, _)| shown(**x)).map(|(_, y)| *y)
-    }))
+        pairs.filter(move |(x, _)| shown(**x)).map(|(_, y)| *y)
+    })
 }
 
 /// A curve's points within a window, its abscissae already in pixels.
-pub(super) fn thinned(curve: &Trace, window: &Window, area: Area) -> Vec<Vec<(f64, f64)>> {
-    let ends = (window.from, window.to);
-    let mut runs = decimate(curve.x, &curve.y, ends, (1.5 * area.width) as usize);
+pub(super) fn thinned(figure: &Figure, curve: &Trace, window: &Window, area: Area) -> Vec<Vec<(f64, f64)>> {
+    let axis = Axis::between(figure.x_scale, (window.from, window.to));
+    let x: Cow<[f64]> = match figure.x_scale {
+        Scale::Linear => Cow::Borrowed(curve.x),
+        Scale::Logarithmic => curve.x.iter().map(|x| axis.measure(*x)).collect(),
+    };
+    let mut runs = if x.is_sorted() {
+        decimate(&x, &curve.y, (axis.low, axis.high), (1.5 * area.width) as usize)
+    } else {
+        // Only what ascends can be thinned; a loop (force over compression) or a falling row is drawn as it is.
+        let all: Vec<(f64, f64)> = x.iter().copied().zip(curve.y.iter().copied()).collect();
+        all.split(|(x, y)| !(x.is_finite() && y.is_finite())).filter(|run| !run.is_empty()).map(<[_]>::to_vec).collect()
+    };
     for point in runs.iter_mut().flatten() {
-        point.0 = area.left + (point.0 - window.from) / (window.to - window.from) * area.width;
+        point.0 = area.left + axis.share(point.0) * area.width;
     }
     runs
 }
@@ -100,10 +140,12 @@ pub(super) fn short(value: f64) -> String {
 /// The panel's quantity, turned to run along the ordinate.
 pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
     let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height_px);
+    let name =
+        if panel.unit.is_empty() { panel.quantity.clone() } else { format!("{} ({})", panel.quantity, panel.unit) };
     let _ = write!(
         out,
         "<text class=\"ink\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\">{}</text>",
-        escape(&format!("{} ({})", panel.quantity, panel.unit)),
+        escape(&name),
         x = number(x),
         y = number(y),
     );
@@ -127,6 +169,9 @@ pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
             escape(&curve.label),
             y = number(y),
         );
+        if curve.dash == Dash::Points {
+            point(out, index, left + 11.0, y, curve.colour);
+        }
     }
 }
 
@@ -143,7 +188,7 @@ pub(super) fn line(out: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) 
 
 fn dashes(dash: Dash) -> &'static str {
     match dash {
-        Dash::Solid => "",
+        Dash::Solid | Dash::Points => "",
         Dash::Dashed => " stroke-dasharray=\"6 3\"",
         Dash::Dotted => " stroke-dasharray=\"1.5 2.5\"",
     }

@@ -1,7 +1,7 @@
 //! Many curves that start and stop, each in a lane of its own over a common logarithmic axis.
 
 use super::axes::{line, short, thinned};
-use super::{Area, Panel, Window};
+use super::{Area, Figure, Layout, Panel, Window};
 use crate::svg::{escape, number};
 use std::fmt::Write;
 
@@ -11,13 +11,14 @@ const HEADROOM: f64 = 4.0;
 /// The lanes of one window.
 pub(super) fn lanes(
     out: &mut String,
+    figure: &Figure,
     panel: &Panel,
     window: &Window,
     area: Area,
-    (floor, ceiling): (f64, f64),
     numbers: bool,
     clip: &str,
 ) {
+    let Layout::Lanes { floor, ceiling } = panel.layout else { return };
     let count = panel.curves.len().max(1) as f64;
     let tall = area.height / count;
     let share = |value: f64| ((value / floor).log10() / (ceiling / floor).log10()).clamp(0.0, 1.0);
@@ -44,7 +45,7 @@ pub(super) fn lanes(
             }
         }
         let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
-        for run in thinned(curve, window, area) {
+        for run in thinned(figure, curve, window, area) {
             let (Some(first), Some(last)) = (run.first(), run.last()) else {
                 continue;
             };

@@ -7,6 +7,7 @@
 //! that takes a second, and both are worth seeing.
 
 mod axes;
+mod axis;
 mod decimate;
 mod lanes;
 mod markers;
@@ -15,11 +16,12 @@ mod png;
 mod run;
 mod ticks;
 
+pub use axis::Scale;
 pub use decimate::decimate;
 #[cfg(feature = "png")]
 pub use png::{PngError, png_from_svg};
 pub use run::{events, instants, run_figure, run_svg, windows};
-pub use ticks::{range as padded_range, tick_label as round_label, ticks as round_ticks};
+pub use ticks::range as padded_range;
 
 use crate::drawing::FONTS;
 use crate::svg::{escape, number};
@@ -40,6 +42,8 @@ pub enum Dash {
     Dashed,
     /// Dots.
     Dotted,
+    /// Unbroken, with a point at every sample.
+    Points,
 }
 
 /// One curve.
@@ -47,7 +51,7 @@ pub enum Dash {
 pub struct Trace<'a> {
     /// Name in the legend.
     pub label: String,
-    /// Abscissae, ascending, in the unit of the data (time: s).
+    /// Abscissae in the unit of the data (time: s). Long series should ascend: only these are thinned.
     pub x: &'a [f64],
     /// Ordinates, in the unit of the panel.
     pub y: Cow<'a, [f64]>,
@@ -62,6 +66,8 @@ pub struct Trace<'a> {
 pub enum Layout {
     /// All over one axis.
     Together,
+    /// All over one logarithmic axis.
+    Logarithmic,
     /// Each in a lane of its own, all lanes with the same logarithmic axis from `floor` to `ceiling`: for many
     /// curves that start and stop and span decades, such as contact forces.
     Lanes {
@@ -77,7 +83,7 @@ pub enum Layout {
 pub struct Panel<'a> {
     /// Quantity, e.g. `key`.
     pub quantity: String,
-    /// Unit of the ordinates, e.g. `mm`.
+    /// Unit of the ordinates, e.g. `mm`; empty where the quantity says it, or has none.
     pub unit: &'static str,
     /// Height, px.
     pub height_px: f64,
@@ -126,6 +132,8 @@ pub struct Figure<'a> {
     pub x_label: String,
     /// Factor from the data's unit to the axis' (s to ms: 1000).
     pub x_unit: f64,
+    /// How the abscissa is spread.
+    pub x_scale: Scale,
     /// Stretches of the abscissa, side by side.
     pub windows: Vec<Window>,
     /// The panels, from top to bottom.
@@ -171,6 +179,11 @@ const STYLE: &str = ".ink{fill:#222}.soft{fill:#555}.frame{fill:none;stroke:#777
 
 /// The figure as an SVG document. The same figure gives the same bytes.
 pub fn figure_svg(figure: &Figure) -> String {
+    figure_svg_named(figure, "clip")
+}
+
+/// The same for a page that holds several: `name` makes its clip paths its own.
+pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
     let named = figure.windows.iter().any(|window| window.names_markers) && !figure.markers.is_empty();
     let heading = if figure.windows.iter().all(|window| window.heading.is_empty()) { 0.0 } else { 18.0 };
     let top = 30.0 + if figure.subtitle.is_empty() { 0.0 } else { 18.0 } + heading;
@@ -211,7 +224,7 @@ pub fn figure_svg(figure: &Figure) -> String {
         let is_last = index + 1 == figure.panels.len();
         for (column, (window, (left, wide))) in figure.windows.iter().zip(&columns).enumerate() {
             let area = Area { left: *left, top: y, width: *wide, height: panel.height_px };
-            let clip = format!("clip-{index}-{column}");
+            let clip = format!("{name}-{index}-{column}");
             let _ = write!(
                 out,
                 "<clipPath id=\"{clip}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>",
@@ -222,10 +235,10 @@ pub fn figure_svg(figure: &Figure) -> String {
             );
             axes::abscissa(&mut out, figure, window, area, is_last);
             match panel.layout {
-                Layout::Together => axes::together(&mut out, figure, panel, window, area, column == 0, &clip),
-                Layout::Lanes { floor, ceiling } => {
-                    lanes::lanes(&mut out, panel, window, area, (floor, ceiling), column == 0, &clip);
+                Layout::Together | Layout::Logarithmic => {
+                    axes::together(&mut out, figure, panel, window, area, column == 0, &clip)
                 }
+                Layout::Lanes { .. } => lanes::lanes(&mut out, figure, panel, window, area, column == 0, &clip),
             }
             markers::lines(&mut out, figure, window, area);
             let _ = write!(
@@ -239,7 +252,7 @@ pub fn figure_svg(figure: &Figure) -> String {
         }
         axes::panel_name(&mut out, panel, y);
         match panel.layout {
-            Layout::Together => axes::legend(&mut out, panel, width - RIGHT + 12.0, y),
+            Layout::Together | Layout::Logarithmic => axes::legend(&mut out, panel, width - RIGHT + 12.0, y),
             Layout::Lanes { .. } => lanes::names(&mut out, panel, width - RIGHT + 12.0, y),
         }
         y += panel.height_px + PANEL_GAP;

@@ -1,7 +1,7 @@
 //! The figure of one run: force, key, hammer, angles and contact forces over time.
 
 use super::ticks::range;
-use super::{Dash, Figure, Layout, Marker, PALETTE, Panel, Trace, Window, figure_svg};
+use super::{Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg};
 use erard::run::{Events, Run};
 use std::borrow::Cow;
 
@@ -37,6 +37,7 @@ pub fn run_figure(run: &Run) -> Figure<'_> {
         width_px: 1180.0,
         x_label: "time (ms)".into(),
         x_unit: 1e3,
+        x_scale: Scale::Linear,
         windows: windows(run),
         panels,
         markers: instants(&run.events)

@@ -18,7 +18,7 @@ pub fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Round numbers 1, 2 or 5 times a power of ten within the range, at most `most` of them.
-pub fn ticks((low, high): (f64, f64), most: usize) -> Vec<f64> {
+pub(super) fn ticks((low, high): (f64, f64), most: usize) -> Vec<f64> {
     let spread = high - low;
     if !(spread > 0.0 && spread.is_finite()) || most == 0 {
         return Vec::new();
@@ -35,7 +35,7 @@ pub fn ticks((low, high): (f64, f64), most: usize) -> Vec<f64> {
 }
 
 /// A tick's number with no more decimals than its step needs.
-pub fn tick_label(tick: f64, step: f64) -> String {
+pub(super) fn tick_label(tick: f64, step: f64) -> String {
     let decimals = (-(step.abs().log10() + 1e-9).floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{tick:.decimals$}");
     match text.trim_start_matches(['-', '0', '.']) {

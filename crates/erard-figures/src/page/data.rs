@@ -67,20 +67,20 @@ fn panel_value(panel: &Panel, at: &dyn Fn(&[f64]) -> String) -> Value {
         .enumerate()
         .map(|(index, curve)| {
             let dash: &[f64] = match curve.dash {
-                Dash::Solid => &[],
+                Dash::Solid | Dash::Points => &[],
                 Dash::Dashed => &[6.0, 3.0],
                 Dash::Dotted => &[1.5, 2.5],
             };
             // lanes show the zones' forces, which are there already
             let source = match panel.layout {
-                Layout::Together => json!({"y": at(&curve.y)}),
+                Layout::Together | Layout::Logarithmic => json!({"y": at(&curve.y)}),
                 Layout::Lanes { .. } => json!({"zone": index}),
             };
             json!({"label": curve.label, "colour": curve.colour, "dash": dash, "source": source})
         })
         .collect();
     let lanes = match panel.layout {
-        Layout::Together => Value::Null,
+        Layout::Together | Layout::Logarithmic => Value::Null,
         Layout::Lanes { floor, ceiling } => json!([floor, ceiling]),
     };
     json!({"quantity": panel.quantity, "unit": panel.unit, "range": panel.y_range, "lanes": lanes, "curves": curves})
