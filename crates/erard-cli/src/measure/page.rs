@@ -1,7 +1,5 @@
 //! The sheets as one page that opens from disk and prints well: nothing is fetched, and there is no script.
 
-use std::fmt::Write;
-
 use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::norms::{GROUPS, Line};
 use erard_workshop::measure::range::MIDI_MAP;
@@ -10,127 +8,136 @@ use super::Measured;
 use super::figures::Drawn;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use erard_figures::svg::escape;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page.css");
 
 /// The page: flags first, then the table, the pictures and the timing sheets.
 pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> String {
-    let names: Vec<String> = measured.iter().map(|one| escape(&one.label)).collect();
+    let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
     let title = names.join(" beside ");
-    let mut out = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-         img-src data:\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}: protocol sheet</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-         <p class=\"soft\">Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
-         Grams on the key are gram weights on the key front.</p>\n"
-    );
-    for one in measured {
-        flags(&mut out, one, measured.len() > 1);
-    }
-    table(&mut out, measured);
-    out.push_str("<h2>Pictures</h2>\n");
-    for drawn in drawings.iter().chain(figures) {
-        picture(&mut out, drawn);
-    }
-    for one in measured {
-        let whose = if measured.len() > 1 { format!(": {}", escape(&one.label)) } else { String::new() };
-        timing(&mut out, &one.sheet.timing, &whose);
-    }
-    out.push_str("</body>\n</html>\n");
-    out
-}
-
-fn flags(out: &mut String, one: &Measured, named: bool) {
-    let whose = if named { format!("{}: ", escape(&one.label)) } else { String::new() };
-    // Writing to a string does not fail.
-    if one.sheet.flags.is_empty() {
-        let _ = writeln!(out, "<p>{whose}nothing is out of the norm.</p>");
-        return;
-    }
-    let _ = writeln!(out, "<p class=\"out\">{whose}out of the norm</p>\n<ul class=\"flags\">");
-    for flag in &one.sheet.flags {
-        let _ = writeln!(out, "<li>{}</li>", escape(&flag.message));
-    }
-    out.push_str("</ul>\n");
-}
-
-fn table(out: &mut String, measured: &[Measured]) {
-    out.push_str("<h2>Measures</h2>\n<table>\n<thead><tr><th></th>");
-    for one in measured {
-        let _ = write!(out, "<th scope=\"col\">{}</th>", escape(&one.label));
-    }
-    out.push_str("<th scope=\"col\">usual</th><th scope=\"col\" class=\"source\">source</th></tr></thead>\n<tbody>\n");
-    for group in &GROUPS {
-        let columns = measured.len() + 3;
-        let heading = escape(group.heading);
-        let _ = writeln!(out, "<tr class=\"group\"><th colspan=\"{columns}\" scope=\"rowgroup\">{heading}</th></tr>");
-        for line in group.lines {
-            if measured.iter().all(|one| (line.value)(&one.sheet).is_none()) && line.norm.is_none() {
-                continue;
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy"
+                    content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) ": protocol sheet" }
+                style { (PreEscaped(STYLE)) }
             }
-            row(out, line, measured);
+            body {
+                h1 { (title) }
+                p.soft {
+                    "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
+                     Grams on the key are gram weights on the key front."
+                }
+                @for one in measured { (flags(one, measured.len() > 1)) }
+                (table(measured))
+                h2 { "Pictures" }
+                @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
+                @for one in measured { (timing(one, measured.len() > 1)) }
+            }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+fn flags(one: &Measured, named: bool) -> Markup {
+    let whose = html! { @if named { (one.label) ": " } };
+    html! {
+        @if one.sheet.flags.is_empty() {
+            p { (whose) "nothing is out of the norm." }
+        } @else {
+            p.out { (whose) "out of the norm" }
+            ul.flags { @for flag in &one.sheet.flags { li { (flag.message) } } }
         }
     }
-    out.push_str("</tbody>\n</table>\n");
 }
 
-fn row(out: &mut String, line: &Line, measured: &[Measured]) {
-    let _ = write!(out, "<tr><th scope=\"row\">{}</th>", escape(line.label));
-    for one in measured {
-        let value = escape(&line.text((line.value)(&one.sheet)));
-        // Colour alone says nothing on a grey print.
-        let _ = match line.is_out(&one.sheet) {
-            true => write!(out, "<td class=\"out\">{value} !</td>"),
-            false => write!(out, "<td>{value}</td>"),
-        };
+fn table(measured: &[Measured]) -> Markup {
+    let is_shown = |line: &&Line| line.norm.is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
+    html! {
+        h2 { "Measures" }
+        table {
+            thead {
+                tr {
+                    th {}
+                    @for one in measured { th scope="col" { (one.label) } }
+                    th scope="col" { "usual" }
+                    th.source scope="col" { "source" }
+                }
+            }
+            tbody {
+                @for group in &GROUPS {
+                    tr.group { th colspan=(measured.len() + 3) scope="rowgroup" { (group.heading) } }
+                    @for line in group.lines.iter().filter(is_shown) { (row(line, measured)) }
+                }
+            }
+        }
     }
-    let source = line.norm.map_or("", |norm| norm.source);
-    let _ = writeln!(out, "<td>{}</td><td class=\"source\">{}</td></tr>", escape(&line.usual()), escape(source));
+}
+
+fn row(line: &Line, measured: &[Measured]) -> Markup {
+    html! {
+        tr {
+            th scope="row" { (line.label) }
+            @for one in measured {
+                @let value = line.text((line.value)(&one.sheet));
+                // Colour alone says nothing on a grey print.
+                @if line.is_out(&one.sheet) { td.out { (value) " !" } } @else { td { (value) } }
+            }
+            td { (line.usual()) }
+            td.source { (line.norm.map_or("", |norm| norm.source)) }
+        }
+    }
 }
 
 /// A picture as data: in a document of its own its names cannot clash with another's.
-fn picture(out: &mut String, drawn: &Drawn) {
-    let alt = escape(&drawn.alt);
+fn picture(drawn: &Drawn) -> Markup {
     let data = STANDARD.encode(drawn.svg.as_bytes());
-    let _ = writeln!(
-        out,
-        "<figure><img alt=\"{alt}\" src=\"data:image/svg+xml;base64,{data}\"><figcaption>{alt}</figcaption></figure>"
-    );
+    html! {
+        figure {
+            img alt=(drawn.alt) src={ "data:image/svg+xml;base64," (data) };
+            figcaption { (drawn.alt) }
+        }
+    }
 }
 
-fn timing(out: &mut String, rows: &[TimingRow], whose: &str) {
-    let _ = write!(
-        out,
-        "<h2>Timing sheet{whose}</h2>\n<p class=\"soft\">Milliseconds after key start; built-in strokes, force driven. {}</p>\n\
-         <table>\n<thead><tr><th></th>",
-        escape(MIDI_MAP)
-    );
-    for heading in
-        ["peak force (N)", "let-off", "hammer", "key bottom", "free flight", "hammer ahead", "speed (m/s)", "MIDI"]
-    {
-        let _ = write!(out, "<th scope=\"col\">{heading}</th>");
+/// Headings of the timing sheet.
+const TIMING: [&str; 8] =
+    ["peak force (N)", "let-off", "hammer", "key bottom", "free flight", "hammer ahead", "speed (m/s)", "MIDI"];
+
+fn timing(one: &Measured, named: bool) -> Markup {
+    html! {
+        h2 { "Timing sheet" @if named { ": " (one.label) } }
+        p.soft { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) }
+        table {
+            thead { tr { th {} @for heading in TIMING { th scope="col" { (heading) } } } }
+            tbody {
+                @for row in &one.sheet.timing {
+                    tr {
+                        th scope="row" { (row.nuance) " " (row.touch) }
+                        @for cell in timing_cells(row) { td { (cell) } }
+                    }
+                }
+            }
+        }
     }
-    out.push_str("</tr></thead>\n<tbody>\n");
+}
+
+fn timing_cells(row: &TimingRow) -> [String; TIMING.len()] {
     let number =
         |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |x| format!("{:.decimals$}", x + 0.0));
-    for row in rows {
-        let _ = write!(out, "<tr><th scope=\"row\">{} {}</th>", row.nuance, row.touch);
-        let cells = [
-            number(Some(row.peak_force_N), 1),
-            number(row.let_off_ms, 1),
-            number(row.hammer_contact_ms, 1),
-            number(row.key_bottom_ms, 1),
-            number(row.free_flight_ms, 1),
-            number(row.hammer_before_bottom_ms, 1),
-            number(row.hammer_speed_m_s, 2),
-            number(row.midi_velocity.map(f64::from), 0),
-        ];
-        for cell in cells {
-            let _ = write!(out, "<td>{cell}</td>");
-        }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</tbody>\n</table>\n");
+    [
+        number(Some(row.peak_force_N), 1),
+        number(row.let_off_ms, 1),
+        number(row.hammer_contact_ms, 1),
+        number(row.key_bottom_ms, 1),
+        number(row.free_flight_ms, 1),
+        number(row.hammer_before_bottom_ms, 1),
+        number(row.hammer_speed_m_s, 2),
+        number(row.midi_velocity.map(f64::from), 0),
+    ]
 }

@@ -1,11 +1,9 @@
 //! The page.
 
-use std::fmt::Write;
-
-use erard_lab::reproduce::{Section, Subject, Table};
+use erard_lab::reproduce::{Claim, Section, Subject, Table};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart_svg;
-use erard_figures::svg::escape;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -17,132 +15,137 @@ pub struct Reproduced {
     pub section: Section,
 }
 
-/// The page. `what` says what was run on what, e.g. the instrument's name.
+/// The page. `instrument` is the name of what it was run on.
 pub fn page(instrument: &str, all: &[Reproduced]) -> String {
-    let mut out = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
-         content=\"default-src 'none'; style-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, \
-         initial-scale=1\">\n<title>The papers, reproduced</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
-         <h1>The papers, reproduced</h1>\n<p>Instrument: {}. Program: erard {}.</p>\n",
-        escape(instrument),
-        env!("CARGO_PKG_VERSION")
-    );
-    out.push_str(
-        "<p>Every number below was computed when this page was written; nothing is kept from one time to the next. Each section names the \
-         command that makes just it again. Times on the clock differ from run to run and stand in tables that say so; everything else, \
-         and every figure, is the same each time.</p>\n<p class=\"sources\">[T12] Thorin, Boutillon, Lozada, Merlhiot, <i>Simulation of a \
-         non-smooth dynamical model of the piano key</i>. [T13] Thorin, Boutillon, Merlhiot, Lozada, <i>A non-smooth simulation of the \
-         dynamics of the grand piano action</i>, Waves 2013. [H] Hirschkorn, Birkett, McPhee, <i>Kinematic model of a piano action \
-         mechanism</i>.</p>\n",
-    );
-    overview(&mut out, all);
-    for one in all {
-        section(&mut out, one);
-    }
-    out.push_str("</main>\n</body>\n</html>\n");
-    out
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "The papers, reproduced" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    h1 { "The papers, reproduced" }
+                    p { "Instrument: " (instrument) ". Program: erard " (env!("CARGO_PKG_VERSION")) "." }
+                    (introduction())
+                    (overview(all))
+                    @for one in all { (section(one)) }
+                }
+            }
+        }
+    };
+    page.into_string() + "\n"
 }
 
-fn overview(out: &mut String, all: &[Reproduced]) {
-    let claims = || all.iter().flat_map(|one| &one.section.claims);
-    let (held, count) = (claims().filter(|c| c.holds).count(), claims().count());
-    let _ = write!(
-        out,
-        "<h2 id=\"claims\">Claims</h2>\n<p>{held} of {count} hold.</p>\n<table class=\"claims\">\n<thead><tr><th>where</th><th>the claim</th>\
-         <th>measured here</th><th>holds</th><th>again</th></tr></thead>\n<tbody>\n"
-    );
-    for one in all {
-        for claim in &one.section.claims {
-            let _ = writeln!(
-                out,
-                "<tr class=\"{class}\"><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td><a href=\"#{name}\"><code>--only {name}</code></a></td></tr>",
-                escape(claim.source),
-                escape(&claim.says),
-                escape(&claim.measured),
-                if claim.holds { "yes" } else { "NO" },
-                class = if claim.holds { "holds" } else { "fails" },
-                name = escape(one.subject.name),
-            );
+fn introduction() -> Markup {
+    html! {
+        p {
+            "Every number below was computed when this page was written; nothing is kept from one time to the next. Each section names \
+             the command that makes just it again. Times on the clock differ from run to run and stand in tables that say so; \
+             everything else, and every figure, is the same each time."
+        }
+        p.sources {
+            "[T12] Thorin, Boutillon, Lozada, Merlhiot, "
+            i { "Simulation of a non-smooth dynamical model of the piano key" }
+            ". [T13] Thorin, Boutillon, Merlhiot, Lozada, "
+            i { "A non-smooth simulation of the dynamics of the grand piano action" }
+            ", Waves 2013. [H] Hirschkorn, Birkett, McPhee, "
+            i { "Kinematic model of a piano action mechanism" }
+            "."
         }
     }
-    out.push_str("</tbody>\n</table>\n");
 }
 
-fn section(out: &mut String, one: &Reproduced) {
-    let (subject, section) = (&one.subject, &one.section);
-    let name = escape(subject.name);
-    let _ = write!(
-        out,
-        "<section id=\"{name}\">\n<h2>{}</h2>\n<p class=\"again\">Again: <code>erard reproduce --only {name}</code></p>\n",
-        escape(subject.title)
-    );
-    for paragraph in &section.text {
-        let _ = writeln!(out, "<p>{}</p>", with_code(paragraph));
+fn overview(all: &[Reproduced]) -> Markup {
+    let claims = || all.iter().flat_map(|one| &one.section.claims);
+    let (held, count) = (claims().filter(|c| c.holds).count(), claims().count());
+    html! {
+        h2 #claims { "Claims" }
+        p { (held) " of " (count) " hold." }
+        table.claims {
+            thead { tr { @for heading in ["where", "the claim", "measured here", "holds", "again"] { th { (heading) } } } }
+            tbody {
+                @for one in all {
+                    @for claim in &one.section.claims {
+                        tr class=(verdict(claim)) {
+                            td { (claim.source) }
+                            td { (claim.says) }
+                            td { (claim.measured) }
+                            td { @if claim.holds { "yes" } @else { "NO" } }
+                            td { a href={ "#" (one.subject.name) } { code { "--only " (one.subject.name) } } }
+                        }
+                    }
+                }
+            }
+        }
     }
-    for claim in &section.claims {
-        let (class, verdict) = if claim.holds { ("holds", "Holds.") } else { ("fails", "Does not hold.") };
-        let _ = writeln!(
-            out,
-            "<div class=\"claim {class}\"><p><b>{}</b>: {}.</p><p>Measured: {}. <b>{verdict}</b></p></div>",
-            escape(claim.source),
-            with_code(&claim.says),
-            with_code(&claim.measured)
-        );
+}
+
+/// The class of what shows a claim.
+fn verdict(claim: &Claim) -> &'static str {
+    if claim.holds { "holds" } else { "fails" }
+}
+
+fn section(one: &Reproduced) -> Markup {
+    let (name, section) = (one.subject.name, &one.section);
+    html! {
+        section id=(name) {
+            h2 { (one.subject.title) }
+            p.again { "Again: " code { "erard reproduce --only " (name) } }
+            @for paragraph in &section.text { p { (with_code(paragraph)) } }
+            @for claim in &section.claims {
+                div class={ "claim " (verdict(claim)) } {
+                    p { b { (claim.source) } ": " (with_code(&claim.says)) "." }
+                    p {
+                        "Measured: " (with_code(&claim.measured)) ". "
+                        b { @if claim.holds { "Holds." } @else { "Does not hold." } }
+                    }
+                }
+            }
+            @for (caption, text) in &section.listings { figure { pre { (text) } figcaption { (caption) } } }
+            @for (index, chart) in section.charts.iter().enumerate() {
+                figure {
+                    (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
+                    figcaption { (chart.caption) }
+                }
+            }
+            @for one in &section.tables { (table(one)) }
+        }
     }
-    for (caption, text) in &section.listings {
-        let _ = writeln!(
-            out,
-            "<figure><pre>{}</pre><figcaption>{}</figcaption></figure>",
-            escape_lines(text),
-            escape(caption)
-        );
-    }
-    for (index, chart) in section.charts.iter().enumerate() {
-        let svg = chart_svg(chart, &format!("{name}-{index}"));
-        let _ = writeln!(out, "<figure>{}<figcaption>{}</figcaption></figure>", svg.trim_end(), escape(&chart.caption));
-    }
-    for one in &section.tables {
-        table(out, one);
-    }
-    out.push_str("</section>\n");
 }
 
 /// Text with what stands between backticks as code.
-fn with_code(text: &str) -> String {
-    let mut out = String::new();
-    for (i, part) in text.split('`').enumerate() {
-        let part = escape(part);
-        out.push_str(&if i % 2 == 1 { format!("<code>{part}</code>") } else { part });
+fn with_code(text: &str) -> Markup {
+    html! {
+        @for (i, part) in text.split('`').enumerate() {
+            @if i % 2 == 1 { code { (part) } } @else { (part) }
+        }
     }
-    out
 }
 
-/// Text of several lines: [`escape`] would join them.
-fn escape_lines(text: &str) -> String {
-    text.lines().map(escape).collect::<Vec<_>>().join("\n")
-}
-
-fn table(out: &mut String, table: &Table) {
+fn table(table: &Table) -> Markup {
     // A column of numbers is set flush right.
     let numbers: Vec<bool> = (0..table.header.len())
         .map(|k| k > 0 && table.rows.iter().filter_map(|row| row.get(k)).all(|cell| is_number(cell)))
         .collect();
-    let class = if table.clock { " class=\"clock\"" } else { "" };
-    let _ =
-        write!(out, "<div class=\"wide\"><table{class}>\n<caption>{}</caption>\n<thead><tr>", escape(&table.caption));
-    let class = |k: usize| if numbers.get(k) == Some(&true) { " class=\"n\"" } else { "" };
-    for (k, cell) in table.header.iter().enumerate() {
-        let _ = write!(out, "<th{}>{}</th>", class(k), escape(cell));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    for row in &table.rows {
-        out.push_str("<tr>");
-        for (k, cell) in row.iter().enumerate() {
-            let _ = write!(out, "<td{}>{}</td>", class(k), with_code(cell));
+    let class = |k: usize| (numbers.get(k) == Some(&true)).then_some("n");
+    html! {
+        div.wide {
+            table class=[table.clock.then_some("clock")] {
+                caption { (table.caption) }
+                thead { tr { @for (k, cell) in table.header.iter().enumerate() { th class=[class(k)] { (cell) } } } }
+                tbody {
+                    @for row in &table.rows {
+                        tr { @for (k, cell) in row.iter().enumerate() { td class=[class(k)] { (with_code(cell)) } } }
+                    }
+                }
+            }
         }
-        out.push_str("</tr>\n");
     }
-    out.push_str("</tbody>\n</table></div>\n");
 }
 
 /// Whether a cell is empty, a dash, or begins like a number.
@@ -154,7 +157,7 @@ fn is_number(cell: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use erard_lab::reproduce::{Claim, subjects};
+    use erard_lab::reproduce::subjects;
 
     fn reproduced() -> Vec<Reproduced> {
         let section = Section {
