@@ -79,7 +79,7 @@ pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Res
         dampers_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.with_damper(&parts, m.as_ref())));
     }
     // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
-    let half = poses.get(POINTS / 2).ok_or_else(|| NotAnAction::ShortLevers)?;
+    let half = poses.get(POINTS / 2).ok_or(NotAnAction::ShortLevers)?;
     let mut m = mechanism(instrument, Settings::new(STEP_S))?;
     equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
     carry_on(m.as_mut(), rest_m, [0.0, half.key])?;
