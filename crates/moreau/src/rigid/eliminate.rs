@@ -15,6 +15,8 @@ pub(super) fn eliminate<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mu
     for i in 0..m {
         most[i] = largest(&a[i], &column_used, m);
     }
+    // The columns of a pivot's row that are left and not zero.
+    let mut concerned = [0usize; N];
     let mut scale = T::ZERO;
     let mut rank = 0;
     while rank < m {
@@ -33,12 +35,19 @@ pub(super) fn eliminate<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mu
         pivots[rank] = (r, c);
         rank += 1;
         let pivot = a[r];
+        let mut count = 0;
+        for j in 0..m {
+            if !column_used[j] && pivot[j] != T::ZERO {
+                concerned[count] = j;
+                count += 1;
+            }
+        }
         for i in 0..m {
             if row_used[i] || a[i][c] == T::ZERO {
                 continue;
             }
             let factor = a[i][c] / pivot[c];
-            for j in 0..m {
+            for &j in &concerned[..count] {
                 a[i][j] -= factor * pivot[j];
             }
             let t = rhs[r];

@@ -239,6 +239,8 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     pub fn impulses(&self, mode: &[Mode; N], free: &[T; N], p: &mut [T; N], tolerance: T) -> bool {
         let n = self.count;
         let mut unknown = [0usize; N];
+        // Where a law stands among the unknowns.
+        let mut place = [usize::MAX; N];
         let mut m = 0;
         for i in 0..n {
             match (self.law[i], mode[i]) {
@@ -248,6 +250,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
                 (Law::Coulomb(..), Mode::Upper | Mode::Lower) => {}
                 _ => {
                     unknown[m] = i;
+                    place[i] = m;
                     m += 1;
                 }
             }
@@ -269,8 +272,8 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
                     (Law::Relay(_), Mode::Upper | Mode::Lower) => rhs[row] -= self.delassus[i][j] * p[j],
                     _ => {
                         let (to, factor) = share(j).unwrap_or((j, T::ONE));
-                        if let Some(column) = unknown[..m].iter().position(|&k| k == to) {
-                            a[row][column] += factor * self.delassus[i][j];
+                        if place[to] < m {
+                            a[row][place[to]] += factor * self.delassus[i][j];
                         }
                     }
                 }
