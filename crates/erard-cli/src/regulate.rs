@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::io::Write;
+use std::time::Duration;
 
 use erard::instrument::ScrewAction;
 use erard_workshop::distances::Distances;
@@ -168,8 +169,8 @@ struct DistanceReport {
 }
 
 impl Report {
-    /// Of a regulated action that was read from `input` and is written to `output`.
-    pub fn new(regulated: &Regulated, input: &str, output: &str) -> Self {
+    /// Of a regulated action that was read from `input` and is written to `output`, which took so long.
+    pub fn new(regulated: &Regulated, input: &str, output: &str, elapsed: Duration) -> Self {
         let goals = regulated.achieved.iter().map(|a| {
             let (factor, unit) = unit(a.goal.kind());
             GoalReport {
@@ -195,7 +196,7 @@ impl Report {
             output: output.into(),
             rounds: regulated.rounds,
             simulations: regulated.simulations,
-            elapsed_s: regulated.elapsed_s,
+            elapsed_s: elapsed.as_secs_f64(),
             unconverged_steps: regulated.after.unconverged_steps,
             all_met: regulated.all_met(),
             goals: goals.collect(),

@@ -1,6 +1,7 @@
 //! `erard regulate`.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use erard_workshop::distances::Protocol;
@@ -123,13 +124,15 @@ impl Regulate {
             });
             progress.tell(status.share)
         };
+        let start = Instant::now();
         let regulated = regulate(&instrument, &specification, &Protocol::default(), &mut tell)?;
+        let elapsed = start.elapsed();
         drop(progress);
 
         let (title, note) = provenance(&specification, &regulated);
         let new_text =
             regulated.instrument.rewrite(&text, &title, &note).map_err(|e| Failure::Internal(e.to_string()))?;
-        let report = Report::new(&regulated, &self.instrument, &name);
+        let report = Report::new(&regulated, &self.instrument, &name, elapsed);
         output.stage(&name, |w| w.write_all(new_text.as_bytes()))?;
         output.stage("regulate.json", |w| report.write_json(w))?;
         output.commit()?;
@@ -140,7 +143,7 @@ impl Regulate {
             regulated.rounds,
             if regulated.rounds == 1 { "round" } else { "rounds" },
             regulated.simulations,
-            regulated.elapsed_s
+            elapsed.as_secs_f64()
         );
         say!();
         say!("{}", Shown(&regulated));

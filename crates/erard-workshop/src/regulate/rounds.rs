@@ -1,7 +1,6 @@
 //! The order of work, and round after round of it until no goal is disturbed by another.
 
 use std::cell::Cell;
-use std::time::Instant;
 
 use super::screw::{KnownScrew, known_screw, way};
 use super::search::{Search, Turning};
@@ -98,8 +97,6 @@ pub struct Regulated {
     pub rounds: u32,
     /// Simulated trials.
     pub simulations: u32,
-    /// Elapsed time, s.
-    pub elapsed_s: f64,
 }
 
 impl Regulated {
@@ -134,7 +131,6 @@ pub fn regulate(
     protocol: &Protocol,
     progress: &mut dyn FnMut(&Status) -> bool,
 ) -> Result<Regulated, RegulateError> {
-    let start = Instant::now();
     let mut tasks = tasks(instrument, specification)?;
     let status = Cell::new(Status { round: 1, goal: None, simulations: 0, share: 0.0 });
     let mut go_on = |simulations| progress(&Status { simulations, ..status.get() });
@@ -194,16 +190,7 @@ pub fn regulate(
         })
         .collect();
     let simulations = shop.simulations;
-    Ok(Regulated {
-        instrument: shop.instrument,
-        achieved,
-        turned,
-        before,
-        after,
-        rounds,
-        simulations,
-        elapsed_s: start.elapsed().as_secs_f64(),
-    })
+    Ok(Regulated { instrument: shop.instrument, achieved, turned, before, after, rounds, simulations })
 }
 
 /// The goals in the order of work, each with those of its screws that the instrument has.
