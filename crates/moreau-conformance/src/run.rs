@@ -1,13 +1,13 @@
 //! Running a mechanism of rigid bodies.
 
-use moreau::rigid::{Model, Outcome, Placement, Scratch, Settings, State, StepReport, Twist, step};
+use moreau::rigid::{Model, Outcome, Placement, Settings, State, StepReport, Twist, Workspace, step};
 
 /// A mechanism with its state and time.
 pub struct Run<'m, const B: usize, const N: usize> {
     pub model: Model<'m, f64>,
     pub settings: Settings<f64>,
     pub state: State<f64, B, N>,
-    scratch: Scratch<f64, B, N>,
+    workspace: Workspace<f64, B, N>,
     steps: u32,
     /// No step has failed so far.
     pub sound: bool,
@@ -19,7 +19,7 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
             model,
             settings: Settings::new(h),
             state: State::new(bodies),
-            scratch: Scratch::new(),
+            workspace: Workspace::new(),
             steps: 0,
             sound: true,
         }
@@ -31,7 +31,7 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
     }
 
     pub fn step(&mut self) -> StepReport<f64> {
-        let report = step(&self.model, &self.settings, &[], &mut self.state, &mut self.scratch);
+        let report = step(&self.model, &self.settings, &[], &mut self.state, &mut self.workspace);
         self.sound &= report.outcome == Outcome::Converged;
         self.steps += 1;
         report

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use moreau::GROUND;
 use moreau::rigid::{
-    Body, Energies, ImpactLaw, Model, Outcome, Placement, PolygonContact, Scratch, Settings, SolvedBy, State, step,
+    Body, Energies, ImpactLaw, Model, Outcome, Placement, PolygonContact, Settings, SolvedBy, State, Workspace, step,
 };
 
 const MOST: usize = 16;
@@ -45,7 +45,7 @@ fn main() {
         })
         .collect();
     let mut state = Box::new(State::<f64, MOST, LAWS>::new(&start));
-    let mut scratch = Box::new(Scratch::new());
+    let mut workspace = Box::new(Workspace::new());
     let mut settings = Settings::new(h);
     if stronge {
         settings.impact_law = ImpactLaw::Stronge;
@@ -56,7 +56,7 @@ fn main() {
     let mut energy = Energies::of(&model, &state).total();
     for _ in 0..(duration / h).round() as u32 {
         let clock = Instant::now();
-        let report = step(&model, &settings, &[], &mut state, &mut scratch);
+        let report = step(&model, &settings, &[], &mut state, &mut workspace);
         times.push(clock.elapsed().as_secs_f64());
         outcomes[match report.outcome {
             Outcome::Converged => 0,

@@ -2,8 +2,8 @@
 
 use moreau::GROUND;
 use moreau::rigid::{
-    Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, Outcome, Placement, PolygonContact, Scratch, Settings,
-    State, Surface, step,
+    Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, Outcome, Placement, PolygonContact, Settings, State,
+    Surface, Workspace, step,
 };
 
 const BODIES: usize = 5;
@@ -83,7 +83,7 @@ fn tumble(seed: u64, law: ImpactLaw) -> [u32; 4] {
         })
         .collect();
     let mut state = Box::new(State::<f64, BODIES, LAWS>::new(&start));
-    let mut scratch = Box::new(Scratch::new());
+    let mut workspace = Box::new(Workspace::new());
     let h = 5e-4;
     let settings = Settings { impact_law: law, ..Settings::new(h) };
     let mut outcomes = [0; 4];
@@ -91,7 +91,7 @@ fn tumble(seed: u64, law: ImpactLaw) -> [u32; 4] {
     let begin = energy;
     let mass: f64 = bodies.iter().map(|b| b.mass).sum();
     for n in 0..3000 {
-        let report = step(&model, &settings, &[], &mut state, &mut scratch);
+        let report = step(&model, &settings, &[], &mut state, &mut workspace);
         outcomes[match report.outcome {
             Outcome::Converged => 0,
             Outcome::Approximate => 1,
@@ -179,12 +179,12 @@ fn a_chain_falls() {
                 at = [at[0] + 2.0 * half * c, at[1] + 2.0 * half * s];
             }
             let mut state = State::<f64, 5, 24>::new(&start);
-            let mut scratch = Scratch::new();
+            let mut workspace = Workspace::new();
             let settings = Settings { impact_law: law, ..Settings::new(1e-4) };
             let begin = Energies::of(&model, &state).total();
             let mut energy = begin;
             for n in 0..10_000 {
-                let report = step(&model, &settings, &[], &mut state, &mut scratch);
+                let report = step(&model, &settings, &[], &mut state, &mut workspace);
                 let sound = matches!(report.outcome, Outcome::Converged | Outcome::Approximate | Outcome::Painleve);
                 assert!(sound, "{law:?} {seed}, step {n}: {report:?}");
                 assert!(report.residual < 1e-2, "{law:?} {seed}, step {n}: {report:?}");

@@ -3,7 +3,7 @@
 use moreau::GROUND;
 use moreau::rigid::{
     Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, ModelError, Outcome, Placement, PolygonContact,
-    Scratch, Settings, SolvedBy, Spring, State, Surface, Torsion, step,
+    Settings, SolvedBy, Spring, State, Surface, Torsion, Workspace, step,
 };
 
 fn at(x: f64, y: f64, angle: f64) -> Placement<f64> {
@@ -47,9 +47,9 @@ fn discs_collide() {
     }];
     let model = Model::new(&bodies, &[], &[], &contacts, [0.0; 2]).unwrap();
     let mut state = State::<f64, 2, 2>::new(&[(at(-0.3, 0.15, 0.0), [2.0, 0.0, 0.0]), (at(0.0, 0.0, 0.0), [0.0; 3])]);
-    let mut scratch = Scratch::new();
+    let mut workspace = Workspace::new();
     for _ in 0..100_000 {
-        let report = step(&model, &Settings::new(h), &[], &mut state, &mut scratch);
+        let report = step(&model, &Settings::new(h), &[], &mut state, &mut workspace);
         assert_eq!(report.outcome, Outcome::Converged);
     }
     // At touch the centres are 0.3 apart, 0.15 of it upward: the line of centres is at 30 degrees.
@@ -87,11 +87,11 @@ fn redundant_closures_are_solved() {
     for h in [1e-3, 5e-4] {
         let mut state = State::<f64, 4, 18>::new(&[crank(0), crank(1), crank(2), coupler]);
         assert!(state.assemble(&model, 1e-13));
-        let mut scratch = Scratch::new();
+        let mut workspace = Workspace::new();
         let start = Energies::of(&model, &state).total();
         let mut change = 0.0_f64;
         for _ in 0..(2.0 / h) as u32 {
-            let report = step(&model, &Settings::new(h), &[], &mut state, &mut scratch);
+            let report = step(&model, &Settings::new(h), &[], &mut state, &mut workspace);
             assert_eq!(report.outcome, Outcome::Converged);
             assert!(state.drift(&model) < 1e-10 && state.placement[3].angle.abs() < 1e-10);
             change = change.max((Energies::of(&model, &state).total() - start).abs());
@@ -128,7 +128,7 @@ fn self_locking_has_no_solution() {
         let model = Model::new(&bodies, &joints, &[], &contacts, [0.0, -9.81]).unwrap();
         let mut state = State::<f64, 1, 5>::new(&[(at(0.0, 0.0, 0.0), [0.0; 3])]);
         let before = state.clone();
-        let report = step(&model, &Settings::new(1e-3), &[], &mut state, &mut Scratch::new());
+        let report = step(&model, &Settings::new(1e-3), &[], &mut state, &mut Workspace::new());
         assert_eq!(report.outcome, expected, "mu {mu}, belt {belt}");
         if expected == Outcome::NoSolution {
             assert_eq!(state, before);
@@ -152,9 +152,9 @@ fn a_dry_hinge_sticks() {
         let joints = [Joint { dry, ..hinge(GROUND, [0.0; 2], 0, [-1.0, 0.0]) }];
         let model = Model::new(&bodies, &joints, &[], &[], [0.0, -9.81]).unwrap();
         let mut state = State::<f64, 1, 3>::new(&[(at(1.0, 0.0, 0.0), [0.0; 3])]);
-        let mut scratch = Scratch::new();
+        let mut workspace = Workspace::new();
         for _ in 0..1000 {
-            let report = step(&model, &Settings::new(1e-5), &[], &mut state, &mut scratch);
+            let report = step(&model, &Settings::new(1e-5), &[], &mut state, &mut workspace);
             assert_eq!(report.outcome, Outcome::Converged);
         }
         if moves {
@@ -173,11 +173,11 @@ fn refusals_leave_the_state() {
     let bodies = [Body { mass: 1.0, inertia: 1.0 }; 2];
     let model = Model::new(&bodies, &[], &[], &[], [0.0, -9.81]).unwrap();
     let mut small = State::<f64, 1, 0>::new(&[]);
-    let report = step(&model, &Settings::new(1e-3), &[], &mut small, &mut Scratch::new());
+    let report = step(&model, &Settings::new(1e-3), &[], &mut small, &mut Workspace::new());
     assert_eq!(report.outcome, Outcome::NoRoom);
     let mut state = State::<f64, 2, 0>::new(&[]);
     for bad in [f64::NAN, f64::INFINITY] {
-        let report = step(&model, &Settings::new(1e-3), &[[bad, 0.0, 0.0]], &mut state, &mut Scratch::new());
+        let report = step(&model, &Settings::new(1e-3), &[[bad, 0.0, 0.0]], &mut state, &mut Workspace::new());
         assert_eq!(report.outcome, Outcome::NonFinite);
         assert_eq!(state, State::new(&[]));
     }
@@ -259,10 +259,10 @@ fn a_tilted_stack_on_lines() {
     for law in [ImpactLaw::Newton, ImpactLaw::Stronge] {
         let start: Vec<_> = (0..5).map(|i| (at(0.0, 0.01 + y + 2.0 * y * f64::from(i), 0.01), [0.0; 3])).collect();
         let mut state = State::<f64, 5, 20>::new(&start);
-        let mut scratch = Scratch::new();
+        let mut workspace = Workspace::new();
         let settings = Settings { impact_law: law, ..Settings::new(1e-3) };
         for n in 0..1000 {
-            let report = step(&model, &settings, &[], &mut state, &mut scratch);
+            let report = step(&model, &settings, &[], &mut state, &mut workspace);
             assert_eq!(report.outcome, Outcome::Converged, "{law:?}, step {n}: {report:?}");
             assert!(report.guesses < 1000 && report.residual < 1e-11, "{law:?}, step {n}: {report:?}");
             for c in 0..10 {
@@ -299,11 +299,11 @@ fn what_is_not_solved_is_told() {
     let tilt = |i: usize| if i.is_multiple_of(2) { 0.01 } else { -0.01 };
     let start: Vec<_> = (0..15).map(|i| (at(0.0, 0.002 + 0.05 + 0.102 * i as f64, tilt(i)), [0.0; 3])).collect();
     let mut state = State::<f64, 15, 60>::new(&start);
-    let mut scratch = Scratch::new();
+    let mut workspace = Workspace::new();
     let settings = Settings { sweep_limit: 0, solver_limit: 0, ..Settings::new(1e-3) };
     let mut nearly = 0;
     for n in 0..300 {
-        let report = step(&model, &settings, &[], &mut state, &mut scratch);
+        let report = step(&model, &settings, &[], &mut state, &mut workspace);
         if report.outcome == Outcome::Approximate {
             nearly += 1;
             assert!(report.solver == SolvedBy::Sweeps && report.residual > 1e-12, "step {n}: {report:?}");
@@ -330,7 +330,7 @@ fn stronges_law_with_several_contacts() {
     let model = Model::new(&bodies, &[], &[], &contacts, [0.0; 2]).unwrap();
     let mut state = State::<f64, 1, 4>::new(&[(at(0.0, 0.05, 0.0), [0.3, -1.0, 0.0])]);
     let settings = Settings { impact_law: ImpactLaw::Stronge, ..Settings::new(1e-6) };
-    let report = step(&model, &settings, &[], &mut state, &mut Scratch::new());
+    let report = step(&model, &settings, &[], &mut state, &mut Workspace::new());
     assert!(report.outcome == Outcome::Converged && report.impact_ended, "{report:?}");
     for (v, expected) in state.velocity[0].iter().zip([0.3, 0.6, 0.0]) {
         assert!((v - expected).abs() < 1e-12, "{:?}", state.velocity);
@@ -359,7 +359,7 @@ fn stronges_law_with_several_contacts() {
         (at(1.0, 0.0, 0.0), [0.0; 3]),
         (at(2.0, 0.0, 0.0), [0.0; 3]),
     ]);
-    let report = step(&model, &settings, &[], &mut state, &mut Scratch::new());
+    let report = step(&model, &settings, &[], &mut state, &mut Workspace::new());
     assert!(report.outcome == Outcome::Converged && report.impact_ended, "{report:?}");
     let v = [0, 1, 2].map(|i| state.velocity[i][0]);
     assert!((v.iter().sum::<f64>() - 1.0).abs() < 1e-12 && report.impact_energy.abs() < 1e-10, "{v:?} {report:?}");
@@ -410,9 +410,9 @@ fn a_slot_may_end() {
     for (joints, contacts) in joints.iter().zip(&contacts) {
         let model = Model::new(&bodies, joints, &[], contacts, [0.0, -9.81]).unwrap();
         let mut state = State::<f64, 1, 5>::new(&[(at(0.0, 0.0, 0.0), [0.0, 0.0, 2.0])]);
-        let mut scratch = Scratch::new();
+        let mut workspace = Workspace::new();
         for _ in 0..1000 {
-            let report = step(&model, &Settings::new(1e-3), &[], &mut state, &mut scratch);
+            let report = step(&model, &Settings::new(1e-3), &[], &mut state, &mut workspace);
             assert_eq!(report.outcome, Outcome::Converged);
         }
         let place = state.placement[0];
@@ -433,7 +433,7 @@ fn strong_dampers_are_stable() {
     let torsions = [Torsion { first: GROUND, second: 0, stiffness: 0.0, damping: 200.0, angle: 0.0 }];
     let model = Model::new(&bodies, &joints, &[], &[], [0.0; 2]).unwrap().with_torsions(&torsions).unwrap();
     let mut state = State::<f64, 1, 3>::new(&[(at(0.0, 0.0, 0.0), [0.0, 0.0, 3.0])]);
-    let report = step(&model, &Settings::new(1e-2), &[], &mut state, &mut Scratch::new());
+    let report = step(&model, &Settings::new(1e-2), &[], &mut state, &mut Workspace::new());
     let a = 0.5 * 1e-2 * 600.0 / 0.02;
     assert_eq!(report.outcome, Outcome::Converged);
     assert!((state.velocity[0][2] / (3.0 * (1.0 - a) / (1.0 + a)) - 1.0).abs() < 1e-11, "{:?}", state.velocity);
@@ -449,7 +449,7 @@ fn strong_dampers_are_stable() {
     }];
     let model = Model::new(&bodies, &[], &springs, &[], [0.0; 2]).unwrap();
     let mut state = State::<f64, 1, 0>::new(&[(at(0.0, 0.0, 0.0), [0.6, 0.8, 0.0])]);
-    let report = step(&model, &Settings::new(1e-2), &[], &mut state, &mut Scratch::new());
+    let report = step(&model, &Settings::new(1e-2), &[], &mut state, &mut Workspace::new());
     let b = 0.25 * 1e-4 * 1e9 / 0.5;
     assert_eq!(report.outcome, Outcome::Converged);
     for (v, v0) in state.velocity[0].iter().zip([0.6, 0.8]) {
@@ -476,9 +476,9 @@ fn single_precision_works() {
     let contacts = [contact];
     let model = Model::new(&bodies, &[], &[], &contacts, [0.0, -9.81]).unwrap();
     let mut state = State::<f32, 1, 2>::new(&[]);
-    let mut scratch = Scratch::new();
+    let mut workspace = Workspace::new();
     for _ in 0..100 {
-        let report = step(&model, &Settings::new(0.01), &[], &mut state, &mut scratch);
+        let report = step(&model, &Settings::new(0.01), &[], &mut state, &mut workspace);
         assert_eq!(report.outcome, Outcome::Converged);
     }
     let speed = state.velocity[0][0].hypot(state.velocity[0][1]);
@@ -505,7 +505,7 @@ fn a_table_carries_a_block() {
     }];
     let h = 1e-4;
     let mut state = State::<f64, 2, 5>::new(&[]);
-    let mut scratch = Scratch::new();
+    let mut workspace = Workspace::new();
     for n in 1..=10_000 {
         let t = f64::from(n) * h;
         let rate = Some(4.0 * t.min(0.5));
@@ -521,7 +521,7 @@ fn a_table_carries_a_block() {
         };
         let joints = [slide];
         let model = Model::new(&bodies, &joints, &[], &contacts, [0.0, -9.81]).unwrap();
-        let report = step(&model, &Settings::new(h), &[], &mut state, &mut scratch);
+        let report = step(&model, &Settings::new(h), &[], &mut state, &mut workspace);
         assert_eq!(report.outcome, Outcome::Converged, "step {n}");
         let [table, block] = [state.velocity[0][0], state.velocity[1][0]];
         assert!((table - 4.0 * t.min(0.5)).abs() < 1e-11, "{t}: {table}");
@@ -551,10 +551,10 @@ fn a_stack_in_single_precision() {
         let place = |i: usize| Placement { at: [0.0, 0.055 + 0.102 * i as f32], angle: [0.01, -0.01, 0.01][i] };
         let start = [0, 1, 2].map(|i| (place(i), [0.0; 3]));
         let mut state = State::<f32, 3, 12>::new(&start);
-        let mut scratch = Scratch::new();
+        let mut workspace = Workspace::new();
         let settings = Settings { impact_law: law, ..Settings::new(1e-3) };
         for n in 0..1000 {
-            let report = step(&model, &settings, &[], &mut state, &mut scratch);
+            let report = step(&model, &settings, &[], &mut state, &mut workspace);
             let sound = matches!(report.outcome, Outcome::Converged | Outcome::Approximate);
             assert!(sound && report.residual < 1e-3, "{law:?}, step {n}: {report:?}");
             for (c, k) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {

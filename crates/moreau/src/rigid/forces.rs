@@ -1,8 +1,9 @@
 //! Regular forces: gravity, loads, springs, viscous friction of joints. And the energies that they store.
 
 use super::model::{Model, Spring, Torsion};
+use super::placement::{Placement, Twist, placed};
 use super::rows::{Row, joint_rows};
-use super::state::{Placement, State, Twist, placed};
+use super::state::State;
 use crate::vector::{dot, scale, sub};
 use crate::{GROUND, Scalar};
 

@@ -8,7 +8,8 @@
 
 use super::mixed::{Law, Limits, Mode, Problem};
 use super::model::Model;
-use super::state::{Scratch, Twist};
+use super::placement::Twist;
+use super::workspace::Workspace;
 use crate::Scalar;
 
 /// Most increments; after them the step's other laws end the impact without restitution.
@@ -43,17 +44,17 @@ struct Point<T> {
     rate: T,
 }
 
-/// Passes the impact of the contacts whose normal law in `scratch.problem` is in force. `scratch.rows` are the rows at its pose, `v` the
+/// Passes the impact of the contacts whose normal law in `workspace.problem` is in force. `workspace.rows` are the rows at its pose, `v` the
 /// velocities before, and after; `p` receives the impulses. Speeds below `tolerance` are none.
 pub(super) fn collide<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     tolerance: T,
     v: &mut [Twist<T>; B],
     p: &mut [T; N],
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) -> Impact<T> {
     let mut impact = Impact { increments: 0, energy: T::ZERO, ended: false };
-    let Scratch { rows, problem, reduced, .. } = scratch;
+    let Workspace { rows, problem, reduced, .. } = workspace;
     let n = problem.count;
     *p = [T::ZERO; N];
     let mut u = [T::ZERO; N];

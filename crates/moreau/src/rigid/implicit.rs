@@ -2,8 +2,8 @@
 
 use super::forces::{along_spring, spring_ends};
 use super::model::Model;
+use super::placement::{Placement, Twist};
 use super::rows::{Row, joint_rows};
-use super::state::{Placement, Twist};
 use crate::vector::dot;
 use crate::{GROUND, Scalar};
 

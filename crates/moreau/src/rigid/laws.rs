@@ -2,18 +2,20 @@
 
 use super::mixed::{Law, Mode};
 use super::model::{JointKind, Model};
+use super::placement::{Placement, Twist};
 use super::rows::{Row, joint_rows};
-use super::state::{ImpactLaw, Placement, Scratch, Settings, Twist};
+use super::state::{ImpactLaw, Settings};
 use super::touch::Touch;
+use super::workspace::Workspace;
 use crate::Scalar;
 
 /// The joints' laws in this step.
 pub(super) fn joint_laws<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     settings: &Settings<T>,
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) {
-    let problem = &mut scratch.problem;
+    let problem = &mut workspace.problem;
     problem.count = model.laws();
     problem.law = [Law::Absent; N];
     for (j, joint) in model.joints.iter().enumerate() {
@@ -34,11 +36,11 @@ pub(super) fn contact_laws<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     settings: &Settings<T>,
     q_theta: &[Placement<T>; B],
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) {
     for c in 0..model.points() {
-        if scratch.touch[c].rows(q_theta).distance <= settings.contact_tolerance {
-            scratch.problem.law[model.contact_laws(c)[0]] = Law::Unilateral;
+        if workspace.touch[c].rows(q_theta).distance <= settings.contact_tolerance {
+            workspace.problem.law[model.contact_laws(c)[0]] = Law::Unilateral;
         }
     }
 }
@@ -48,14 +50,14 @@ pub(super) fn start_velocities<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     q0: &[Placement<T>; B],
     v: &[Twist<T>; B],
-    scratch: &Scratch<T, B, N>,
+    workspace: &Workspace<T, B, N>,
     slip: &mut [T; N],
     closing: &mut [T; N],
 ) {
     for c in 0..model.points() {
         let [n, t] = model.contact_laws(c);
-        if scratch.problem.law[n] != Law::Absent {
-            let rows = scratch.touch[c].rows(q0);
+        if workspace.problem.law[n] != Law::Absent {
+            let rows = workspace.touch[c].rows(q0);
             slip[t] = rows.tangential.velocity(v) - model.matter(c).belt;
             closing[n] = -rows.normal.velocity(v);
         }
@@ -67,14 +69,14 @@ pub(super) fn friction_laws<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     slip: &[T; N],
     still: T,
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) {
     for c in 0..model.points() {
         let [n, t] = model.contact_laws(c);
-        if scratch.problem.law[n] != Law::Absent {
+        if workspace.problem.law[n] != Law::Absent {
             let matter = model.matter(c);
             let mu = if slip[t].abs() <= still { matter.limit } else { matter.kinetic };
-            scratch.problem.law[t] = if T::ZERO < mu { Law::Coulomb(n, mu) } else { Law::Absent };
+            workspace.problem.law[t] = if T::ZERO < mu { Law::Coulomb(n, mu) } else { Law::Absent };
         }
     }
 }
@@ -106,9 +108,9 @@ pub(super) fn one_step_problem<T: Scalar, const B: usize, const N: usize>(
     impact_law: ImpactLaw,
     v0: &[Twist<T>; B],
     free: &[Twist<T>; B],
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) {
-    let Scratch { rows, end_rows, problem, implicit, .. } = scratch;
+    let Workspace { rows, end_rows, problem, implicit, .. } = workspace;
     for i in 0..problem.count {
         if problem.law[i] != Law::Absent {
             problem.free[i] = end_rows[i].velocity(free);
@@ -153,16 +155,16 @@ pub(super) fn one_step_problem<T: Scalar, const B: usize, const N: usize>(
 pub(super) fn let_go<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     mode: &[Mode; N],
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) -> bool {
     let mut any = false;
     for c in 0..model.points() {
         let [n, t] = model.contact_laws(c);
         let contact = model.matter(c);
-        if let Law::Coulomb(_, mu) = scratch.problem.law[t] {
+        if let Law::Coulomb(_, mu) = workspace.problem.law[t] {
             let slips = matches!(mode[t], Mode::Upper | Mode::Lower) && mode[n] == Mode::Hold;
             if slips && contact.kinetic < mu {
-                scratch.problem.law[t] = Law::Coulomb(n, contact.kinetic);
+                workspace.problem.law[t] = Law::Coulomb(n, contact.kinetic);
                 any = true;
             }
         }

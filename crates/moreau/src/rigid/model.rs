@@ -243,7 +243,7 @@ impl<'m, T: Scalar> Model<'m, T> {
         Ok(Model { polygons, ..self })
     }
 
-    /// The number of laws that a state and a scratch must have room for: three a joint, two a contact, four a contact of polygons.
+    /// The number of laws that a state and a workspace must have room for: three a joint, two a contact, four a contact of polygons.
     pub fn laws(&self) -> usize {
         3 * self.joints.len() + 2 * self.points()
     }

@@ -3,8 +3,9 @@
 
 use super::eliminate::eliminate;
 use super::model::Model;
+use super::placement::{Placement, Twist};
 use super::rows::{Row, joint_rows};
-use super::state::{Placement, State, Twist};
+use super::state::State;
 use crate::Scalar;
 
 /// Corrections; from a step's end one or two suffice.

@@ -2,7 +2,7 @@
 //! law acts along the same row.
 
 use super::model::{Joint, JointKind, Model};
-use super::state::{Placement, Twist, placed};
+use super::placement::{Placement, Twist, placed};
 use crate::vector::{Vector, cross, dot, scale, sub};
 use crate::{GROUND, Scalar};
 

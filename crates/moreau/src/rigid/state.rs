@@ -1,53 +1,8 @@
-//! Where the bodies are, how a step is to be taken, and a step's working memory.
+//! Where the bodies are, and how a step is to be taken.
 
-use super::implicit::Implicit;
-use super::mixed::{Mode, Problem};
-use super::rows::Row;
-use super::sweeps::Reduced;
-use super::touch::Touch;
-use crate::vector::{Vector, add, sub};
-use crate::{GROUND, Scalar};
-
-/// Position of a body: its centre of mass and its angle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placement<T> {
-    /// Centre of mass in the world, m.
-    pub at: Vector<T>,
-    /// Absolute angle, rad, counter-clockwise.
-    pub angle: T,
-}
-
-impl<T: Scalar> Placement<T> {
-    /// A vector of the body's frame, in the world.
-    pub(super) fn turn(&self, v: Vector<T>) -> Vector<T> {
-        let (s, c) = self.angle.sin_cos_any();
-        [c * v[0] - s * v[1], s * v[0] + c * v[1]]
-    }
-
-    /// A point of the body's frame, in the world.
-    pub fn point(&self, point: Vector<T>) -> Vector<T> {
-        add(self.at, self.turn(point))
-    }
-
-    /// A point of the world, in the body's frame.
-    pub(super) fn seen(&self, point: Vector<T>) -> Vector<T> {
-        let (s, c) = self.angle.sin_cos_any();
-        let [x, y] = sub(point, self.at);
-        [c * x + s * y, c * y - s * x]
-    }
-
-    pub(super) fn origin() -> Self {
-        Placement { at: [T::ZERO; 2], angle: T::ZERO }
-    }
-}
-
-/// The placement of a body or of the ground.
-pub(super) fn placed<T: Scalar>(places: &[Placement<T>], body: usize) -> Placement<T> {
-    if body == GROUND { Placement::origin() } else { places[body] }
-}
-
-/// Velocity of a body: of its centre of mass, m/s, and its angular velocity, rad/s.
-pub type Twist<T> = [T; 3];
+use super::mixed::Mode;
+use super::placement::{Placement, Twist};
+use crate::Scalar;
 
 /// Where a mechanism is: everything that the next step depends on. `B` bodies at most, `N` laws.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,41 +88,5 @@ impl<T: Scalar> Settings<T> {
             position_tolerance: at_least(1e-12, 64.0),
             contact_tolerance: at_least(1e-10, 64.0),
         }
-    }
-}
-
-/// Working memory of a step.
-#[derive(Debug, Clone)]
-pub struct Scratch<T, const B: usize, const N: usize> {
-    /// Along which impulses act: the rows at t0 + theta h.
-    pub(super) rows: [Row<T>; N],
-    /// Whose velocity the laws speak of: the rows at t0 + h.
-    pub(super) end_rows: [Row<T>; N],
-    pub(super) problem: Problem<T, N>,
-    /// The problem without its equalities, for sweeps.
-    pub(super) reduced: Reduced<T, N>,
-    /// What touches, point by point.
-    pub(super) touch: [Touch<T>; N],
-    /// Regular forces that depend on the step's end, linearised.
-    pub(super) implicit: Implicit<T, B>,
-}
-
-impl<T: Scalar, const B: usize, const N: usize> Scratch<T, B, N> {
-    /// Fresh working memory; results do not depend on what it held before.
-    pub fn new() -> Self {
-        Scratch {
-            rows: [Row::none(); N],
-            end_rows: [Row::none(); N],
-            problem: Problem::new(),
-            reduced: Reduced::new(),
-            touch: [Touch::None; N],
-            implicit: Implicit::new(),
-        }
-    }
-}
-
-impl<T: Scalar, const B: usize, const N: usize> Default for Scratch<T, B, N> {
-    fn default() -> Self {
-        Self::new()
     }
 }

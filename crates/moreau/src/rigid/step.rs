@@ -6,9 +6,11 @@ use super::laws::{contact_laws, friction_laws, joint_laws, let_go, one_step_prob
 use super::mixed::{Law, Limits, Solved, SolvedBy};
 use super::model::Model;
 use super::painleve::jammed;
+use super::placement::{Placement, Twist};
 use super::projection::close_joints;
-use super::state::{ImpactLaw, Placement, Scratch, Settings, State, Twist};
+use super::state::{ImpactLaw, Settings, State};
 use super::touch::touches;
+use super::workspace::Workspace;
 use crate::Scalar;
 
 /// Iterations after which impulses that are only nearly right are iterated upon no more.
@@ -67,7 +69,7 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
     settings: &Settings<T>,
     loads: &[[T; 3]],
     state: &mut State<T, B, N>,
-    scratch: &mut Scratch<T, B, N>,
+    workspace: &mut Workspace<T, B, N>,
 ) -> StepReport<T> {
     let mut report = StepReport {
         outcome: Outcome::IterationLimit,
@@ -104,45 +106,45 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
         close_joints(model, &mut q1, settings.position_tolerance, true);
         if iteration == 0 {
             // What touches what, and which contacts are closed, is decided once, at the predicted pose.
-            touches(model, &q_theta, settings.contact_tolerance, &mut scratch.touch);
-            joint_laws(model, settings, scratch);
-            contact_laws(model, settings, &q_theta, scratch);
-            start_velocities(model, &q0, &v0, scratch, &mut slip, &mut closing);
+            touches(model, &q_theta, settings.contact_tolerance, &mut workspace.touch);
+            joint_laws(model, settings, workspace);
+            contact_laws(model, settings, &q_theta, workspace);
+            start_velocities(model, &q0, &v0, workspace, &mut slip, &mut closing);
             let bounces = (0..model.points()).any(|c| {
-                scratch.problem.law[model.contact_laws(c)[0]] != Law::Absent && T::ZERO < model.matter(c).restitution
+                workspace.problem.law[model.contact_laws(c)[0]] != Law::Absent && T::ZERO < model.matter(c).restitution
             });
             if settings.impact_law == ImpactLaw::Stronge && bounces && closing.iter().any(|u| *u > still) {
-                friction_laws(model, &slip, still, scratch);
-                place_rows(model, &q0, &mut scratch.rows, &scratch.touch);
-                let impact = collide(model, still, &mut start, &mut struck, scratch);
+                friction_laws(model, &slip, still, workspace);
+                place_rows(model, &q0, &mut workspace.rows, &workspace.touch);
+                let impact = collide(model, still, &mut start, &mut struck, workspace);
                 report.impact_energy = impact.energy;
                 report.impact_increments = impact.increments;
                 report.impact_ended = impact.ended;
                 let mut after = [T::ZERO; N];
-                start_velocities(model, &q0, &start, scratch, &mut slip, &mut after);
+                start_velocities(model, &q0, &start, workspace, &mut slip, &mut after);
             }
-            friction_laws(model, &slip, still, scratch);
+            friction_laws(model, &slip, still, workspace);
         }
-        place_rows(model, &q_theta, &mut scratch.rows, &scratch.touch);
-        place_rows(model, &q1, &mut scratch.end_rows, &scratch.touch);
+        place_rows(model, &q_theta, &mut workspace.rows, &workspace.touch);
+        place_rows(model, &q1, &mut workspace.end_rows, &workspace.touch);
         let mut free = regular_impulse(model, h, loads, &start, &q_theta, &v_theta);
-        scratch.implicit.renew(model, h, theta, &q_theta, &v_theta);
-        if scratch.implicit.present {
+        workspace.implicit.renew(model, h, theta, &q_theta, &v_theta);
+        if workspace.implicit.present {
             // Newton's method: A (v1 - v) = M (free - v) + D p.
             let mut by: [Twist<T>; B] = core::array::from_fn(|i| core::array::from_fn(|k| free[i][k] - v[i][k]));
             momenta(model, &mut by);
-            scratch.implicit.solve(model.bodies.len(), &mut by);
+            workspace.implicit.solve(model.bodies.len(), &mut by);
             for (free, (v, by)) in free.iter_mut().zip(v.iter().zip(&by)) {
                 *free = core::array::from_fn(|k| v[k] + by[k]);
             }
         }
-        one_step_problem(model, settings.impact_law, &v0, &free, scratch);
+        one_step_problem(model, settings.impact_law, &v0, &free, workspace);
         let solution = loop {
-            let Scratch { problem, reduced, .. } = &mut *scratch;
+            let Workspace { problem, reduced, .. } = &mut *workspace;
             let solution = problem.solve(&mut mode, &mut p, &limits, reduced);
             report.guesses += solution.guesses;
             report.sweeps += solution.sweeps;
-            if solution.solved != Solved::Yes || !let_go(model, &mode, scratch) {
+            if solution.solved != Solved::Yes || !let_go(model, &mode, workspace) {
                 break solution;
             }
         };
@@ -153,7 +155,7 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
             return report;
         }
         let mut next = free;
-        push_all(model, &p, scratch, &mut next);
+        push_all(model, &p, workspace, &mut next);
         let (change, finite) = correction(&v, &next);
         if !finite {
             report.outcome = Outcome::NonFinite;
@@ -180,12 +182,12 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
     if !closed {
         report.outcome = Outcome::IterationLimit;
     } else if report.outcome == Outcome::Converged
-        && jammed(model, &slip, &closing, &mode, &p, still, tolerance, &scratch.problem)
+        && jammed(model, &slip, &closing, &mode, &p, still, tolerance, &workspace.problem)
     {
         report.outcome = Outcome::Painleve;
     }
     if settings.impact_law == ImpactLaw::Newton && closing.iter().any(|u| *u > still) {
-        report.impact_energy = contact_work(model, &v0, &v, &p, scratch);
+        report.impact_energy = contact_work(model, &v0, &v, &p, workspace);
     }
     for (p, struck) in p.iter_mut().zip(&struck) {
         *p += *struck;
@@ -224,21 +226,21 @@ fn momenta<T: Scalar, const B: usize>(model: &Model<'_, T>, v: &mut [Twist<T>; B
 fn push_all<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     p: &[T; N],
-    scratch: &Scratch<T, B, N>,
+    workspace: &Workspace<T, B, N>,
     v: &mut [Twist<T>; B],
 ) {
-    if scratch.implicit.present {
+    if workspace.implicit.present {
         let mut by = [[T::ZERO; 3]; B];
-        for i in 0..scratch.problem.count {
-            scratch.rows[i].add(p[i], &mut by);
+        for i in 0..workspace.problem.count {
+            workspace.rows[i].add(p[i], &mut by);
         }
-        scratch.implicit.solve(model.bodies.len(), &mut by);
+        workspace.implicit.solve(model.bodies.len(), &mut by);
         for (v, by) in v.iter_mut().flatten().zip(by.iter().flatten()) {
             *v += *by;
         }
     } else {
-        for i in 0..scratch.problem.count {
-            scratch.rows[i].push(model, p[i], v);
+        for i in 0..workspace.problem.count {
+            workspace.rows[i].push(model, p[i], v);
         }
     }
 }
@@ -249,14 +251,14 @@ fn contact_work<T: Scalar, const B: usize, const N: usize>(
     v0: &[Twist<T>; B],
     v1: &[Twist<T>; B],
     p: &[T; N],
-    scratch: &Scratch<T, B, N>,
+    workspace: &Workspace<T, B, N>,
 ) -> T {
     let mut work = T::ZERO;
     for c in 0..model.points() {
         let [n, t] = model.contact_laws(c);
-        if scratch.problem.law[n] != Law::Absent {
+        if workspace.problem.law[n] != Law::Absent {
             for (i, belt) in [(n, T::ZERO), (t, model.matter(c).belt)] {
-                let row = &scratch.rows[i];
+                let row = &workspace.rows[i];
                 work += p[i] * (T::from_f64(0.5) * (row.velocity(v0) + row.velocity(v1)) - belt);
             }
         }

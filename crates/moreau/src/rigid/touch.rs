@@ -4,8 +4,8 @@
 
 use super::contact::{Contact, PolygonContact, Surface};
 use super::model::Model;
+use super::placement::{Placement, placed};
 use super::rows::Row;
-use super::state::{Placement, placed};
 use crate::Scalar;
 use crate::vector::{Vector, add, dot, scale, sub};
 
