@@ -2,9 +2,7 @@
 
 #![no_std]
 
-use moreau::{
-    Body, Curve, Exponent, Felt, GROUND, Input, Model, Scratch, Settings, Site, Spring, State, Zone, step,
-};
+use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Settings, Site, Spring, State, Workspace, Zone, step};
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -21,7 +19,7 @@ const DIP: f32 = 0.0096;
 /// not-a-number if the model cannot be assembled.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_key_travel(force_n: f32, step_s: f32, steps: u32) -> f32 {
-    let felt = Felt { stiffness: 5e7, exponent: Exponent::Two, damping: 1e8 };
+    let felt = Felt { stiffness: 5e7, exponent: Exponent::Two, loss: Loss::Quadratic(1e8) };
     let stop = |x: f32, y: f32| Zone {
         disc_body: 0,
         center: [x, 0.0],
@@ -35,14 +33,14 @@ pub extern "C" fn erard_key_travel(force_n: f32, step_s: f32, steps: u32) -> f32
     let spring = Spring { body: 0, torque: WEIGHT, stiffness: 0.0, reference: 0.0 };
     let site = Site { body: 0, point: [FRONT, 0.0], direction: [0.0, -1.0], stiffness: 2e4, damping: 20.0 };
     let zones = [stop(FRONT, -DIP), stop(0.225, 0.0001)];
-    let Ok(model) = Model::<f32, 1, 2>::new(&[body], &[spring], &zones, Some(site), 9.81) else {
+    let Ok(model) = Description { bodies: &[body], springs: &[spring], zones: &zones, site: Some(site), gravity: 9.81 }.compile::<1, 2>() else {
         return f32::NAN;
     };
     let settings = Settings::new(step_s);
     let mut state = State::at_rest([0.0]);
-    let mut scratch = Scratch::<f32, 1, 2, 2>::new();
+    let mut workspace = Workspace::<f32, 1, 2, 2>::new();
     for _ in 0..steps {
-        step(&model, &settings, &Input::Force(force_n), &mut state, &mut scratch);
+        step(&model, &settings, &Input::Force(force_n), &mut state, &mut workspace);
     }
     model.site_position(&state.angle)
 }

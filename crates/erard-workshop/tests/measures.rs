@@ -327,7 +327,7 @@ fn inertia_is_what_a_force_accelerates() {
     let mut stiff = grand();
     for zone in &mut stiff.zones {
         zone.felt.stiffness *= 1000.0;
-        zone.felt.damping *= 1000.0;
+        zone.felt.scale_loss(1000.0);
     }
     for spring in stiff.springs.iter_mut().filter(|spring| spring.name == "repetition") {
         spring.torque_n_m *= 20.0;

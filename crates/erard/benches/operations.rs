@@ -9,7 +9,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use erard::assembly;
 use erard_lab::benchmarks::{STEP_S, STEPS, grand, instrument, note};
-use moreau::{Input, Model, Real, Scalar, Scratch, Settings, State, step};
+use moreau::{Input, Model, Real, Scalar, Settings, State, Workspace, step};
 
 /// The kinds that are counted.
 const KINDS: [&str; 7] =
@@ -160,14 +160,14 @@ impl Scalar for Counted {
 fn main() {
     let model: Model<Counted, 6, 14> = assembly::assemble(&instrument()).expect("fits");
     let mut state = State::<Counted, 6, 14>::at_rest(grand().1.angle.map(Counted));
-    let mut scratch = Scratch::<Counted, 6, 14, 10>::new();
+    let mut workspace = Workspace::<Counted, 6, 14, 10>::new();
     let settings = Settings::in_lanes(&Settings::new(STEP_S));
     // At rest, in motion: steps and counts.
     let mut found = [(0_u64, [0_u64; KINDS.len()]); 2];
     for n in 0..STEPS {
         let Input::Force(force) = note(n) else { unreachable!("the note is a force") };
         COUNTS.with(|counts| counts.set([0; KINDS.len()]));
-        step(&model, &settings, &Input::Force(Counted(force)), &mut state, &mut scratch);
+        step(&model, &settings, &Input::Force(Counted(force)), &mut state, &mut workspace);
         let counts = COUNTS.with(Cell::get);
         let moves = state.velocity.iter().any(|v| v.0 != 0.0);
         let (steps, sums) = &mut found[usize::from(moves)];

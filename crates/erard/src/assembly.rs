@@ -1,6 +1,6 @@
 //! From the instrument to the engine's model.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Model, ModelError, Scalar, Site, Spring, Zone};
+use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Loss, Model, ModelError, Scalar, Site, Spring, Zone};
 
 use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};
@@ -50,11 +50,7 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
             radius: t(z.disc_radius_m),
             curve_body: ground(z.curve_body),
             curve: curve(&z.curve),
-            felt: Felt {
-                stiffness: t(z.felt.stiffness),
-                exponent: Exponent::new(t(z.felt.exponent)),
-                damping: t(z.felt.damping),
-            },
+            felt: felt(&z.felt),
             friction: (z.friction_coefficient > 0.0).then_some(t(z.friction_coefficient)),
         })
         .collect();
@@ -65,7 +61,19 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
         stiffness: t(instrument.finger.stiffness_n_per_m),
         damping: t(instrument.finger.damping_n_s_per_m),
     });
-    Model::new(&bodies, &springs, &zones, site, t(instrument.gravity_m_s2))
+    let gravity = t(instrument.gravity_m_s2);
+    Description { bodies: &bodies, springs: &springs, zones: &zones, site, gravity }.compile()
+}
+
+/// The engine's felt law.
+pub fn felt<T: Scalar>(felt: &instrument::Felt) -> Felt<T> {
+    let t = T::from_f64;
+    let loss = if felt.hunt_crossley > 0.0 {
+        Loss::HuntCrossley(t(felt.hunt_crossley))
+    } else {
+        Loss::Quadratic(t(felt.damping))
+    };
+    Felt { stiffness: t(felt.stiffness), exponent: Exponent::new(t(felt.exponent)), loss }
 }
 
 fn curve<T: Scalar>(curve: &instrument::Curve) -> Curve<T> {

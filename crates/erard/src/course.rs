@@ -181,7 +181,7 @@ impl Work {
         match outcome {
             Outcome::Converged => {}
             Outcome::IterationLimit => self.unconverged_steps += 1,
-            Outcome::NonFinite => return Err(SimulationError::NonFinite { time_s }),
+            Outcome::NonFinite | Outcome::TooManyLaws => return Err(SimulationError::NonFinite { time_s }),
         }
         self.steps += steps;
         self.newton_iterations += u64::from(newton);

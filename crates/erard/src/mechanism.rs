@@ -5,7 +5,7 @@
 
 use moreau::{
     Accuracy, ControlledStep, Controller, Energies, FrictionLaw, Halves, Input, Ledger, Model, ModelError, Outcome,
-    Pose, Repose, Scratch, Settings, State, StepReport, controlled_step,
+    Pose, Settings, Sleep, State, StepReport, Workspace, controlled_step,
 };
 
 use crate::assembly;
@@ -68,8 +68,8 @@ struct Engine<const B: usize, const Z: usize, const N: usize> {
     settings: Settings<f64>,
     state: State<f64, B, Z>,
     before: State<f64, B, Z>,
-    scratch: Scratch<f64, B, Z, N>,
-    repose: Repose<f64>,
+    scratch: Workspace<f64, B, Z, N>,
+    repose: Sleep<f64>,
     /// While steps are controlled.
     control: Option<Box<Control<B, Z, N>>>,
     pose: Pose<f64, B>,
@@ -85,8 +85,8 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     let state = State::at_rest(assembly::drawn_angles(instrument));
     let ledger = Ledger::open(&model, &state);
     let pose = Pose::of(&model, &state.angle);
-    let (before, scratch, bodies) = (state.clone(), Scratch::new(), instrument.bodies.len());
-    let (repose, control) = (Repose::none(), None);
+    let (before, scratch, bodies) = (state.clone(), Workspace::for_model(&model)?, instrument.bodies.len());
+    let (repose, control) = (Sleep::awake(), None);
     Ok(Box::new(Engine::<B, Z, N> { model, settings, state, before, scratch, repose, control, pose, ledger, bodies }))
 }
 
@@ -99,7 +99,7 @@ struct Control<const B: usize, const Z: usize, const N: usize> {
 
 impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     /// What acted in the last step, and how it was taken.
-    fn last(&self) -> (&Settings<f64>, &Scratch<f64, B, Z, N>) {
+    fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
         last(self.control.as_deref(), &self.settings, &self.scratch)
     }
 
@@ -115,10 +115,10 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
 fn last<'a, const B: usize, const Z: usize, const N: usize>(
     control: Option<&'a Control<B, Z, N>>,
     settings: &'a Settings<f64>,
-    scratch: &'a Scratch<f64, B, Z, N>,
-) -> (&'a Settings<f64>, &'a Scratch<f64, B, Z, N>) {
+    scratch: &'a Workspace<f64, B, Z, N>,
+) -> (&'a Settings<f64>, &'a Workspace<f64, B, Z, N>) {
     match control {
-        Some(control) => (&control.halves.settings, &control.halves.scratch[control.half]),
+        Some(control) => (&control.halves.settings, &control.halves.workspace[control.half]),
         None => (settings, scratch),
     }
 }
@@ -150,14 +150,14 @@ impl<const B: usize, const Z: usize, const N: usize> Visible for Engine<B, Z, N>
 impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
     fn step(&mut self, input: &Input<f64>) -> StepReport {
         self.control = None;
-        let rested = self.repose.is_complete();
+        let rested = self.repose.is_asleep();
         if !rested {
             self.before.clone_from(&self.state);
         }
         let Engine { model, settings, state, scratch, repose, .. } = self;
         let report = repose.step(model, settings, input, state, scratch);
         // A step that was left out has nothing to book, nor has one that changed nothing after another.
-        if report.outcome != Outcome::NonFinite && !(rested && self.repose.is_complete()) {
+        if report.outcome != Outcome::NonFinite && !(rested && self.repose.is_asleep()) {
             self.book();
         }
         report
@@ -170,7 +170,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         input: &mut InputDuring,
         look: &mut dyn FnMut(f64, &dyn Mechanism),
     ) -> ControlledStep<f64> {
-        self.repose.end();
+        self.repose.wake();
         let Engine { model, settings, state, before, control, .. } = self;
         let control = control.get_or_insert_with(|| {
             let controller = Controller::new(settings.step);
@@ -206,7 +206,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn set_settings(&mut self, settings: Settings<f64>) {
         self.control = None;
-        self.repose.end();
+        self.repose.wake();
         self.settings = settings;
     }
 
@@ -224,7 +224,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn stop(&mut self) {
         self.control = None;
-        self.repose.end();
+        self.repose.wake();
         self.state.velocity = [0.0; B];
     }
 
@@ -244,7 +244,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn drive_force(&self) -> f64 {
-        self.last().1.drive_force
+        self.last().1.drive_force()
     }
 
     fn gap_row(&self, zone: usize) -> Vec<f64> {
@@ -263,7 +263,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn open_ledger(&mut self) {
         // So that what rests is booked at least once.
-        self.repose.end();
+        self.repose.wake();
         self.ledger = Ledger::open(&self.model, &self.state);
     }
 

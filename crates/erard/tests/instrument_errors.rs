@@ -126,6 +126,18 @@ fn numbers_that_no_instrument_has() {
             "zone.pallet_lever.felt.damping_N_s_per_m3",
             ["-1", "", "negative"],
         ),
+        slip(
+            ("damping_N_s_per_m3 = 1e6", "damping_N_s_per_m3 = 1e6\nhunt_crossley_s_per_m = 0.5"),
+            "0.5",
+            "zone.pallet_lever.felt.hunt_crossley_s_per_m",
+            ["both", "either `damping_N_s_per_m3` or `hunt_crossley_s_per_m`", "one law"],
+        ),
+        slip(
+            ("damping_N_s_per_m3 = 1e6", "hunt_crossley_s_per_m = -0.5"),
+            "-0.5",
+            "zone.pallet_lever.felt.hunt_crossley_s_per_m",
+            ["-0.5", "", "negative"],
+        ),
         slip(("exponent = 2", "exponent = 0.5"), "0.5", "zone.bench.felt.exponent", ["0.5", "at least 1", "too small"]),
         slip(("exponent = 2", "exponent = 40"), "40", "zone.bench.felt.exponent", ["40", "at most 6", "too large"]),
         slip(

@@ -1,7 +1,7 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_lab::benchmarks::{GrandGroup, GrandScratch, grand};
-use moreau::{Input, Outcome, Repose, Settings, step};
+use erard_lab::benchmarks::{GrandGroup, GrandWorkspace, grand};
+use moreau::{Input, Outcome, Settings, Sleep, step};
 use moreau_lanes::Lanes;
 
 /// Struck, held in check, held harder, let go: each for a while.
@@ -21,28 +21,29 @@ const STEPS: usize = 20_000;
 fn a_mechanism_at_rest_takes_no_steps() {
     let (model, start) = grand();
     let settings = Settings::new(50e-6);
-    let (mut plain, mut scratch) = (start.clone(), GrandScratch::new());
-    let (mut resting, mut own_scratch, mut repose) = (start.clone(), GrandScratch::new(), Repose::none());
+    let (mut plain, mut workspace) = (start.clone(), GrandWorkspace::new());
+    let (mut resting, mut own_workspace, mut repose) = (start.clone(), GrandWorkspace::new(), Sleep::awake());
     let (mut left_out, mut woken) = (0, 0);
     for n in 0..STEPS {
         let input = input(n);
-        let rested = repose.is_complete();
-        let report = step(&model, &settings, &input, &mut plain, &mut scratch);
-        let own = repose.step(&model, &settings, &input, &mut resting, &mut own_scratch);
+        let rested = repose.is_asleep();
+        let report = step(&model, &settings, &input, &mut plain, &mut workspace);
+        let own = repose.step(&model, &settings, &input, &mut resting, &mut own_workspace);
         assert_eq!(own, report, "step {n}");
         assert!(resting.identical(&plain), "step {n}");
         for zone in 0..14 {
-            let force = |scratch: &GrandScratch| scratch.contact(&model, &settings, zone).map(|c| c.force.to_bits());
-            assert_eq!(force(&own_scratch), force(&scratch), "step {n}, zone {zone}");
+            let force =
+                |workspace: &GrandWorkspace| workspace.contact(&model, &settings, zone).map(|c| c.force.to_bits());
+            assert_eq!(force(&own_workspace), force(&workspace), "step {n}, zone {zone}");
         }
-        assert_eq!(own_scratch.drive_force.to_bits(), scratch.drive_force.to_bits());
-        left_out += usize::from(rested && repose.is_complete());
-        woken += usize::from(rested && !repose.is_complete());
+        assert_eq!(own_workspace.drive_force().to_bits(), workspace.drive_force().to_bits());
+        left_out += usize::from(rested && repose.is_asleep());
+        woken += usize::from(rested && !repose.is_asleep());
     }
     println!("{left_out} of {STEPS} steps left out, woken {woken} times");
     assert!(left_out > STEPS / 3 && woken >= 2, "{left_out} {woken}");
-    repose.end();
-    assert!(!repose.is_complete());
+    repose.wake();
+    assert!(!repose.is_asleep());
 }
 
 /// The same in every kind of lanes: they rest together, and one of them is enough to wake all.

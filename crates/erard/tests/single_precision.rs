@@ -4,7 +4,7 @@ mod common;
 
 use common::{USUAL_STEP_S, grand};
 use erard::assembly::{assemble, drawn_angles};
-use moreau::{Input, Model, Outcome, Scalar, Scratch, Settings, State, step};
+use moreau::{Input, Model, Outcome, Scalar, Settings, State, Workspace, step};
 
 /// Settling before the press, and the press, s.
 const SETTLE_S: f64 = 1.0;
@@ -22,14 +22,14 @@ where
     let [x, y] = grand.roles.hammer_head_m;
     let settings = Settings::new(T::from_f64(USUAL_STEP_S));
     let mut state = State::at_rest(drawn_angles(&grand));
-    let mut scratch = Scratch::<T, 6, 14, 10>::new();
+    let mut workspace = Workspace::<T, 6, 14, 10>::new();
     let mut unconverged = 0;
     let mut fastest = 0.0_f64;
     let mut caught_at = 0.0;
     let steps = |s: f64| (s / USUAL_STEP_S) as u32;
     for n in 0..steps(SETTLE_S + PRESS_S) {
         let input = if n < steps(SETTLE_S) { Input::Free } else { Input::Force(T::from_f64(force_n)) };
-        let report = step(&model, &settings, &input, &mut state, &mut scratch);
+        let report = step(&model, &settings, &input, &mut state, &mut workspace);
         assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
         unconverged += u32::from(report.outcome == Outcome::IterationLimit);
         if n >= steps(SETTLE_S) {

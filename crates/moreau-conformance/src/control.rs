@@ -1,6 +1,6 @@
 //! Problem 15: problems 2 and 6 again, with steps whose error is controlled.
 
-use moreau::{Accuracy, Controller, Halves, Input, Outcome, State, controlled_step};
+use moreau::{Accuracy, Controller, Halves, Input, Loss, Outcome, State, controlled_step};
 
 use crate::felt;
 use crate::hinge;
@@ -68,7 +68,7 @@ fn damped_felt(rows: &mut Vec<Row>) {
     let mut steps = Vec::new();
     for tolerance in TOLERANCES {
         let (r, k, b, rebound, _) = felt::DAMPED[0];
-        let m = felt::thrown(k, r, b, 1e-6, 1e-3 / 3.0);
+        let m = felt::thrown(k, r, Loss::Quadratic(b), 1e-6, 1e-3 / 3.0);
         // The mass moves at 0.01 rad/s.
         let accuracy = Accuracy { velocity: 0.01, ..Accuracy::new(tolerance, 1e-9, 1e-3) };
         let mut c = Controlled::new(m, accuracy);

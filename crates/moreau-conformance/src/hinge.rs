@@ -1,6 +1,6 @@
 //! Problems 1 to 3: one body on a hinge with dry friction.
 
-use moreau::{Body, Model, Settings, Spring};
+use moreau::{Body, Description, Settings, Spring};
 
 use crate::mechanism::{Mechanism, hinge};
 use crate::row::Row;
@@ -8,7 +8,7 @@ use crate::row::Row;
 fn loaded_pivot(load: f64) -> Mechanism<1, 0, 1> {
     let body = Body { dry: 2e-3, ..hinge(1.5e-4) };
     let spring = Spring { body: 0, torque: load, stiffness: 0.0, reference: 0.0 };
-    let model = Model::new(&[body], &[spring], &[], None, 0.0).expect("sound");
+    let model = Description { bodies: &[body], springs: &[spring], ..Description::default() }.compile().expect("sound");
     Mechanism::new(model, [0.0], [0.0], Settings::new(1e-4))
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn pivot() -> Vec<Row> {
 pub(crate) fn dry_oscillator_at(h: f64) -> Mechanism<1, 0, 1> {
     let body = Body { dry: 1.0, ..hinge(1.0) };
     let spring = Spring { body: 0, torque: 0.0, stiffness: 1.0, reference: 0.0 };
-    let model = Model::new(&[body], &[spring], &[], None, 0.0).expect("sound");
+    let model = Description { bodies: &[body], springs: &[spring], ..Description::default() }.compile().expect("sound");
     Mechanism::new(model, [12.0], [6.0], Settings::new(h))
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn dry_oscillator() -> Vec<Row> {
 pub(crate) fn dry_pendulum() -> Vec<Row> {
     let (mass, length, dry, g) = (0.010, 0.112, 8e-4, 9.81);
     let body = Body { mass, center_of_mass: [0.0, -length], inertia: mass * length * length, dry, ..Body::inert() };
-    let model = Model::<f64, 1, 0>::new(&[body], &[], &[], None, g).expect("sound");
+    let model = Description { bodies: &[body], gravity: g, ..Description::default() }.compile::<1, 0>().expect("sound");
     let mut m = Mechanism::<1, 0, 1>::new(model, [0.5], [0.0], Settings::new(1e-5));
     let (points, _) = turning_points(&mut m, 5.0);
     let mut rows = Vec::new();

@@ -65,5 +65,6 @@ pub fn problems() -> Vec<Problem> {
         problem(19, "Surfaces that end", finite::rows),
         problem(20, "Scotch yoke", slot::rows),
         problem(21, "Torsion springs and stiff springs", springs::rows),
+        problem(22, "Hunt and Crossley's felt", felt::hunt_crossley),
     ]
 }

@@ -1,13 +1,13 @@
 //! Running a tree of hinged bodies.
 
-use moreau::{Body, Input, Model, Outcome, Scratch, Settings, State, step};
+use moreau::{Body, Input, Model, Outcome, Settings, State, Workspace, step};
 
 /// A model, where it is, and how it is stepped.
 pub struct Mechanism<const B: usize, const Z: usize, const N: usize> {
     pub model: Model<f64, B, Z>,
     pub state: State<f64, B, Z>,
     pub settings: Settings<f64>,
-    pub scratch: Scratch<f64, B, Z, N>,
+    pub workspace: Workspace<f64, B, Z, N>,
     pub time: f64,
     /// No step has failed so far.
     pub sound: bool,
@@ -17,11 +17,11 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism<B, Z, N> {
     pub fn new(model: Model<f64, B, Z>, angle: [f64; B], velocity: [f64; B], settings: Settings<f64>) -> Self {
         let mut state = State::at_rest(angle);
         state.velocity = velocity;
-        Mechanism { model, state, settings, scratch: Scratch::new(), time: 0.0, sound: true }
+        Mechanism { model, state, settings, workspace: Workspace::new(), time: 0.0, sound: true }
     }
 
     pub fn step(&mut self) {
-        let report = step(&self.model, &self.settings, &Input::Free, &mut self.state, &mut self.scratch);
+        let report = step(&self.model, &self.settings, &Input::Free, &mut self.state, &mut self.workspace);
         self.sound &= report.outcome == Outcome::Converged;
         self.time += self.settings.step;
     }

@@ -1,7 +1,7 @@
 //! Problem 4: a double pendulum without friction, in the engine's tree and as rigid bodies with two hinges.
 
 use moreau::rigid::{self, Joint, JointKind};
-use moreau::{Body, GROUND, Model, Settings};
+use moreau::{Body, Description, GROUND, Settings};
 
 use crate::mechanism::Mechanism;
 use crate::row::{Order, Row};
@@ -33,7 +33,7 @@ fn tree(h: f64, theta: f64) -> Swung {
         ..Body::inert()
     };
     let bodies = [bar(M1, L1), Body { parent: 0, pivot: [0.0, -L1], ..bar(M2, L2) }];
-    let model = Model::new(&bodies, &[], &[], None, G).expect("sound");
+    let model = Description { bodies: &bodies, gravity: G, ..Description::default() }.compile().expect("sound");
     let settings = Settings { theta, tolerance: 1e-12, ..Settings::new(h) };
     let mut m = Mechanism::<2, 0, 1>::new(model, START, [0.0; 2], settings);
     let start = moreau::Energies::of(&m.model, &m.state).total();

@@ -46,6 +46,7 @@ problems_hold! {
     surfaces_that_end 19
     scotch_yoke 20
     torsion_springs_and_stiff_springs 21
+    hunt_and_crossleys_felt 22
 }
 
 /// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.
@@ -75,6 +76,12 @@ fn the_references_are_the_published_numbers() {
         (12, "first impact, h = 1e-3", 0.428_352_936_9),
         (12, "comes to rest, h = 1e-3", 8.138_705_800_7),
         (13, "mu 0.5: normal force over mass, h = 1e-6", 5.605_714_285_7),
+        // By a Runge-Kutta method of order 4 at steps of 20 ns, in another language.
+        (22, "r = 2, a = 0.6: speed of rebound", 0.711_950_179_6),
+        (22, "r = 2.5, a = 0.6: largest compression", 5.621_843_078_4e-4),
+        (22, "r = 3, a = 0.3: speed of rebound", 0.832_869_792_3),
+        (22, "r = 3, a = 2: speed of rebound", 0.410_719_686_1),
+        (22, "r = 3, a = 2: largest compression", 5.479_335_690_9e-4),
     ] {
         if solved.iter().all(|(n, _)| *n != number) {
             let problem = problems().into_iter().find(|p| p.number == number).expect("a problem of this number");

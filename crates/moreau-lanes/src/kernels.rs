@@ -1,6 +1,6 @@
 //! The kernel, compiled for each set of instructions.
 
-use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Scratch, Settings, State, step, step_lanes};
+use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step, step_lanes};
 
 use crate::avx2::F64x4;
 use crate::avx2_single::F32x8;
@@ -19,7 +19,7 @@ struct Stepped<T: Real, const B: usize, const Z: usize, const N: usize> {
     model: Model<T, B, Z>,
     state: State<T, B, Z>,
     settings: Settings<T>,
-    scratch: Scratch<T, B, Z, N>,
+    workspace: Workspace<T, B, Z, N>,
 }
 
 /// As many mechanisms as T has lanes, side by side.
@@ -46,7 +46,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
                 model: Model::of_lanes(&each_model)?,
                 state: State::of_lanes(&each_state),
                 settings: Settings::in_lanes(settings),
-                scratch: Scratch::new(),
+                workspace: Workspace::new(),
             },
             models: models.to_vec(),
             own_settings: *settings,
@@ -89,10 +89,10 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     #[cold]
     #[inline(never)]
     fn one_by_one(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        let mut scratch = Scratch::<f64, B, Z, N>::new();
+        let mut workspace = Workspace::<f64, B, Z, N>::new();
         for (i, outcome) in outcomes[..T::LANES].iter_mut().enumerate() {
             let mut state = self.stepped.state.lane(i);
-            *outcome = step(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut scratch).outcome;
+            *outcome = step(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut workspace).outcome;
             self.stepped.state.set_lane(i, &state);
         }
     }
@@ -163,8 +163,8 @@ fn step_all<T: Real, const B: usize, const Z: usize, const N: usize>(
     // Their number is now known to the compiler.
     let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
     let Some(input) = Input::of_lanes(inputs) else { return false };
-    let Stepped { model, state, settings, scratch } = stepped;
-    let report = step_lanes(model, settings, &input, state, scratch);
+    let Stepped { model, state, settings, workspace } = stepped;
+    let report = step_lanes(model, settings, &input, state, workspace);
     if report.converged.and(report.finite).all() {
         outcomes.fill(Outcome::Converged);
         return true;

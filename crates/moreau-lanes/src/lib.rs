@@ -18,7 +18,7 @@ mod kernels;
 #[cfg(target_arch = "x86_64")]
 mod number;
 
-use moreau::{Input, Model, Outcome, Repose, Scratch, Settings, State, step};
+use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step};
 
 /// How many mechanisms of a group are stepped at once, and how precisely.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,25 +111,25 @@ struct OneByOne<const B: usize, const Z: usize, const N: usize> {
     models: Vec<Model<f64, B, Z>>,
     states: Vec<State<f64, B, Z>>,
     settings: Settings<f64>,
-    scratch: Scratch<f64, B, Z, N>,
-    reposes: Vec<Repose<f64>>,
+    workspace: Workspace<f64, B, Z, N>,
+    sleeps: Vec<Sleep<f64>>,
 }
 
 impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
     #[inline(never)]
     fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        let OneByOne { models, states, settings, scratch, reposes } = self;
+        let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
-            reposes[i].end();
-            outcomes[i] = step(model, settings, &inputs[i], state, scratch).outcome;
+            sleeps[i].wake();
+            outcomes[i] = step(model, settings, &inputs[i], state, workspace).outcome;
         }
     }
 
     #[inline(never)]
     fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        let OneByOne { models, states, settings, scratch, reposes } = self;
+        let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
-            outcomes[i] = reposes[i].step(model, settings, &inputs[i], state, scratch).outcome;
+            outcomes[i] = sleeps[i].step(model, settings, &inputs[i], state, workspace).outcome;
         }
     }
 }
@@ -139,7 +139,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     /// only, they are stepped at once; otherwise one by one.
     ///
     /// # Panics
-    /// If there are not as many states as models.
+    /// If there are not as many states as models, or a model has more than N set-valued laws ([`Model::laws`]).
     pub fn new(
         models: &[Model<f64, B, Z>],
         states: &[State<f64, B, Z>],
@@ -147,6 +147,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         lanes: Lanes,
     ) -> Self {
         assert_eq!(models.len(), states.len(), "a state for each model");
+        assert!(models.iter().all(|model| model.laws() <= N), "room for all set-valued laws");
         #[cfg(target_arch = "x86_64")]
         let kind = match lanes {
             Lanes::One => None,
@@ -168,8 +169,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             models: models.to_vec(),
             states: states.to_vec(),
             settings: *settings,
-            scratch: Scratch::new(),
-            reposes: vec![Repose::none(); models.len()],
+            workspace: Workspace::new(),
+            sleeps: vec![Sleep::awake(); models.len()],
         };
         Group { kind: Kind::OneByOne(Box::new(one_by_one)) }
     }
@@ -236,7 +237,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::EightSingle(eight) => eight.is_at_rest(),
             #[cfg(target_arch = "x86_64")]
             Kind::SixteenSingle(sixteen) => sixteen.is_at_rest(),
-            Kind::OneByOne(one) => one.reposes.iter().all(Repose::is_complete),
+            Kind::OneByOne(one) => one.sleeps.iter().all(Sleep::is_asleep),
         }
     }
 

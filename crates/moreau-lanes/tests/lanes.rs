@@ -1,6 +1,9 @@
 //! Mechanisms in lanes move as each of them does alone.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Input, Model, Outcome, Scratch, Settings, Site, State, Zone, step};
+use moreau::{
+    Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Outcome, Settings, Site, State, Workspace,
+    Zone, step,
+};
 use moreau_lanes::{Group, Lanes};
 
 /// A lever on a felt, hit by a second one: two hinges with dry friction, a rubbing contact and a stop. `i` changes the masses.
@@ -15,7 +18,7 @@ fn pair(i: usize) -> Model<f64, 2, 3> {
         viscous: 1e-4,
         ..Body::inert()
     };
-    let felt = Felt { stiffness: 1e8, exponent: Exponent::Two, damping: 1e8 };
+    let felt = Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::Quadratic(1e8) };
     let zone = |disc_body, center, curve_body, y, friction| Zone {
         disc_body,
         center,
@@ -32,7 +35,9 @@ fn pair(i: usize) -> Model<f64, 2, 3> {
     ];
     let site = Site { body: 0, point: [0.1, 0.0], direction: [0.0, -1.0], stiffness: 2e4, damping: 20.0 };
     let bodies = [body([0.0, 0.0], 1e-3), body([0.02, 0.01], 2e-4)];
-    Model::new(&bodies, &[], &zones, Some(site), 9.81).expect("sound")
+    Description { bodies: &bodies, zones: &zones, site: Some(site), gravity: 9.81, ..Description::default() }
+        .compile()
+        .expect("sound")
 }
 
 fn models(count: usize) -> Vec<Model<f64, 2, 3>> {
@@ -107,7 +112,7 @@ fn a_single_step_in_lanes_is_a_single_step_alone() {
         let alone: Vec<Model<f32, 2, 3>> = (0..count).map(|i| Model::of_lanes(&[&models[i]]).expect("one")).collect();
         let own = Settings::in_lanes(&settings);
         let mut states = vec![State::<f32, 2, 3>::at_rest([0.0; 2]); count];
-        let mut scratch = Scratch::<f32, 2, 3, 4>::new();
+        let mut workspace = Workspace::<f32, 2, 3, 4>::new();
         let mut outcomes = vec![Outcome::Converged; count];
         let (mut moved, mut apart) = (0.0_f64, [0.0_f64; 2]);
         for n in 0..10_000 {
@@ -118,7 +123,7 @@ fn a_single_step_in_lanes_is_a_single_step_alone() {
             together.step(&inputs, &mut outcomes);
             for (i, state) in states.iter_mut().enumerate() {
                 let input = Input::of_lanes(&inputs[i..=i]).expect("one");
-                let report = step(&alone[i], &own, &input, state, &mut scratch);
+                let report = step(&alone[i], &own, &input, state, &mut workspace);
                 assert_eq!(outcomes[i], report.outcome, "step {n}, lane {i}");
                 let (angle, velocity) = together.motion(i);
                 for k in 0..2 {

@@ -1,12 +1,13 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
-use crate::contact::Timing;
-use crate::joints::row_to_joints;
 use crate::linear::Symmetric;
 use crate::model::Model;
-use crate::state::{Input, Scratch};
+use crate::real::{Mask, Real};
+use crate::state::Input;
+use crate::timing::Timing;
+use crate::tree::Tree;
 use crate::vector::{cross, dot};
-use crate::{Mask, Real};
+use crate::workspace::{Drive, Inertia, Kinematics, Workspace};
 
 /// The couplings of M(q_*), M w0 in relative velocities, and the driven point's row, at the predicted pose.
 ///
@@ -17,9 +18,10 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     model: &Model<T, B, Z>,
     v0: &[T; B],
     w0: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) {
-    let Scratch { coupling, deep_coupling, momentum, pose, .. } = &mut *scratch;
+    let Workspace { kinematics: Kinematics { pose, .. }, inertia, drive, .. } = workspace;
+    let Inertia { coupling, deep_coupling, momentum } = inertia;
     let (mut impulse, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
     let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
@@ -28,39 +30,38 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
         impulse[i] = (model.inertia[i] * v0[i]).add_product(c, v0[i] - w0[i]);
         on_parent[i] = c * v0[i];
     }
-    if model.deep {
-        beyond_parents(model, |i, ancestor, branch| {
+    if model.tree.deep {
+        beyond_parents(&model.tree, |i, ancestor, branch| {
             let c = dot(pose.arm(branch), [x[i], y[i]]);
             deep_coupling[i][ancestor] = c;
             impulse[i] += c * v0[ancestor];
             impulse[ancestor] += c * v0[i];
         });
     }
-    row_to_joints(model, &mut impulse, &on_parent);
+    model.tree.row_to_joints(&mut impulse, &on_parent);
     *momentum = impulse;
     if let Some(site) = &model.site {
-        let x = scratch.pose.point(site.body, site.point);
-        scratch.pose.turning_row(&model.site_path, x, site.direction, &mut scratch.site_row);
+        let x = pose.point(site.body, site.point);
+        pose.turning_row(&model.site_support, x, site.direction, &mut drive.site_row);
     }
 }
 
 /// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
 #[cold]
-fn beyond_parents<T: Real, const B: usize, const Z: usize>(
-    model: &Model<T, B, Z>,
-    mut pair: impl FnMut(usize, usize, usize),
-) {
-    for &i in &model.hinged[..model.hinged_count] {
-        let mut branch = model.parent[i];
-        while model.parent[branch] < B {
-            pair(i, model.parent[branch], branch);
-            branch = model.parent[branch];
+fn beyond_parents<T: Real, const B: usize>(tree: &Tree<T, B>, mut pair: impl FnMut(usize, usize, usize)) {
+    for &i in tree.hinged() {
+        let mut branch = tree.parent[i];
+        while tree.parent[branch] < B {
+            pair(i, tree.parent[branch], branch);
+            branch = tree.parent[branch];
         }
     }
 }
 
-/// The mass matrix of a tree of any depth in relative velocities: built in absolute ones, in which v is the sum of w over the joints that
-/// carry a body, so that from the leaves on each row and column goes to its parent's, too.
+/// The mass matrix of a tree of any depth in relative velocities.
+///
+/// It is built in absolute ones first. There v is the sum of w over the joints that carry a body; so each row and column is added to its
+/// parent's, from the leaves on.
 #[cold]
 fn deep_mass<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
@@ -72,12 +73,12 @@ fn deep_mass<T: Real, const B: usize, const Z: usize>(
         mass[i][i] = model.inertia[i];
     }
     let mut couple = |i: usize, ancestor: usize, c: T| (mass[i][ancestor], mass[ancestor][i]) = (c, c);
-    for &i in &model.hinged[..model.hinged_count] {
-        couple(i, model.parent[i], coupling[i]);
+    for &i in model.tree.hinged() {
+        couple(i, model.tree.parent[i], coupling[i]);
     }
-    beyond_parents(model, |i, ancestor, _| couple(i, ancestor, deep_coupling[i][ancestor]));
-    for &i in model.hinged[..model.hinged_count].iter().rev() {
-        let p = model.parent[i];
+    beyond_parents(&model.tree, |i, ancestor, _| couple(i, ancestor, deep_coupling[i][ancestor]));
+    for &i in model.tree.hinged().iter().rev() {
+        let p = model.tree.parent[i];
         for k in 0..B {
             let t = mass[i][k];
             mass[p][k] += t;
@@ -103,39 +104,39 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     input: &Input<T>,
     w: &[T; B],
     joint_angle: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) {
     let (h, h_theta) = (timing.step, timing.h_theta);
-    let weights = gravity_and_centrifugal(model, scratch);
-    let driven = drive(model, input, h_theta, scratch);
-    let Scratch { system, coupling, deep_coupling, momentum, joint_velocity, site_row, drive_force, .. } =
-        &mut *scratch;
-    let (a, b) = (&mut system.a, &mut system.b);
+    let Workspace { kinematics, inertia: at_start, drive, problem, .. } = workspace;
+    let weights = gravity_and_centrifugal(model, kinematics);
+    let driven = drive_force(model, input, h_theta, kinematics, drive);
+    let Inertia { coupling, deep_coupling, momentum } = at_start;
+    let (a, b) = (&mut problem.system.a, &mut problem.system.b);
     let mut carried = [T::ZERO; B];
     let deep;
-    let inertia = if model.deep {
+    let inertia = if model.tree.deep {
         *a = deep_mass(model, coupling, deep_coupling);
         deep = a.diagonal;
         &deep
     } else {
         a.clear_below();
         // c (w_i + w_p) w_p.
-        for &i in &model.hinged[..model.hinged_count] {
-            a.below[i][model.parent[i]] = model.inertia[i] + coupling[i];
+        for &i in model.tree.hinged() {
+            a.below[i][model.tree.parent[i]] = model.inertia[i] + coupling[i];
         }
-        row_to_joints(model, &mut carried, coupling);
+        model.tree.row_to_joints(&mut carried, coupling);
         &model.joint_inertia
     };
     for i in 0..B {
         let spring = model.spring_torque[i].sub_product(model.spring_stiffness[i], joint_angle[i]);
-        let torque = (weights[i] + spring).sub_product(model.viscous[i], joint_velocity[i]);
+        let torque = (weights[i] + spring).sub_product(model.viscous[i], kinematics.joint_velocity[i]);
         let tangent = h_theta * model.viscous[i].add_product(h_theta, model.spring_stiffness[i]);
         b[i] = momentum[i].add_product(h, torque).add_product(tangent, w[i]);
         a.diagonal[i] = inertia[i] + (tangent + carried[i] + carried[i]);
     }
     if let Some((force, tangent)) = driven {
-        *drive_force = force;
-        model.site_path.add_term(a, b, site_row, tangent, h * force, w);
+        drive.force = force;
+        model.site_support.add_term(a, b, &drive.site_row, tangent, h * force, w);
     }
 }
 
@@ -148,37 +149,38 @@ pub(crate) fn regularised_friction<T: Real, const B: usize, const Z: usize, cons
     near: &[usize],
     [pivot_width, sliding_width]: [T; 2],
     w: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) {
     let (h, h_theta) = (timing.step, timing.h_theta);
-    let (a, b) = (&mut scratch.system.a, &mut scratch.system.b);
+    let Workspace { kinematics, contacts, problem, forces, .. } = workspace;
+    let (a, b) = (&mut problem.system.a, &mut problem.system.b);
     for i in 0..B {
-        let t = (scratch.joint_velocity[i] / pivot_width).tanh();
+        let t = (kinematics.joint_velocity[i] / pivot_width).tanh();
         let tangent = h_theta * model.dry[i] / pivot_width * (T::ONE - t * t);
-        scratch.pivot_friction[i] = -model.dry[i] * t;
+        forces.pivot_friction[i] = -model.dry[i] * t;
         b[i] += tangent * w[i] - h * model.dry[i] * t;
         a.diagonal[i] += tangent;
     }
     for &z in near {
-        let contact = &scratch.contacts[z];
-        if let (true, Some(mu)) = (scratch.active[z].any(), model.zones[z].friction) {
-            let (row, path) = (&scratch.slip_row[z], &model.paths[z]);
-            let t = (path.product(row, &scratch.joint_velocity) / sliding_width).tanh();
+        let contact = &contacts.states[z];
+        if let (true, Some(mu)) = (contacts.active[z].any(), model.zones[z].friction) {
+            let (row, support) = (&contacts.slip_row[z], &model.supports[z]);
+            let t = (support.product(row, &kinematics.joint_velocity) / sliding_width).tanh();
             let limit = mu * contact.force;
             let tangent = h_theta * limit / sliding_width * (T::ONE - t * t);
-            scratch.tangential[z] = -limit * t;
-            path.add_term(a, b, row, tangent, -h * limit * t, w);
+            forces.tangential[z] = -limit * t;
+            support.add_term(a, b, row, tangent, -h * limit * t, w);
         }
     }
 }
 
 /// Weight and centrifugal forces on the joints.
 #[inline(always)]
-fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usize>(
+fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
-    scratch: &Scratch<T, B, Z, N>,
+    kinematics: &Kinematics<T, B>,
 ) -> [T; B] {
-    let (v, w, pose) = (&scratch.velocity, &scratch.joint_velocity, &scratch.pose);
+    let Kinematics { velocity: v, joint_velocity: w, pose } = kinematics;
     let (mut force, mut on_parent) = ([T::ZERO; B], [T::ZERO; B]);
     let (x, y) = (&pose.moment_x, &pose.moment_y);
     for i in 0..B {
@@ -188,41 +190,40 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize, const N: usi
         force[i] = (-(model.gravity * x[i])).sub_product(carrier * carrier, c);
         on_parent[i] = v[i] * v[i] * c;
     }
-    if model.deep {
-        beyond_parents(model, |i, ancestor, branch| {
+    if model.tree.deep {
+        beyond_parents(&model.tree, |i, ancestor, branch| {
             let c = cross(pose.arm(branch), [x[i], y[i]]);
             force[ancestor] += v[i] * v[i] * c;
             force[i] -= v[ancestor] * v[ancestor] * c;
         });
     }
-    row_to_joints(model, &mut force, &on_parent);
+    model.tree.row_to_joints(&mut force, &on_parent);
     force
 }
 
 /// The driver's force at the site and its tangent: given, or from its spring and damper, which only push.
 #[inline(always)]
-fn drive<T: Real, const B: usize, const Z: usize, const N: usize>(
+fn drive_force<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     input: &Input<T>,
     h_theta: T,
-    scratch: &mut Scratch<T, B, Z, N>,
+    kinematics: &Kinematics<T, B>,
+    drive: &mut Drive<T, B>,
 ) -> Option<(T, T)> {
-    scratch.drive_force = T::ZERO;
-    scratch.drive_pull = T::ZERO;
-    scratch.drive_tangent = T::ZERO;
+    (drive.force, drive.pull, drive.tangent) = (T::ZERO, T::ZERO, T::ZERO);
     let site = model.site.as_ref()?;
     match *input {
         Input::Free | Input::Rigid { .. } => None,
         Input::Force(force) => Some((force, T::ZERO)),
         Input::Motion { position, velocity } => {
-            let at = dot(site.direction, scratch.pose.point(site.body, site.point));
-            let speed = model.site_path.product(&scratch.site_row, &scratch.joint_velocity);
+            let at = dot(site.direction, kinematics.pose.point(site.body, site.point));
+            let speed = model.site_support.product(&drive.site_row, &kinematics.joint_velocity);
             let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
-            scratch.drive_pull = force;
-            scratch.drive_tangent = h_theta * (site.damping + h_theta * site.stiffness);
+            drive.pull = force;
+            drive.tangent = h_theta * (site.damping + h_theta * site.stiffness);
             let pushes = T::ZERO.lt(force);
             let only = |x: T| T::only(pushes, x);
-            pushes.any().then_some((only(force), only(scratch.drive_tangent)))
+            pushes.any().then_some((only(force), only(drive.tangent)))
         }
     }
 }

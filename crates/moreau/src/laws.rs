@@ -2,34 +2,26 @@
 
 use crate::model::Model;
 use crate::osnsp::Solver;
+use crate::real::{Mask, Real};
 use crate::settings::Settings;
-use crate::state::{Input, Scratch, State};
-use crate::{Mask, Real};
+use crate::state::{Input, State};
+use crate::workspace::{Forces, LawSource, Problem, Turning, Workspace};
 
-/// What a sliding law of the one-step problem stands for.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Law {
-    /// Coulomb friction of a zone.
-    Zone(usize),
-    /// The rigid drive.
-    Rigid,
-}
-
-/// Before a step's first iteration: the pivots' forces as the last step left them. A pivot that turned goes on being opposed, unless the
-/// predicted velocity `w` turns around: then it is expected to stick, as does one that stuck.
+/// Guesses where the pivots stand, before a step's first iteration. A pivot that turned is expected to go on turning, unless the predicted
+/// velocity `w` has the other sign: then it is expected to stick, as does one that stuck.
 #[inline(always)]
-pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn warm_start_pivots<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     state: &State<T, B, Z>,
     w0: &[T; B],
     w: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) {
-    scratch.rigid_force = state.rigid_force;
+    workspace.forces.rigid_force = state.rigid_force;
     if settings.solver == Solver::ProjectedGaussSeidel {
         for i in 0..B {
-            scratch.impulses.pivot[i] = settings.step * state.pivot_friction[i];
+            workspace.problem.impulses.pivot[i] = settings.step * state.pivot_friction[i];
         }
     }
     for i in 0..B {
@@ -37,34 +29,38 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
         let goes_on = settings.solver_tolerance.lt(w0[i].abs()).and(T::ZERO.lt(w0[i] * w[i]));
         let moves = goes_on.or(model.dry[i].le(T::ZERO));
         let against = T::select(T::ZERO.lt(w[i]), -T::ONE, T::ONE);
-        scratch.guess.pivot[i] = T::only(moves, against);
+        workspace.problem.guess.pivot[i] = T::only(moves, against);
     }
 }
 
-/// Completes the linearised step with the laws in force and a warm start: the last iteration's forces and sides, or before the first
-/// one the last step's.
+/// Completes the linearised step with the laws in force and a warm start: the last iteration's forces and sides, or in the first
+/// iteration the contact cache.
+///
+/// There is room for all laws: `step_lanes` takes no step where there is not.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
     state: &State<T, B, Z>,
-    again: bool,
+    first: bool,
     w0: &[T; B],
     w: &[T; B],
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) {
     let h = settings.step;
-    let Scratch { system, impulses, guess, laws, contacts, active, slip_row, site_row, .. } = scratch;
-    let Scratch { tangential, side, rigid_force, slip_before, slip_span, turn, .. } = scratch;
+    let Workspace { contacts, drive, problem, turning, forces, .. } = workspace;
+    let Problem { system, impulses, guess, sources, .. } = problem;
+    let Turning { slip_before, span, turn } = turning;
+    let Forces { tangential, side, rigid_force, .. } = forces;
     if settings.friction.is_regularised() {
         system.pivot_bound = [T::ZERO; B];
         impulses.pivot = [T::ZERO; B];
         guess.pivot = [T::ONE; B];
         system.count = 0;
-        for &z in state.survey.sliding() {
-            if !active[z].any() {
+        for &z in state.broad_phase.sliding() {
+            if !contacts.active[z].any() {
                 tangential[z] = T::ZERO;
             }
             side[z] = T::ZERO;
@@ -74,34 +70,36 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             system.pivot_bound[i] = h * model.dry[i];
         }
         let mut n = 0;
-        let allows_for_turning = T::ZERO.lt(*slip_span).any();
-        for &z in state.survey.sliding() {
-            let (contact, path, mu) = (&contacts[z], &model.paths[z], model.forms[z].friction);
-            let (warm, warm_side) = if again { (tangential[z], side[z]) } else { (state.tangential[z], state.side[z]) };
+        let allows_for_turning = T::ZERO.lt(*span).any();
+        for &z in state.broad_phase.sliding() {
+            let (contact, support, mu) = (&contacts.states[z], &model.supports[z], model.compiled[z].friction);
+            let slip_row = &contacts.slip_row[z];
+            let (warm, warm_side) = if first { (state.tangential[z], state.side[z]) } else { (tangential[z], side[z]) };
             (tangential[z], side[z]) = (T::ZERO, T::ZERO);
             if allows_for_turning {
                 turn[z] = T::ZERO;
             }
-            let pressed = active[z].and(T::ZERO.lt(contact.force));
+            let pressed = contacts.active[z].and(T::ZERO.lt(contact.force));
             if !pressed.any() || n >= N {
                 continue;
             }
-            laws[n] = Law::Zone(z);
+            sources[n] = LawSource::Zone(z);
             let law = &mut system.sliding[n];
-            path.spread(&slip_row[z], T::ONE, &mut law.row);
+            support.spread(slip_row, T::ONE, &mut law.row);
             law.target = T::ZERO;
             if allows_for_turning {
-                // The law speaks of the step's end, until where the row goes on turning as it did since the last step's.
+                // Stick must hold at the end of the step. The slip row is extrapolated to that instant: it is assumed to keep turning at
+                // the rate since the last step.
                 let pressed_before = T::ZERO.lt(warm.abs()).or(T::ZERO.lt(warm_side.abs()));
-                let turned = path.product(&slip_row[z], w0) - slip_before[z];
-                let rest = (T::ONE - settings.theta) * h / (*slip_span + settings.theta * h);
+                let turned = support.product(slip_row, w0) - slip_before[z];
+                let rest = (T::ONE - settings.theta) * h / (*span + settings.theta * h);
                 turn[z] = T::only(pressed_before, rest * turned);
                 law.target = -turn[z];
             }
             // The felt's force in this very step, mu (F + dF/dw (w1 - w)), times h.
             let gradient = mu * contact.tangent;
-            law.bound = (mu * h * contact.force).sub_product(gradient, path.product(&contact.row, w));
-            path.spread(&contact.row, gradient, &mut law.slope);
+            law.bound = (mu * h * contact.force).sub_product(gradient, support.product(&contact.row, w));
+            support.spread(&contact.row, gradient, &mut law.slope);
             law.rigid = false;
             guess.open[n] = pressed.not();
             impulses.sliding[n] = h * warm;
@@ -109,13 +107,13 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
             let fresh = warm.abs().le(T::ZERO).and(warm_side.abs().le(T::ZERO));
             if fresh.any() {
                 // Touched for the first time: it slides as it arrives.
-                let u = path.product(&slip_row[z], w0);
+                let u = support.product(slip_row, w0);
                 let arrival = T::select(T::ZERO.lt(u), -T::ONE, T::ONE);
                 guess.sliding[n] = T::select(fresh, arrival, warm_side);
             }
             if !pressed.all() {
-                // In lanes that do not press there is no law: a bound of zero that no velocity changes. (A product: to store some
-                // lanes only is far slower.)
+                // Lanes that do not press have no law: a bound of zero that no velocity changes. A product does it, because storing only
+                // some lanes is far slower.
                 let share = T::only(pressed, T::ONE);
                 let only = |x: T| x * share;
                 law.row = law.row.map(only);
@@ -130,9 +128,9 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
     }
     let n = system.count;
     if let (Input::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
-        laws[n] = Law::Rigid;
+        sources[n] = LawSource::Drive;
         let law = &mut system.sliding[n];
-        model.site_path.spread(site_row, T::ONE, &mut law.row);
+        model.site_support.spread(&drive.site_row, T::ONE, &mut law.row);
         law.target = *velocity;
         law.rigid = true;
         impulses.sliding[n] = h * *rigid_force;
@@ -142,57 +140,62 @@ pub(crate) fn one_step_problem<T: Real, const B: usize, const Z: usize, const N:
     }
 }
 
-/// Stores the sliding laws' forces p/h and sides: the next warm start, and what the run reports.
+/// Stores the sliding laws' forces p/h and sides: the next iteration's warm start, and what the run reports.
 #[inline(always)]
-pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn store_forces<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) {
     let inverse_h = T::ONE / settings.step;
-    for k in 0..scratch.system.count {
-        let f = scratch.impulses.sliding[k] * inverse_h;
-        match scratch.laws[k] {
-            Law::Zone(z) => {
-                scratch.tangential[z] = f;
-                scratch.side[z] = scratch.guess.sliding[k];
+    let Workspace { problem, forces, drive, .. } = workspace;
+    for k in 0..problem.system.count {
+        let f = problem.impulses.sliding[k] * inverse_h;
+        match problem.sources[k] {
+            LawSource::Zone(z) => {
+                forces.tangential[z] = f;
+                forces.side[z] = problem.guess.sliding[k];
             }
-            Law::Rigid => {
-                scratch.rigid_force = f;
-                scratch.drive_force = f;
+            LawSource::Drive => {
+                forces.rigid_force = f;
+                drive.force = f;
             }
         }
     }
 }
 
-/// What a step that ends keeps of the laws, in the lanes in which it ends.
+/// Hands the laws' forces and sides to the state's contact cache, in the lanes in which the step ends.
 #[inline(always)]
-pub(crate) fn end<T: Real, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
     lanes: T::Mask,
     state: &mut State<T, B, Z>,
-    scratch: &Scratch<T, B, Z, N>,
+    workspace: &Workspace<T, B, Z, N>,
 ) {
     let inverse_h = T::ONE / settings.step;
     if lanes.all() && !settings.friction.is_regularised() {
-        // The usual case by itself: storing some lanes only is far slower than storing all.
+        // The usual case stands by itself: storing only some lanes is far slower than storing all.
         for i in 0..B {
-            state.pivot_friction[i] = scratch.impulses.pivot[i] * inverse_h;
+            state.pivot_friction[i] = workspace.problem.impulses.pivot[i] * inverse_h;
         }
-        state.rigid_force = scratch.rigid_force;
-        for &z in state.survey.sliding() {
-            (state.tangential[z], state.side[z]) = (scratch.tangential[z], scratch.side[z]);
+        state.rigid_force = workspace.forces.rigid_force;
+        for &z in state.broad_phase.sliding() {
+            (state.tangential[z], state.side[z]) = (workspace.forces.tangential[z], workspace.forces.side[z]);
         }
         return;
     }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
         let regularised = settings.friction.is_regularised();
-        let force = if regularised { scratch.pivot_friction[i] } else { scratch.impulses.pivot[i] * inverse_h };
+        let force = if regularised {
+            workspace.forces.pivot_friction[i]
+        } else {
+            workspace.problem.impulses.pivot[i] * inverse_h
+        };
         keep(&mut state.pivot_friction[i], force);
     }
-    keep(&mut state.rigid_force, scratch.rigid_force);
-    for &z in state.survey.sliding() {
-        keep(&mut state.tangential[z], scratch.tangential[z]);
-        keep(&mut state.side[z], scratch.side[z]);
+    keep(&mut state.rigid_force, workspace.forces.rigid_force);
+    for &z in state.broad_phase.sliding() {
+        keep(&mut state.tangential[z], workspace.forces.tangential[z]);
+        keep(&mut state.side[z], workspace.forces.side[z]);
     }
 }

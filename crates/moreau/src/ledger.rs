@@ -2,14 +2,13 @@
 //!
 //! Separate from the step, so that a step that nobody audits does not pay for it.
 
-use crate::Scalar;
-use crate::contact::{felt_energy, gap_of};
-use crate::joints::relative;
 use crate::model::Model;
 use crate::pose::Pose;
+use crate::real::Scalar;
 use crate::settings::{FrictionLaw, Settings};
-use crate::state::{Scratch, State};
+use crate::state::State;
 use crate::vector::dot;
+use crate::workspace::Workspace;
 
 /// Stored energies of a state, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -39,20 +38,20 @@ impl Energies {
             let moment = pose.rotate(i, model.moment[i]);
             e.kinetic += (model.inertia[i] * v * v).to_f64() / 2.0;
             let mut branch = i;
-            while model.parent[branch] < B {
-                let ancestor = model.parent[branch];
+            while model.tree.parent[branch] < B {
+                let ancestor = model.tree.parent[branch];
                 e.kinetic += (dot(pose.arm(branch), moment) * v * state.velocity[ancestor]).to_f64();
                 branch = ancestor;
             }
             // First moments about pivots: pivots that move are in their parents' moments already.
             e.gravity += (model.gravity * moment[1]).to_f64();
-            let parent = model.parent[i];
+            let parent = model.tree.parent[i];
             let relative = if parent < B { state.angle[i] - state.angle[parent] } else { state.angle[i] };
             e.spring += (model.spring_stiffness[i] * relative * relative).to_f64() / 2.0
                 - (model.spring_torque[i] * relative).to_f64();
         }
-        for form in &model.forms[..model.zone_count] {
-            e.felt += felt_energy(&form.felt, gap_of(form, &pose)).to_f64();
+        for (z, zone) in model.zones().iter().enumerate() {
+            e.felt += zone.felt.stored(pose.gap(model, z)).to_f64();
         }
         e
     }
@@ -98,7 +97,7 @@ impl Ledger {
         }
     }
 
-    /// Books one step: `before` and `after` it, and the scratch that it left.
+    /// Books one step: `before` and `after` it, and the workspace that it left.
     ///
     /// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the path
     /// of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
@@ -109,13 +108,14 @@ impl Ledger {
         settings: &Settings<T>,
         before: &State<T, B, Z>,
         after: &State<T, B, Z>,
-        scratch: &Scratch<T, B, Z, N>,
+        workspace: &Workspace<T, B, Z, N>,
     ) {
         let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
         let at_theta = |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1];
-        let joints = [&before.velocity, &after.velocity].map(|v| relative(model, v));
-        let drive_velocity = at_theta(joints.map(|w| model.site_path.product(&scratch.site_row, &w).to_f64()));
-        let work = scratch.drive_force.to_f64() * drive_velocity * h;
+        let joints = [&before.velocity, &after.velocity].map(|v| model.tree.relative(v));
+        let drive_velocity =
+            at_theta(joints.map(|w| model.site_support.product(&workspace.drive.site_row, &w).to_f64()));
+        let work = workspace.drive.force.to_f64() * drive_velocity * h;
         self.drive_work += work;
         self.drive_work_in += work.max(0.0);
         let mut smallest = self.smallest_term;
@@ -138,10 +138,10 @@ impl Ledger {
             }
         }
         for (z, zone) in model.zones().iter().enumerate() {
-            let Some(contact) = scratch.contact(model, settings, z) else { continue };
+            let Some(contact) = workspace.contact(model, settings, z) else { continue };
             lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
             let Some(mu) = zone.friction else { continue };
-            let u = scratch.slip(model, z, &joints).map(T::to_f64);
+            let u = workspace.slip(model, z, &joints).map(T::to_f64);
             match settings.friction {
                 FrictionLaw::SetValued => {
                     lose(&mut self.coulomb, after.tangential[z].to_f64().abs() * path(u) * h);

@@ -1,6 +1,6 @@
 //! Symmetric positive definite systems of the size of the mechanism: A = L D L^T, without square roots.
 
-use crate::Real;
+use crate::real::Real;
 
 /// Repeats a body for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler does not unroll
 /// loops within loops early enough to keep a matrix in registers.

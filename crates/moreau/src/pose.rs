@@ -1,12 +1,9 @@
 //! Where every body is: the kinematic tree, evaluated once per Newton iteration.
 
-use crate::contact::{gap_of, gap_row_of};
-use crate::joints::row_to_angles;
-use crate::model::{GROUND, Model};
-use crate::path::Path;
-use crate::real::{opaque, sin_cos};
+use crate::real::{Real, opaque, sin_cos};
+use crate::support::Support;
+use crate::tree::Tree;
 use crate::vector::{Vector, add, cross, sub};
-use crate::{Real, Scalar};
 
 /// Rotations and pivots of all bodies at one configuration.
 #[derive(Debug, Clone)]
@@ -39,17 +36,18 @@ impl<T: Real, const B: usize> Pose<T, B> {
         }
     }
 
-    /// Places every body for the given absolute angles, parents first.
+    /// Places every body for the given absolute angles, parents first. `moment`: x and y of the first moments in the bodies' frames.
     #[inline(always)]
-    pub(crate) fn place<const Z: usize>(&mut self, model: &Model<T, B, Z>, angle: &[T; B]) {
+    pub(crate) fn place(&mut self, tree: &Tree<T, B>, moment: [&[T; B]; 2], angle: &[T; B]) {
         sin_cos(angle, &mut self.sin, &mut self.cos);
+        let [moment_x, moment_y] = moment;
         for i in 0..B {
             let (c, s) = (self.cos[i], self.sin[i]);
-            self.moment_x[i] = (c * model.moment_x[i]).sub_product(s, model.moment_y[i]);
-            self.moment_y[i] = (s * model.moment_x[i]).add_product(c, model.moment_y[i]);
+            self.moment_x[i] = (c * moment_x[i]).sub_product(s, moment_y[i]);
+            self.moment_y[i] = (s * moment_x[i]).add_product(c, moment_y[i]);
         }
-        let ([link_x, link_y], [root_x, root_y]) = (&model.link, &model.root);
-        let [first, further @ ..] = model.parents() else {
+        let ([link_x, link_y], [root_x, root_y]) = (&tree.link, &tree.root);
+        let [first, further @ ..] = tree.parents() else {
             (self.pivot_x, self.pivot_y) = (*root_x, *root_y);
             (self.arm_x, self.arm_y) = ([T::ZERO; B], [T::ZERO; B]);
             return;
@@ -65,7 +63,7 @@ impl<T: Real, const B: usize> Pose<T, B> {
         }
         // A pivot is carried along by its parent's.
         for parent in further {
-            let [link_x, link_y] = &opaque::<T, _>(model).link;
+            let [link_x, link_y] = &opaque::<T, _>(tree).link;
             let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
             let (x, y) = (self.pivot_x[parent.body], self.pivot_y[parent.body]);
             for i in 0..B {
@@ -108,11 +106,11 @@ impl<T: Real, const B: usize> Pose<T, B> {
         [self.pivot_x[body], self.pivot_y[body]]
     }
 
-    /// The row that maps relative velocities to `n . velocity(x)`, for the joints of a path: each turns x about its pivot.
+    /// The row that maps relative velocities to `n . velocity(x)`, for the supporting joints: each turns x about its pivot.
     #[inline(always)]
-    pub(crate) fn turning_row(&self, path: &Path<T, B>, x: Vector<T>, n: Vector<T>, row: &mut [T; B]) {
-        for (k, j) in path.joints() {
-            row[k] = path.sign(k) * self.turning(j, x, n);
+    pub(crate) fn turning_row(&self, support: &Support<T, B>, x: Vector<T>, n: Vector<T>, row: &mut [T; B]) {
+        for (k, j) in support.joints() {
+            row[k] = support.sign(k) * self.turning(j, x, n);
         }
     }
 
@@ -122,43 +120,3 @@ impl<T: Real, const B: usize> Pose<T, B> {
         cross(sub(x, self.pivot(joint)), n)
     }
 }
-
-impl<T: Scalar, const B: usize> Pose<T, B> {
-    /// The pose of a model at given absolute angles.
-    pub fn of<const Z: usize>(model: &Model<T, B, Z>, angle: &[T; B]) -> Self {
-        let mut pose = Pose::new();
-        pose.place(model, angle);
-        pose
-    }
-
-    /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame.
-    pub fn velocity_row<const Z: usize>(
-        &self,
-        model: &Model<T, B, Z>,
-        body: usize,
-        point: Vector<T>,
-        n: Vector<T>,
-    ) -> [T; B] {
-        let path = model.path_to(body, point);
-        let mut row = [T::ZERO; B];
-        self.turning_row(&path, self.point(body, point), n, &mut row);
-        let mut dense = [T::ZERO; B];
-        path.spread(&row, T::ONE, &mut dense);
-        row_to_angles(model, &mut dense);
-        dense
-    }
-
-    /// Compression of a zone at this pose, m; negative apart.
-    pub fn gap<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
-        gap_of(&model.forms[zone], self)
-    }
-
-    /// The row G of a zone at this pose for absolute angular velocities: dg/dt = G v, whether the zone touches or not.
-    pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = gap_row_of(&model.forms[zone], &model.paths[zone], self);
-        row_to_angles(model, &mut row);
-        row
-    }
-}
-
-const _: () = assert!(GROUND > 1 << 16, "the ground's index lies beyond any body's");

@@ -93,12 +93,13 @@ pub trait Real:
     fn lane(self, lane: usize) -> Self::Lane;
     /// The same with another number in one lane.
     fn with_lane(self, lane: usize, x: Self::Lane) -> Self;
-    /// self + a b. Rounded once in lanes that can, and twice in a number alone, whose bits are the same on every target.
+    /// self + a b. Lanes round the result once, with one fused instruction. A number alone rounds twice, product and sum, so that its
+    /// bits are the same on targets without that instruction.
     #[inline(always)]
     fn add_product(self, a: Self, b: Self) -> Self {
         self + a * b
     }
-    /// self - a b, likewise.
+    /// self - a b, rounded as [`Real::add_product`] rounds.
     #[inline(always)]
     fn sub_product(self, a: Self, b: Self) -> Self {
         self - a * b
@@ -132,8 +133,10 @@ pub trait Real:
     fn sin_cos_any(self) -> (Self, Self);
 }
 
-/// A reference of which, in lanes, the compiler knows nothing: else it takes out of a loop that runs once whatever it reads through it and
-/// all places in it, and must store them, for lanes are short of registers.
+/// Hides from the compiler, in lanes, what a reference points to.
+///
+/// The compiler hoists out of a loop the loads that do not change in it, and the addresses. Lanes have too few registers to keep them, so
+/// it spills them to the stack. A loop that usually runs once only pays for that.
 #[inline(always)]
 pub(crate) fn opaque<T: Real, R>(reference: R) -> R {
     if T::LANES > 1 { core::hint::black_box(reference) } else { reference }
@@ -170,7 +173,8 @@ pub const COSINE: [f64; 6] = [
 /// last place); elsewhere `libm`.
 #[inline(always)]
 pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
-    // Lanes read what they have no registers for as wide as they need it, which the compiler does not know to be the cheaper way.
+    // Lanes have no registers left for these constants. To read them from memory at full width is cheaper than what the compiler would
+    // do instead, to broadcast each from a single number.
     let (sine, cosine) = (opaque::<T, _>(T::SINE), opaque::<T, _>(T::COSINE));
     let mut largest = T::ZERO;
     for i in 0..B {
@@ -204,6 +208,24 @@ fn near_zero<T: Real>(x: T, sine: &[T; 6], cosine: &[T; 6]) -> (T, T) {
     let sin = x.add_product(x * z, polynomial(sine));
     let cos = T::ONE.sub_product(z, T::from_f64(0.5).sub_product(z, polynomial(cosine)));
     (sin, cos)
+}
+
+/// A number in another precision.
+#[inline(always)]
+pub(crate) fn cast<S: Scalar, L: Scalar>(x: S) -> L {
+    L::from_f64(x.to_f64())
+}
+
+/// A number per lane, in the lanes' precision.
+#[inline(always)]
+pub(crate) fn join<S: Scalar, T: Real>(x: impl Fn(usize) -> S) -> T {
+    T::join(|lane| cast(x(lane)))
+}
+
+/// As many of them as an array has.
+#[inline(always)]
+pub(crate) fn join_all<S: Scalar, T: Real, const K: usize>(x: impl Fn(usize) -> [S; K]) -> [T; K] {
+    core::array::from_fn(|k| join(|lane| x(lane)[k]))
 }
 
 macro_rules! in_precision {

@@ -1,6 +1,7 @@
 //! How a step is to be taken. Every tunable says its unit, its usual value and what breaks when it changes.
 
-use crate::{Real, Solver};
+use crate::osnsp::Solver;
+use crate::real::Real;
 
 /// How dry friction is modelled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,10 +31,11 @@ pub struct Settings<T> {
     pub step: T,
     /// theta of the theta-method, in [1/2, 1]. 1/2 is of second order and loses no energy of its own; 1 is of first order and damps.
     pub theta: T,
-    /// A step has converged when the last Newton correction is at most this times (1 rad/s + |velocity|), for every body.
-    /// Newton converges quadratically, so what remains is about the square of it. 1e-5 is usual; looser loses the order.
+    /// A step has converged when its last Newton correction, or what the linearisation left out, is at most this times
+    /// (1 rad/s + |velocity|), for every joint. Newton converges quadratically, so what remains is about the square of it. 1e-5 is usual;
+    /// looser loses the order.
     pub tolerance: T,
-    /// Largest number of Newton iterations. Usual steps take two or three; beyond eight the corrections are halved.
+    /// Largest number of Newton iterations. Usual steps take one; beyond eight the corrections are halved.
     pub newton_limit: u32,
     /// The one-step solver stops when no velocity of a law changes by more than this (rad/s or m/s).
     pub solver_tolerance: T,

@@ -1,15 +1,16 @@
-//! The inner step: one Moreau-Jean theta step. The equations stand in this crate's README, "The step".
+//! The inner step: one Moreau-Jean theta step. The equations stand in this crate's README, "The step"; the stages are called here in the
+//! order of its table.
 
-use crate::contact::Timing;
+use crate::acceptance::linearisation_holds;
 use crate::forces::{joint_momentum, linearise, regularised_friction};
-use crate::joints::{absolute, relative};
-use crate::laws::{begin, end, keep_forces, one_step_problem};
+use crate::laws::{assemble_laws, keep_forces, store_forces, warm_start_pivots};
 use crate::model::Model;
-use crate::real::opaque;
+use crate::narrow_phase::{add_felts, narrow_phase};
+use crate::real::{Mask, Real, Scalar, opaque};
 use crate::settings::{FrictionLaw, Settings};
-use crate::state::{Input, Scratch, State};
-use crate::zones::{add_zones, linear_enough, look_at_zones};
-use crate::{Mask, Real, Scalar};
+use crate::state::{Input, State};
+use crate::timing::Timing;
+use crate::workspace::{Problem, Workspace};
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,9 @@ pub enum Outcome {
     IterationLimit,
     /// A number that is not finite arose (or came in with the input), or a velocity whose square is not; the state was left as it was.
     NonFinite,
+    /// The model has more set-valued laws than the workspace has room for ([`Model::laws`], N): no step was taken.
+    /// [`Workspace::for_model`] finds that out beforehand.
+    TooManyLaws,
 }
 
 /// What a step did: its outcome and its work.
@@ -33,21 +37,26 @@ pub struct StepReport {
     pub solver: u32,
 }
 
-/// Beyond this many Newton iterations the corrections are halved: a cycle between two sides of a felt's onset is then cut.
+/// Beyond this many Newton iterations the corrections are halved. That ends a cycle between the two sides of a felt's onset.
 const DAMPED_AFTER: u32 = 8;
 
 /// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
 ///
-/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least `B` plus the
-/// number of zones with Coulomb friction plus one; further laws are left out.
+/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least [`Model::laws`].
+// Inlined where it is called, it takes a tenth fewer instructions: the caller's arrays have known places. The compiler would decide that by
+// size, and the step is near its limit.
+#[inline(always)]
 pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
     state: &mut State<T, B, Z>,
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) -> StepReport {
-    let ended = step_lanes(model, settings, input, state, scratch);
+    if N < model.laws {
+        return StepReport { outcome: Outcome::TooManyLaws, newton: 0, solver: 0 };
+    }
+    let ended = step_lanes(model, settings, input, state, workspace);
     let outcome = match (ended.finite, ended.converged) {
         (false, _) => Outcome::NonFinite,
         (true, true) => Outcome::Converged,
@@ -70,45 +79,105 @@ pub struct LanesReport<M> {
 }
 
 /// [`step()`] for several mechanisms at once, one in each lane: the same kernel, and the same numbers in every lane as if it were alone,
-/// to rounding. The mechanisms must share their topology (what is hinged on what, which curves and exponents), not their numbers.
+/// to rounding. The mechanisms must share their topology (what is hinged on what, which curves and felts), not their numbers.
+///
+/// `N` must be at least [`Model::laws`]: otherwise nothing is done, and no lane is `converged` or `finite`.
 #[inline(always)]
 pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,
     state: &mut State<T, B, Z>,
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) -> LanesReport<T::Mask> {
-    let w0 = relative(model, &state.velocity);
-    // The remainder knows the felts' curvature, not a regularised friction law's, whose stiffness also makes trends alternate.
-    let smooth = !settings.friction.is_regularised();
-    let mut w = if smooth { extrapolate(model, settings, &w0, &state.trend) } else { w0 };
     let no = T::Mask::splat(false);
     let mut report = LanesReport { converged: no, finite: T::Mask::splat(true), newton: 0, solver: 0 };
-    begin(model, settings, state, &w0, &w, scratch);
+    if N < model.laws {
+        return LanesReport { finite: no, ..report };
+    }
+    let w0 = model.tree.relative(&state.velocity);
+    // The acceptance test knows the felts' curvature but not a regularised friction law's, whose stiffness also makes increments alternate.
+    let smooth = !settings.friction.is_regularised();
+    let mut w = if smooth { extrapolate(model, settings, &w0, &state.increment) } else { w0 };
+    warm_start_pivots(model, settings, state, &w0, &w, workspace);
     let mut done = no;
-    // Out of what a loop runs through, and be it once, everything is taken that does not change, stored, and read again. So the first and
-    // mostly only iteration stands by itself; in lanes, where the code would be too long twice, references are made opaque.
-    let (alone, mut next) = (T::LANES == 1, Next::Again);
-    if alone && 0 < settings.newton_limit {
-        next = iterate(model, settings, input, state, scratch, &w0, &mut w, &mut done, &mut report, 0);
-    }
-    if next == Next::Again {
-        for iteration in u32::from(alone)..settings.newton_limit {
-            let (model, settings) = (opaque::<T, _>(model), opaque::<T, _>(settings));
-            let scratch = opaque::<T, _>(&mut *scratch);
-            next = iterate(model, settings, input, state, scratch, &w0, &mut w, &mut done, &mut report, iteration);
-            if next != Next::Again {
-                break;
-            }
+    let next = if T::LANES > 1 {
+        iterate_to_the_end(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0)
+    } else {
+        // The compiler hoists loop-invariant loads out of a loop and spills them to the stack. This loop usually runs once, so that only
+        // costs time. The first iteration therefore stands outside the loop, and the others in a function of their own.
+        let first = match settings.newton_limit {
+            0 => Next::End,
+            _ => iterate(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0),
+        };
+        if first == Next::Again {
+            let so_far = Iterate { w, done, report };
+            let (next, all) = further_iterations(model, settings, input, state, workspace, w0, so_far);
+            Iterate { w, done, report } = all;
+            next
+        } else {
+            first
         }
-    }
+    };
     if next == Next::Nothing {
         return report;
     }
-    end(settings, done.not().and(report.finite), state, scratch);
-    finish(model, settings, &w, report.finite, state);
+    keep_forces(settings, done.not().and(report.finite), state, workspace);
+    integrate(model, settings, &w, report.finite, state);
     report
+}
+
+/// Where Newton's method is after some iterations.
+#[derive(Clone, Copy)]
+struct Iterate<T: Real, const B: usize> {
+    /// Relative velocities.
+    w: [T; B],
+    /// The lanes that have ended.
+    done: T::Mask,
+    report: LanesReport<T::Mask>,
+}
+
+/// All iterations but the first one. Seldom needed; what goes in and out goes by value, so that the first one can keep it in registers.
+#[cold]
+#[inline(never)]
+fn further_iterations<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    input: &Input<T>,
+    state: &mut State<T, B, Z>,
+    workspace: &mut Workspace<T, B, Z, N>,
+    w0: [T; B],
+    mut at: Iterate<T, B>,
+) -> (Next, Iterate<T, B>) {
+    let Iterate { w, done, report } = &mut at;
+    let next = iterate_to_the_end(model, settings, input, state, workspace, &w0, w, done, report, 1);
+    (next, at)
+}
+
+/// Newton iterations from a given one on, until all lanes have ended or the limit is reached.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn iterate_to_the_end<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    input: &Input<T>,
+    state: &mut State<T, B, Z>,
+    workspace: &mut Workspace<T, B, Z, N>,
+    w0: &[T; B],
+    w: &mut [T; B],
+    done: &mut T::Mask,
+    report: &mut LanesReport<T::Mask>,
+    from: u32,
+) -> Next {
+    for iteration in from..settings.newton_limit {
+        let (model, settings) = (opaque::<T, _>(model), opaque::<T, _>(settings));
+        let workspace = opaque::<T, _>(&mut *workspace);
+        let next = iterate(model, settings, input, state, workspace, w0, w, done, report, iteration);
+        if next != Next::Again {
+            return next;
+        }
+    }
+    Next::Again
 }
 
 /// What follows a Newton iteration.
@@ -122,7 +191,8 @@ enum Next {
     Nothing,
 }
 
-/// One Newton iteration, from the relative velocities `w` to the next ones. `done`: the lanes that go on no more.
+/// One Newton iteration, from the relative velocities `w` to the next ones: the stages of the README's table, in call order. `done`: the
+/// lanes that have ended already.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -130,37 +200,35 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
     input: &Input<T>,
     state: &mut State<T, B, Z>,
-    scratch: &mut Scratch<T, B, Z, N>,
+    workspace: &mut Workspace<T, B, Z, N>,
     w0: &[T; B],
     w: &mut [T; B],
     done: &mut T::Mask,
     report: &mut LanesReport<T::Mask>,
     iteration: u32,
 ) -> Next {
-    let again = iteration > 0;
-    let (h, theta) = (settings.step, settings.theta);
-    let timing = Timing::new(h, theta);
-    let q_theta = theta_point(model, &state.angle, w0, w, h, theta, scratch);
-    let joint_angle = relative(model, &q_theta);
-    scratch.pose.place(model, &q_theta);
-    if !again && state.survey.renew(model, &scratch.pose, &joint_angle, &scratch.joint_velocity, &timing) {
+    let first = iteration == 0;
+    let timing = Timing::new(settings.step, settings.theta);
+    let q_theta = theta_point(model, &state.angle, w0, w, &timing, workspace);
+    let joint_angle = model.tree.relative(&q_theta);
+    workspace.kinematics.pose.place(&model.tree, model.first_moments(), &q_theta);
+    if first && state.broad_phase.renew(model, &workspace.kinematics, &joint_angle, &timing) {
         state.forget_far(model);
     }
-    let near = state.survey.near();
-    look_at_zones(model, &timing, near, again, scratch);
-    if !again {
+    let near = state.broad_phase.near();
+    narrow_phase(model, &timing, near, first, workspace);
+    if first {
         // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
-        joint_momentum(model, &state.velocity, w0, scratch);
+        joint_momentum(model, &state.velocity, w0, workspace);
     }
-    linearise(model, &timing, input, w, &joint_angle, scratch);
-    add_zones(model, &timing, w, scratch);
+    linearise(model, &timing, input, w, &joint_angle, workspace);
+    add_felts(model, &timing, w, workspace);
     if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
-        regularised_friction(model, &timing, near, [pivot_width, sliding_width], w, scratch);
+        regularised_friction(model, &timing, near, [pivot_width, sliding_width], w, workspace);
     }
-    one_step_problem(model, settings, input, state, again, w0, w, scratch);
-    let mut next = [T::ZERO; B];
-    let (solved, sets) = settings.solver.solve(settings, scratch, &mut next);
-    keep_forces(settings, scratch);
+    assemble_laws(model, settings, input, state, first, w0, w, workspace);
+    let (next, solved, sets) = solve(settings, workspace);
+    store_forces(settings, workspace);
     report.newton = iteration + 1;
     report.solver += sets;
 
@@ -170,15 +238,15 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
         return Next::Nothing;
     }
     for i in 0..B {
-        scratch.change[i] = next[i] - w[i];
+        workspace.correction[i] = next[i] - w[i];
     }
-    let linear = linear_enough(model, settings, &timing, near, &next, scratch);
-    let enough = if linear.all() { linear } else { linear.or(small(&scratch.change, &next, settings.tolerance)) };
+    let linear = linearisation_holds(model, settings, &timing, near, &next, workspace);
+    let enough = if linear.all() { linear } else { linear.or(small(&workspace.correction, &next, settings.tolerance)) };
     let settled = enough.and(solved).and(finite).and(done.not());
     report.converged = report.converged.or(settled);
     if settled.any() && !settled.or(*done).all() {
-        // These lanes are done, and keep their forces while others go on.
-        end(settings, settled, state, scratch);
+        // These lanes end here, and keep their forces while others go on.
+        keep_forces(settings, settled, state, workspace);
     }
     if settled.all() {
         *w = next;
@@ -187,7 +255,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     let stopped = done.or(finite.not());
     let share = if iteration < DAMPED_AFTER { T::ONE } else { T::from_f64(0.5) };
     for i in 0..B {
-        w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * scratch.change[i]));
+        w[i] = T::select(settled, next[i], T::select(stopped, w[i], w[i] + share * workspace.correction[i]));
     }
     if settled.or(stopped).all() {
         return Next::End;
@@ -196,18 +264,31 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     Next::Again
 }
 
-/// The velocities if they go on changing as they did: the first iterate. What stands still is expected to stick.
+/// Solves the one-step problem: the next relative velocities, the lanes in which the solver converged, and its sweeps or active sets.
+#[inline(always)]
+fn solve<T: Real, const B: usize, const Z: usize, const N: usize>(
+    settings: &Settings<T>,
+    workspace: &mut Workspace<T, B, Z, N>,
+) -> ([T; B], T::Mask, u32) {
+    let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
+    let Problem { system, impulses, guess, condensed, .. } = &mut workspace.problem;
+    let mut next = [T::ZERO; B];
+    let (solved, sets) = settings.solver.solve(system, impulses, guess, condensed, tolerance, limit, &mut next);
+    (next, solved, sets)
+}
+
+/// The first iterate: the velocities plus the last step's increment. A joint that stands still is expected to stick.
 #[inline(always)]
 fn extrapolate<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     w0: &[T; B],
-    trend: &[T; B],
+    increment: &[T; B],
 ) -> [T; B] {
     let mut w = *w0;
-    let trend = relative(model, trend);
+    let increment = model.tree.relative(increment);
     for i in 0..B {
-        w[i] += T::only(settings.solver_tolerance.lt(w0[i].abs()), trend[i]);
+        w[i] += T::only(settings.solver_tolerance.lt(w0[i].abs()), increment[i]);
     }
     w
 }
@@ -219,22 +300,22 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     q0: &[T; B],
     w0: &[T; B],
     w: &[T; B],
-    h: T,
-    theta: T,
-    scratch: &mut Scratch<T, B, Z, N>,
+    timing: &Timing<T>,
+    workspace: &mut Workspace<T, B, Z, N>,
 ) -> [T; B] {
+    let (theta, kinematics) = (timing.theta, &mut workspace.kinematics);
     for i in 0..B {
-        scratch.joint_velocity[i] = ((T::ONE - theta) * w0[i]).add_product(theta, w[i]);
+        kinematics.joint_velocity[i] = ((T::ONE - theta) * w0[i]).add_product(theta, w[i]);
     }
-    absolute(model, &scratch.joint_velocity, &mut scratch.velocity);
+    model.tree.absolute(&kinematics.joint_velocity, &mut kinematics.velocity);
     let mut q = *q0;
     for i in 0..B {
-        q[i] = q[i].add_product(theta * h, scratch.velocity[i]);
+        q[i] = q[i].add_product(timing.h_theta, kinematics.velocity[i]);
     }
     q
 }
 
-/// Whether velocities are numbers whose squares do not overflow: what the step's end works out from them then does not either.
+/// Whether velocities are numbers whose squares do not overflow. What the step's end works out from them does not overflow then.
 #[inline(always)]
 fn usable<T: Real, const B: usize>(w: &[T; B]) -> T::Mask {
     let mut sum = T::ZERO;
@@ -244,19 +325,19 @@ fn usable<T: Real, const B: usize>(w: &[T; B]) -> T::Mask {
     sum.finite()
 }
 
-/// Whether all changes of the velocities are small against the tolerance.
+/// Whether all corrections are small against the tolerance.
 #[inline(always)]
-fn small<T: Real, const B: usize>(change: &[T; B], next: &[T; B], tolerance: T) -> T::Mask {
+fn small<T: Real, const B: usize>(correction: &[T; B], next: &[T; B], tolerance: T) -> T::Mask {
     let mut small = T::Mask::splat(true);
     for i in 0..B {
-        small = small.and(change[i].abs().le(tolerance * (T::ONE + next[i].abs())));
+        small = small.and(correction[i].abs().le(tolerance * (T::ONE + next[i].abs())));
     }
     small
 }
 
-/// q1 = q0 + h ((1 - theta) v0 + theta v1) in some lanes.
+/// q1 = q0 + h ((1 - theta) v0 + theta v1), in some lanes.
 #[inline(always)]
-fn finish<T: Real, const B: usize, const Z: usize>(
+fn integrate<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     w: &[T; B],
@@ -264,11 +345,11 @@ fn finish<T: Real, const B: usize, const Z: usize>(
     state: &mut State<T, B, Z>,
 ) {
     let (h, theta, mut v) = (settings.step, settings.theta, *w);
-    absolute(model, w, &mut v);
+    model.tree.absolute(w, &mut v);
     if lanes.all() {
         for i in 0..B {
-            state.trend[i] = v[i] - state.velocity[i];
-            let mean = state.velocity[i].add_product(theta, state.trend[i]);
+            state.increment[i] = v[i] - state.velocity[i];
+            let mean = state.velocity[i].add_product(theta, state.increment[i]);
             state.angle[i] = state.angle[i].add_product(h, mean);
             state.velocity[i] = v[i];
         }
@@ -276,11 +357,11 @@ fn finish<T: Real, const B: usize, const Z: usize>(
     }
     let keep = |old: &mut T, new: T| *old = T::select(lanes, new, *old);
     for i in 0..B {
-        let change = v[i] - state.velocity[i];
-        let mean = state.velocity[i].add_product(theta, change);
+        let increment = v[i] - state.velocity[i];
+        let mean = state.velocity[i].add_product(theta, increment);
         let angle = state.angle[i].add_product(h, mean);
         keep(&mut state.angle[i], angle);
-        keep(&mut state.trend[i], change);
+        keep(&mut state.increment[i], increment);
         keep(&mut state.velocity[i], v[i]);
     }
 }

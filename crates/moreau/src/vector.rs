@@ -1,6 +1,6 @@
 //! Vectors of the plane.
 
-use crate::Real;
+use crate::real::Real;
 
 /// A vector of the plane, `[x, y]`.
 pub type Vector<T> = [T; 2];

@@ -1,7 +1,8 @@
 //! Steps with controlled error: what holds whatever the tolerance. That errors follow the tolerance is a conformance problem.
 
 use moreau::{
-    Accuracy, Body, ControlledStep, Controller, Halves, Input, Model, Outcome, Settings, Spring, State, controlled_step,
+    Accuracy, Body, ControlledStep, Controller, Description, Halves, Input, Model, Outcome, Settings, Spring, State,
+    controlled_step,
 };
 
 /// A body of unit inertia on a spring of unit stiffness, with dry friction.
@@ -16,7 +17,8 @@ impl Oscillator {
     fn new(dry: f64, angle: f64, velocity: f64) -> Self {
         let body = Body { inertia: 1.0, dry, ..Body::inert() };
         let spring = Spring { body: 0, torque: 0.0, stiffness: 1.0, reference: 0.0 };
-        let model = Model::new(&[body], &[spring], &[], None, 0.0).expect("sound");
+        let model =
+            Description { bodies: &[body], springs: &[spring], ..Description::default() }.compile().expect("sound");
         let mut state = State::at_rest([angle]);
         state.velocity = [velocity];
         Oscillator { model, state, controller: Controller::new(1e-2), halves: Halves::new(&Settings::new(1e-3)) }
@@ -86,8 +88,15 @@ fn the_work_of_a_step_is_bounded() {
 #[test]
 fn a_state_outlives_an_input_that_is_no_number() {
     let site = moreau::Site { body: 0, point: [0.1, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
-    let model =
-        Model::<f64, 1, 0>::new(&[Body { inertia: 1.0, ..Body::inert() }], &[], &[], Some(site), 0.0).expect("sound");
+    let model = Description {
+        bodies: &[Body { inertia: 1.0, ..Body::inert() }],
+        springs: &[],
+        zones: &[],
+        site: Some(site),
+        gravity: 0.0,
+    }
+    .compile::<1, 0>()
+    .expect("sound");
     let (mut state, settings) = (State::at_rest([0.5]), Settings::new(1e-3));
     let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
     let accuracy = Accuracy::new(1e-6, 1e-9, 1e-3);
@@ -103,8 +112,15 @@ fn a_state_outlives_an_input_that_is_no_number() {
 #[test]
 fn the_drive_is_asked_at_the_right_instants() {
     let site = moreau::Site { body: 0, point: [1.0, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
-    let model =
-        Model::<f64, 1, 0>::new(&[Body { inertia: 1.0, ..Body::inert() }], &[], &[], Some(site), 0.0).expect("sound");
+    let model = Description {
+        bodies: &[Body { inertia: 1.0, ..Body::inert() }],
+        springs: &[],
+        zones: &[],
+        site: Some(site),
+        gravity: 0.0,
+    }
+    .compile::<1, 0>()
+    .expect("sound");
     let (mut state, settings) = (State::at_rest([0.0]), Settings::new(1e-3));
     let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
     let accuracy = Accuracy::new(1e-3, 1e-9, 1e-2);

@@ -2,7 +2,7 @@
 
 use moreau::osnsp::delassus::OneStepProblem;
 use moreau::osnsp::relay::solve_dense;
-use moreau::{Body, GROUND, Input, Model, Outcome, Scratch, Settings, Site, Solver, State, step};
+use moreau::{Body, Description, GROUND, Input, Model, Outcome, Settings, Site, Solver, State, Workspace, step};
 
 const RATE: f64 = 0.7;
 
@@ -12,7 +12,7 @@ fn chain() -> Model<f64, 2, 0> {
     let body = |parent, pivot, dry| Body { parent, pivot, mass: 0.01, inertia: 1e-4, dry, ..Body::inert() };
     let bodies = [body(GROUND, [0.0, 0.0], 2e-3), body(0, [0.1, 0.0], 1e-3)];
     let site = Site { body: 1, point: [0.1, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
-    Model::new(&bodies, &[], &[], Some(site), 0.0).unwrap()
+    Description { bodies: &bodies, site: Some(site), ..Description::default() }.compile().unwrap()
 }
 
 /// From rest every pivot sticks, so that the warm start's guess admits no motion at all: an imposed velocity must still be
@@ -25,10 +25,10 @@ fn a_rigid_drive_moves_what_sticks() {
     settings.solver = Solver::ActiveSet;
     for sign in [1.0, -1.0] {
         let mut state = State::at_rest([0.0; 2]);
-        let mut scratch = Scratch::<f64, 2, 0, 3>::new();
+        let mut workspace = Workspace::<f64, 2, 0, 3>::new();
         for n in 0..100 {
             let input = Input::Rigid { velocity: sign * 0.2 * RATE };
-            let report = step(&model, &settings, &input, &mut state, &mut scratch);
+            let report = step(&model, &settings, &input, &mut state, &mut workspace);
             assert_eq!(report.outcome, Outcome::Converged, "step {n}");
             let [a, b] = state.velocity;
             let tip = 0.1 * a * state.angle[0].cos() + 0.1 * b * state.angle[1].cos();

@@ -3,7 +3,10 @@
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Input, Model, Outcome, Scratch, Settings, Site, State, Zone, step};
+use moreau::{
+    Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Outcome, Settings, Site, State, Workspace,
+    Zone, step,
+};
 
 /// How near the stops are.
 #[derive(Clone, Copy, PartialEq)]
@@ -77,13 +80,16 @@ fn levers<const B: usize, const Z: usize>(
                 radius: RADIUS_M,
                 curve_body: GROUND,
                 curve: Curve::Line { point: [side * off_m, 0.0], normal: [-side, 0.0] },
-                felt: Felt { stiffness: 1e8, exponent: Exponent::Two, damping: 1e8 },
+                felt: Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::Quadratic(1e8) },
                 friction: (z % 4 == 3).then_some(0.3),
             }
         })
         .collect();
     let site = Site { body: 0, point: [LENGTH_M, 0.0], direction: [1.0, 0.0], stiffness: 1e4, damping: 10.0 };
-    let model = Model::new(&levers, &[], &stops, Some(site), 9.81).expect("a sound tree");
+    let model =
+        Description { bodies: &levers, zones: &stops, site: Some(site), gravity: 9.81, ..Description::default() }
+            .compile()
+            .expect("a sound tree");
     // Hanging: a lever's own axis points down.
     let mut angle = [0.0; B];
     angle[..bodies].fill(-FRAC_PI_2);
@@ -102,10 +108,10 @@ fn play<const B: usize, const Z: usize, const N: usize>(
     steps: u64,
 ) {
     let (model, mut state) = levers::<B, Z>(bodies, zones, tree, stops);
-    let (settings, mut scratch) = (Settings::new(50e-6), Scratch::<f64, B, Z, N>::new());
+    let (settings, mut workspace) = (Settings::new(50e-6), Workspace::<f64, B, Z, N>::new());
     for n in 0..steps {
         let force = if n / 400 % 2 == 0 { 2.0 } else { -2.0 };
-        let report = step(&model, &settings, &Input::Force(force), &mut state, &mut scratch);
+        let report = step(&model, &settings, &Input::Force(force), &mut state, &mut workspace);
         assert_ne!(report.outcome, Outcome::NonFinite);
     }
     black_box(state);

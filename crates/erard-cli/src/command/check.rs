@@ -59,14 +59,19 @@ impl Check {
             } else {
                 String::new()
             };
+            let felt = &zone.felt;
+            let loss = if felt.hunt_crossley > 0.0 {
+                format!("a {} s/m", felt.hunt_crossley)
+            } else {
+                format!("b {:.1e}", felt.damping)
+            };
             say!(
-                "  zone    {:<18} {} - {}, k {:.1e}, r {}, b {:.1e}{friction}",
+                "  zone    {:<18} {} - {}, k {:.1e}, r {}, {loss}{friction}",
                 zone.name,
                 name(zone.disc_body),
                 name(zone.curve_body),
-                zone.felt.stiffness,
-                zone.felt.exponent,
-                zone.felt.damping
+                felt.stiffness,
+                felt.exponent
             );
         }
         say!();

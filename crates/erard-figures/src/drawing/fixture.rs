@@ -34,7 +34,7 @@ pub(crate) fn two_levers() -> Instrument {
             disc_radius_m: 0.002,
             curve_body: None,
             curve: Curve::Line { point_m: [0.16, 0.01], normal: [0.0, 1.0] },
-            felt: Felt { stiffness: 1e8, exponent: 2.0, damping: 0.0 },
+            felt: Felt { stiffness: 1e8, exponent: 2.0, ..Felt::default() },
             friction_coefficient: 0.0,
         }],
         roles: Roles::default(),

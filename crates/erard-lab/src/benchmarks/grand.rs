@@ -1,6 +1,6 @@
 //! What is timed: the concert grand in the engine's own types, and one played note.
 
-use moreau::{Input, Model, Outcome, Scratch, Settings, State, step};
+use moreau::{Input, Model, Outcome, Settings, State, Workspace, step};
 
 use erard::assembly;
 use erard::equilibrium;
@@ -20,7 +20,7 @@ pub type GrandModel = Model<f64, 6, 14>;
 /// The same.
 pub type GrandState = State<f64, 6, 14>;
 /// The same; ten set-valued laws, one of them a rigid drive's.
-pub type GrandScratch = Scratch<f64, 6, 14, 10>;
+pub type GrandWorkspace = Workspace<f64, 6, 14, 10>;
 /// As many of them as there are lanes.
 pub type GrandGroup = moreau_lanes::Group<6, 14, 10>;
 
@@ -59,9 +59,9 @@ pub fn note(n: u64) -> Input<f64> {
 /// # Panics
 /// If a number becomes infinite.
 pub fn press((model, state): &(GrandModel, GrandState), settings: &Settings<f64>, steps: u64) -> GrandState {
-    let (mut state, mut scratch) = (state.clone(), GrandScratch::new());
+    let (mut state, mut workspace) = (state.clone(), GrandWorkspace::new());
     for n in 0..steps {
-        let report = step(model, settings, &note(n), &mut state, &mut scratch);
+        let report = step(model, settings, &note(n), &mut state, &mut workspace);
         assert_ne!(report.outcome, Outcome::NonFinite);
     }
     state

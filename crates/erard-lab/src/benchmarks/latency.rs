@@ -7,7 +7,7 @@ use moreau::{Input, Outcome, Settings, step};
 use moreau_lanes::Lanes;
 use serde::Serialize;
 
-use super::grand::{GrandGroup, GrandScratch, STEP_S, grand};
+use super::grand::{GrandGroup, GrandWorkspace, STEP_S, grand};
 
 /// How long single steps took, ns; the clock's own reading is in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,7 +172,7 @@ const ASK_EVERY: u64 = 1 << 14;
 /// If a number becomes infinite.
 pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
     let ((model, mut state), settings) = (grand(), Settings::new(STEP_S));
-    let (mut scratch, mut player, mut histogram) = (GrandScratch::new(), RandomPlayer::new(SEED), Histogram::new());
+    let (mut workspace, mut player, mut histogram) = (GrandWorkspace::new(), RandomPlayer::new(SEED), Histogram::new());
     let (mut newton, mut sets, mut unconverged) = (0, 0, 0);
     for n in 0..steps {
         if n % ASK_EVERY == 0 && !progress(n as f64 / steps as f64) {
@@ -180,7 +180,7 @@ pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Lat
         }
         let input = player.next();
         let start = Instant::now();
-        let report = step(&model, &settings, &input, &mut state, &mut scratch);
+        let report = step(&model, &settings, &input, &mut state, &mut workspace);
         histogram.add(start.elapsed().as_nanos() as u64);
         assert_ne!(report.outcome, Outcome::NonFinite);
         unconverged += u64::from(report.outcome == Outcome::IterationLimit);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use moreau::{Input, Outcome, Settings, step};
 use moreau_lanes::Lanes;
 
-use super::grand::{GrandGroup, GrandModel, GrandScratch, GrandState, MF_N, STEP_S, STEPS, at_rest, instrument};
+use super::grand::{GrandGroup, GrandModel, GrandState, GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, instrument};
 use erard::simulation::SimulationError;
 use erard_workshop::cores::{do_all, job};
 
@@ -99,11 +99,11 @@ impl Load {
     pub fn one_by_one(&self, groups: usize) -> f64 {
         let mut sum = 0.0;
         for (i, (model, state)) in self.grands.iter().take(groups * WIDEST).enumerate() {
-            let (mut state, mut scratch) = (state.clone(), GrandScratch::new());
+            let (mut state, mut workspace) = (state.clone(), GrandWorkspace::new());
             let mut cursor = Cursor(self.begins[i]);
             for _ in 0..self.steps {
                 let input = cursor.next(&self.forces_n);
-                let report = step(model, &self.settings, &input, &mut state, &mut scratch);
+                let report = step(model, &self.settings, &input, &mut state, &mut workspace);
                 assert_ne!(report.outcome, Outcome::NonFinite);
             }
             sum += state.angle.iter().sum::<f64>();

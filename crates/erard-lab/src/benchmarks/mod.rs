@@ -13,7 +13,7 @@ mod sampling;
 mod single;
 
 pub use grand::{
-    GrandGroup, GrandModel, GrandScratch, GrandState, STEP_S, STEPS, at_rest, grand, instrument, note, press,
+    GrandGroup, GrandModel, GrandState, GrandWorkspace, STEP_S, STEPS, at_rest, grand, instrument, note, press,
 };
 pub use keys::{KeyboardTimes, Ticks, keyboard};
 pub use load::{Load, WIDEST};

@@ -1,7 +1,7 @@
 //! [T13]'s felt law, rest under friction, the finger's softness and the run time.
 
 use moreau::{
-    Body, Curve, Exponent, Felt, FrictionLaw, GROUND, Input, Model, Pose, Scratch, Settings, Solver, State, Zone, step,
+    Body, Curve, Description, FrictionLaw, GROUND, Input, Pose, Settings, Solver, State, Workspace, Zone, step,
 };
 
 use super::blow::{NEIGHBOURS, Play, blow, halvings, regularised, tell};
@@ -88,23 +88,23 @@ fn throw(felt: erard::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
         radius: 0.0,
         curve_body: GROUND,
         curve: Curve::Line { point: [0.0, 0.0], normal: [-1.0, 0.0] },
-        felt: Felt { stiffness: felt.stiffness, exponent: Exponent::new(felt.exponent), damping: felt.damping },
+        felt: erard::assembly::felt(&felt),
         friction: None,
     };
-    let model =
-        Model::<f64, 1, 1>::new(&[body], &[], &[zone], None, 0.0).map_err(erard::simulation::SimulationError::from)?;
+    let description = Description { bodies: &[body], zones: &[zone], ..Description::default() };
+    let model = description.compile::<1, 1>().map_err(erard::simulation::SimulationError::from)?;
     let settings = Settings { tolerance: 1e-12, ..Settings::new(2e-6) };
     let mut state = State::at_rest([0.0]);
     state.velocity = [speed / ARM_M];
-    let mut scratch = Scratch::<f64, 1, 1, 2>::new();
+    let mut workspace = Workspace::<f64, 1, 1, 2>::new();
     let (mut compression, mut force) = (vec![0.0], vec![0.0]);
     for _ in 0..50_000 {
         let before = Pose::of(&model, &state.angle).gap(&model, 0);
-        step(&model, &settings, &Input::Free, &mut state, &mut scratch);
+        step(&model, &settings, &Input::Free, &mut state, &mut workspace);
         let after = Pose::of(&model, &state.angle).gap(&model, 0);
         // The step's force belongs to its middle.
         compression.push(0.5 * (before + after));
-        force.push(scratch.contact(&model, &settings, 0).map_or(0.0, |c| c.force));
+        force.push(workspace.contact(&model, &settings, 0).map_or(0.0, |c| c.force));
         if after <= 0.0 && state.velocity[0] < 0.0 {
             break;
         }

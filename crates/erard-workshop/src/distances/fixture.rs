@@ -94,7 +94,7 @@ impl<'i> Fixture<'i> {
         match self.mechanism.step(input).outcome {
             Outcome::Converged => {}
             Outcome::IterationLimit => self.unconverged += 1,
-            Outcome::NonFinite => return Err(DistanceError::NonFinite),
+            Outcome::NonFinite | Outcome::TooManyLaws => return Err(DistanceError::NonFinite),
         }
         self.steps += 1;
         let step_s = self.mechanism.settings().step;

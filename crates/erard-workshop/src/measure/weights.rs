@@ -17,13 +17,13 @@ use crate::kinematics::{DeriveError, derive};
 use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::Instrument;
 
-/// A key this near to its rest has come up, m: the cloths that it rests on push from there.
+/// A key this near to its rest has come up, m. Nearer, the cloths that it rests on push it.
 pub const HOME_M: f64 = 0.5e-3;
-/// Before let-off, for the up-weight, m of key travel: the button is not touched yet.
+/// The up-weight is tried from so far before let-off, m of key travel. The jack does not touch the button there yet.
 const BEFORE_LET_OFF_M: f64 = 0.3e-3;
-/// A way that is shorter is none, m.
+/// An action whose free way is shorter has none to measure, m.
 const SHORTEST_WAY_M: f64 = 2.0 * HOME_M;
-/// How far a slow press goes that shows where the free way ends, m: a deep dip.
+/// A slow press goes down this far to show where the free way ends, m. No key dips deeper.
 const DEEP_M: f64 = 0.012;
 /// Grams per kilogram.
 const G_PER_KG: f64 = 1e3;

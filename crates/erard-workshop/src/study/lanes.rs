@@ -311,7 +311,7 @@ fn step_all<const B: usize, const Z: usize, const N: usize>(
             match outcomes[i] {
                 Outcome::Converged => {}
                 Outcome::IterationLimit => lane.unconverged_steps += 1,
-                Outcome::NonFinite => {
+                Outcome::NonFinite | Outcome::TooManyLaws => {
                     lane.failed = Some(SimulationError::NonFinite { time_s: t0 });
                     continue;
                 }

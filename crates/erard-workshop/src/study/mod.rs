@@ -166,7 +166,7 @@ fn play_alone(
     Ok(())
 }
 
-/// Share of a study's time that finding the rests is taken to last, of as many rests as strokes, per second of stroke.
+/// How long finding a rest is taken to last, in seconds of stroke that could be played in the same time. Progress counts with it.
 const REST_S: f64 = 0.3;
 
 /// Plays the jobs of one engine size in lanes: first every instrument used comes to rest, then all strokes.

@@ -45,7 +45,7 @@ impl Parameter {
         }
         for (i, zone) in instrument.zones.iter().enumerate() {
             all.push((format!("zone.{}.stiffness", zone.name), Parameter::Stiffness(i)));
-            if zone.felt.damping > 0.0 {
+            if zone.felt.is_lossy() {
                 all.push((format!("zone.{}.damping", zone.name), Parameter::Damping(i)));
             }
             if zone.friction_coefficient > 0.0 {
@@ -81,7 +81,7 @@ impl Parameter {
             Parameter::PivotFriction(i) => instrument.bodies[i].friction_torque_n_m *= value,
             Parameter::Torque(i) => instrument.springs[i].torque_n_m *= value,
             Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness *= value,
-            Parameter::Damping(i) => instrument.zones[i].felt.damping *= value,
+            Parameter::Damping(i) => instrument.zones[i].felt.scale_loss(value),
             Parameter::Friction(i) => instrument.zones[i].friction_coefficient *= value,
         }
         true

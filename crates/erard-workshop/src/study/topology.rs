@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use moreau::Exponent;
+use erard::assembly;
 
 use erard::instrument::{Curve, Instrument};
+use moreau::{Felt, FeltKind};
 
-/// A zone but for its numbers: its bodies, its kind of curve and of exponent, whether it has friction.
-type ZoneKind = (Option<usize>, Option<usize>, u8, u8, bool);
+/// A zone but for its numbers: its bodies, its kind of curve and of felt, whether it has friction.
+type ZoneKind = (Option<usize>, Option<usize>, u8, FeltKind, bool);
 
 /// An instrument but for its numbers.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,13 +31,8 @@ impl Topology {
                         Curve::Segment { .. } => 1,
                         Curve::Disc { .. } => 2,
                     };
-                    let exponent = match Exponent::new(zone.felt.exponent) {
-                        Exponent::Two => 0,
-                        Exponent::TwoAndHalf => 1,
-                        Exponent::Three => 2,
-                        Exponent::Other(_) => 3,
-                    };
-                    (zone.disc_body, zone.curve_body, curve, exponent, zone.friction_coefficient > 0.0)
+                    let felt: Felt<f64> = assembly::felt(&zone.felt);
+                    (zone.disc_body, zone.curve_body, curve, felt.kind(), zone.friction_coefficient > 0.0)
                 })
                 .collect(),
             key: instrument.roles.key,
@@ -76,6 +72,9 @@ mod tests {
         other.zones[0].felt.stiffness *= 2.0;
         assert_eq!(Topology::of(&grand), Topology::of(&other));
         other.zones[0].felt.exponent = 1.7;
+        assert_ne!(Topology::of(&grand), Topology::of(&other));
+        let mut other = grand.clone();
+        (other.zones[0].felt.damping, other.zones[0].felt.hunt_crossley) = (0.0, 0.5);
         assert_ne!(Topology::of(&grand), Topology::of(&other));
     }
 }

@@ -7,7 +7,7 @@ use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use erard::{assembly, equilibrium};
 use moreau::{
-    Accuracy, Controller, Halves, Input, Model, Outcome, Repose, Scratch, Settings, State, controlled_step, step,
+    Accuracy, Controller, Halves, Input, Model, Outcome, Settings, Sleep, State, Workspace, controlled_step, step,
 };
 use moreau_lanes::{Group, Lanes};
 
@@ -142,15 +142,15 @@ impl Action {
         match steps {
             Steps::Fixed(h) | Steps::FixedOrRest(h) => {
                 let rests = matches!(steps, Steps::FixedOrRest(_));
-                let (settings, mut scratch) = (Settings::new(h), Scratch::<f64, B, Z, N>::new());
-                let mut repose = Repose::none();
+                let (settings, mut workspace) = (Settings::new(h), Workspace::<f64, B, Z, N>::new());
+                let mut repose = Sleep::awake();
                 for n in 0..(end / h).ceil() as u64 {
                     let t = n as f64 * h;
                     let (model, input) = (&self.model, input(t, h));
                     let report = if rests {
-                        repose.step(model, &settings, &input, &mut state, &mut scratch)
+                        repose.step(model, &settings, &input, &mut state, &mut workspace)
                     } else {
-                        step(model, &settings, &input, &mut state, &mut scratch)
+                        step(model, &settings, &input, &mut state, &mut workspace)
                     };
                     assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
                     watch.look(t, h, state.angle[body], state.velocity[body]);

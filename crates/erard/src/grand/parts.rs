@@ -61,8 +61,7 @@ pub fn pedal_down(instrument: &Instrument, parts: &Parts) -> Instrument {
     let mut lifted = instrument.clone();
     if let Some((zone, _)) = parts.damper {
         // A felt without stiffness or damping gives no force: the key passes as if nothing were there.
-        let felt = &mut lifted.zones[zone].felt;
-        (felt.stiffness, felt.damping) = (0.0, 0.0);
+        lifted.zones[zone].felt.remove();
         lifted.zones[zone].friction_coefficient = 0.0;
     }
     lifted

@@ -272,10 +272,15 @@ fn read_curve(
 }
 
 fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Felt, Fault> {
+    if let (Some(_), Some(second)) = (&table.damping_n_s_per_m3, &table.hunt_crossley_s_per_m) {
+        let expected = "either `damping_N_s_per_m3` or `hunt_crossley_s_per_m`";
+        return Err(Fault::at(second.value_span(), "a felt has one law", expected).found("both"));
+    }
     Ok(Felt {
         stiffness: reader.scalar(&table.stiffness_n_per_m_r, Limits::up_to(1e18, "N/m^r"))?,
         exponent: reader.scalar(&table.exponent, Limits::between(1.0, 6.0, ""))?,
         damping: reader.scalar_or_zero(table.damping_n_s_per_m3.as_ref(), Limits::up_to(1e18, "N s/m3"))?,
+        hunt_crossley: reader.scalar_or_zero(table.hunt_crossley_s_per_m.as_ref(), Limits::up_to(1e6, "s/m"))?,
     })
 }
 

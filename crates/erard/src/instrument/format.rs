@@ -177,7 +177,8 @@ pub(crate) struct SegmentToml {
     pub rounding_mm: Option<Num<NonNegative>>,
 }
 
-/// Felt law F = k g^r + b g^2 dg/dt for the compression g in metres; it never pulls.
+/// Felt law for the compression g in metres: F = k g^r + b g^2 dg/dt, or with `hunt_crossley_s_per_m` F = k g^r (1 + a dg/dt). It never
+/// pulls.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Felt")]
@@ -190,6 +191,8 @@ pub(crate) struct FeltToml {
     /// b, N s/m3; 0 when absent.
     #[serde(rename = "damping_N_s_per_m3")]
     pub damping_n_s_per_m3: Option<Num<NonNegative>>,
+    /// a of Hunt and Crossley's law, s/m; in place of `damping_N_s_per_m3`.
+    pub hunt_crossley_s_per_m: Option<Num<NonNegative>>,
 }
 
 /// Who is who: names of bodies and zones.

@@ -164,15 +164,35 @@ pub enum Curve {
     },
 }
 
-/// F = k g^r + b g^2 dg/dt, never pulling.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// F = k g^r + b g^2 dg/dt, or Hunt and Crossley's F = k g^r (1 + a dg/dt); never pulling.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Felt {
     /// k, N/m^r.
     pub stiffness: f64,
     /// r, at least 1.
     pub exponent: f64,
-    /// b, N s/m3.
+    /// b, N s/m3; 0 where `hunt_crossley` is not.
     pub damping: f64,
+    /// a, s/m; 0 for the papers' law.
+    pub hunt_crossley: f64,
+}
+
+impl Felt {
+    /// Whether it loses energy.
+    pub fn is_lossy(&self) -> bool {
+        self.damping > 0.0 || self.hunt_crossley > 0.0
+    }
+
+    /// Multiplies its loss, whichever law it has.
+    pub fn scale_loss(&mut self, factor: f64) {
+        self.damping *= factor;
+        self.hunt_crossley *= factor;
+    }
+
+    /// Takes all its force away.
+    pub fn remove(&mut self) {
+        (self.stiffness, self.damping, self.hunt_crossley) = (0.0, 0.0, 0.0);
+    }
 }
 
 /// Who is who in the mechanism. Indices into [`Instrument::bodies`] and [`Instrument::zones`].

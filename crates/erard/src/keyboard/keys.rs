@@ -6,7 +6,7 @@
 //! finite time. Under a regularised friction law they do not, and keys never sleep. Nor does a key that friction holds exactly at its
 //! limit, where rounding lets it slip and stick in turn (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
 
-use moreau::{Input, Model, Outcome, Repose, Scratch, Settings, State};
+use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace};
 use thiserror::Error;
 
 use crate::assembly;
@@ -174,7 +174,7 @@ struct Actions<const B: usize, const Z: usize, const N: usize> {
     awake: Vec<usize>,
     sleep: bool,
     settings: Settings<f64>,
-    scratch: Scratch<f64, B, Z, N>,
+    scratch: Workspace<f64, B, Z, N>,
 }
 
 /// One key.
@@ -215,7 +215,7 @@ fn bank<const B: usize, const Z: usize, const N: usize>(
     });
     let actions: Vec<_> = actions.collect::<Result<_, _>>()?;
     let awake = (0..actions.len()).collect();
-    Ok(Box::new(Actions::<B, Z, N> { actions, awake, sleep: true, settings, scratch: Scratch::new() }))
+    Ok(Box::new(Actions::<B, Z, N> { actions, awake, sleep: true, settings, scratch: Workspace::new() }))
 }
 
 fn action<const B: usize, const Z: usize>(
@@ -241,10 +241,10 @@ impl<const B: usize, const Z: usize> Action<B, Z> {
     fn step<const N: usize>(
         &mut self,
         settings: &Settings<f64>,
-        scratch: &mut Scratch<f64, B, Z, N>,
+        scratch: &mut Workspace<f64, B, Z, N>,
     ) -> (bool, Outcome, Option<f64>) {
         // A key that is stepped is awake: nothing is known to rest, and its step is taken.
-        let mut repose = Repose::none();
+        let mut repose = Sleep::awake();
         let hammer_rad_s = self.hammer.map_or(0.0, |h| self.state.velocity[h.body]);
         let report = repose.step(&self.model, settings, &self.input, &mut self.state, scratch);
         let mut blow = None;
@@ -255,7 +255,7 @@ impl<const B: usize, const Z: usize> Action<B, Z> {
             }
             self.string_force_n = force_n;
         }
-        (repose.is_complete(), report.outcome, blow)
+        (repose.is_asleep(), report.outcome, blow)
     }
 }
 
@@ -305,7 +305,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Actions<B, Z, N> {
             match outcome {
                 Outcome::Converged => {}
                 Outcome::IterationLimit => tick.unconverged += 1,
-                Outcome::NonFinite => tick.non_finite += 1,
+                Outcome::NonFinite | Outcome::TooManyLaws => tick.non_finite += 1,
             }
             if let Some(speed_m_s) = blow {
                 blows.push(Blow { key: key + 1, speed_m_s });
@@ -340,8 +340,9 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Actions<B, Z, N> {
     }
 
     fn bits(&self, key: usize) -> Vec<u64> {
-        let State { angle, velocity, trend, pivot_friction, tangential, rigid_force, .. } = &self.actions[key].state;
-        let all = [&angle[..], velocity, trend, pivot_friction, tangential, std::slice::from_ref(rigid_force)];
+        let State { angle, velocity, increment, pivot_friction, tangential, rigid_force, .. } =
+            &self.actions[key].state;
+        let all = [&angle[..], velocity, increment, pivot_friction, tangential, std::slice::from_ref(rigid_force)];
         all.concat().into_iter().map(f64::to_bits).collect()
     }
 }

@@ -88,7 +88,7 @@ pub fn perturbed(grand: &Instrument, seed: u64) -> Instrument {
             }
         }
         zone.felt.stiffness *= r.factor(3.0);
-        zone.felt.damping *= r.factor(2.0);
+        zone.felt.scale_loss(r.factor(2.0));
         zone.friction_coefficient *= r.factor(2.0);
     }
     length(&mut r, &mut i.roles.key_front_m);
@@ -194,7 +194,7 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
         match report.outcome {
             Outcome::Converged => {}
             Outcome::IterationLimit => fate.unconverged += 1,
-            Outcome::NonFinite => {
+            Outcome::NonFinite | Outcome::TooManyLaws => {
                 fate.not_finite = true;
                 return fate;
             }

@@ -4,9 +4,8 @@
 //! err alike, so that their difference does not show it. What they hide is told here from the velocities' slopes and the laws' forces.
 
 use super::{Controller, Halves};
-use crate::Scalar;
-use crate::joints::relative;
 use crate::model::Model;
+use crate::real::Scalar;
 use crate::state::State;
 
 /// The error of a law that lets go is a part of how much the halves' changes of velocity differ. With a load that grows linearly (by j
@@ -60,8 +59,8 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
         let k = halves.settings.step;
         let history = if T::ZERO < controller.last { k / controller.last } else { T::ZERO };
         let states = [start, &halves.middle, &halves.end];
-        let w = states.map(|s| relative(model, &s.velocity));
-        let trend = relative(model, &start.trend);
+        let w = states.map(|s| model.tree.relative(&s.velocity));
+        let increment = model.tree.relative(&start.increment);
         let mut found = Found { reversed: [T::ZERO; 2], let_go: false, changed: false, instant: None };
         let mut hidden = [T::ZERO; B];
         for i in 0..B {
@@ -71,7 +70,7 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
             let mut held_back = T::ZERO;
             for half in 0..2 {
                 let u = [w[half][i], w[half + 1][i]];
-                let slope = if half == 0 { history * trend[i] } else { w[1][i] - w[0][i] };
+                let slope = if half == 0 { history * increment[i] } else { w[1][i] - w[0][i] };
                 let force = states[half + 1].pivot_friction[i];
                 let law = Law { half, side: u.map(|u| sign(u, still)), u, slope, force, bound: model.dry[i] };
                 held_back = held_back.max(found.look(&law));
@@ -88,17 +87,17 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
             let side = states.map(|s| s.side[z]);
             let touched = [
                 side[0] != T::ZERO || start.tangential[z] != T::ZERO,
-                halves.scratch[0].touched_in(z),
-                halves.scratch[1].touched_in(z),
+                halves.workspace[0].touched_in(z),
+                halves.workspace[1].touched_in(z),
             ];
             let force = [halves.middle.tangential[z], halves.end.tangential[z]];
-            let bound = [0, 1].map(|half| mu * halves.scratch[half].contacts[z].force);
+            let bound = [0, 1].map(|half| mu * halves.workspace[half].contacts.states[z].force);
             let mut held_back = T::ZERO;
             for half in 0..2 {
                 found.changed |= touched[half] != touched[half + 1];
                 if touched[half] && touched[half + 1] {
-                    let u = halves.scratch[half].slip(model, z, &joints[half]);
-                    let before = halves.scratch[0].slip(model, z, &joints[0]);
+                    let u = halves.workspace[half].slip(model, z, &joints[half]);
+                    let before = halves.workspace[0].slip(model, z, &joints[0]);
                     let slope = if half == 0 { k * controller.slip_rate[z] } else { before[1] - before[0] };
                     // The remembered side is the force's.
                     let side = [-side[half], -side[half + 1]];
@@ -116,8 +115,8 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
                 held_back = held_back.max(found.about_to_let_go(force, bound));
             }
             if T::ZERO < held_back {
-                for (n, j) in model.paths[z].joints() {
-                    let speed = held_back * k * halves.scratch[1].slip_row[z][n].abs() / model.inertia[j];
+                for (n, j) in model.supports[z].joints() {
+                    let speed = held_back * k * halves.workspace[1].contacts.slip_row[z][n].abs() / model.inertia[j];
                     hidden[j] = hidden[j].max(speed);
                 }
             }
@@ -126,7 +125,7 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
             let first = halves.middle.velocity[i] - start.velocity[i];
             let second = halves.end.velocity[i] - halves.middle.velocity[i];
             let change = (second - first).abs();
-            let before = (first - history * start.trend[i]).abs();
+            let before = (first - history * start.increment[i]).abs();
             hidden[i] = hidden[i].max(found.reversed[0] * before).max(found.reversed[1] * change);
             if found.let_go {
                 hidden[i] = hidden[i].max(T::from_f64(LETTING_GO) * change);

@@ -4,12 +4,12 @@
 
 mod changes;
 
-use crate::joints::relative;
 use crate::model::Model;
+use crate::real::{Real, Scalar};
 use crate::settings::Settings;
-use crate::state::{Input, Scratch, State};
+use crate::state::{Input, State};
 use crate::step::{Outcome, step};
-use crate::{Real, Scalar};
+use crate::workspace::Workspace;
 use changes::Changes;
 
 /// Part of the error allowed that Newton's method may leave in an inner step. More is seen as error and shortens the steps.
@@ -21,7 +21,7 @@ const GROWTH: f64 = 4.0;
 const SHRINKAGE: f64 = 0.1;
 /// Most attempts that are rejected in one step; the next one is the smallest step, and is taken.
 const REJECTIONS: u32 = 30;
-/// So many of them may aim at the instant at which a law changes.
+/// Most rejected attempts that aim at the instant at which a law changes.
 const AIMED: u32 = 8;
 
 /// How accurate steps are to be, and how long.
@@ -74,7 +74,7 @@ pub struct Halves<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// The state between them.
     pub middle: State<T, B, Z>,
     /// What acted in each.
-    pub scratch: [Scratch<T, B, Z, N>; 2],
+    pub workspace: [Workspace<T, B, Z, N>; 2],
     end: State<T, B, Z>,
     whole: State<T, B, Z>,
 }
@@ -83,13 +83,13 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Halves<T, B, Z, N>
     /// Fresh working memory; results do not depend on what it held before.
     pub fn new(settings: &Settings<T>) -> Self {
         let state = || State::at_rest([T::ZERO; B]);
-        let scratch = [Scratch::new(), Scratch::new()];
-        Halves { settings: *settings, middle: state(), scratch, end: state(), whole: state() }
+        let workspace = [Workspace::new(), Workspace::new()];
+        Halves { settings: *settings, middle: state(), workspace, end: state(), whole: state() }
     }
 
     /// Relative velocities before and after each half of a step from `start`.
     fn joints(&self, model: &Model<T, B, Z>, start: &State<T, B, Z>) -> [[[T; B]; 2]; 2] {
-        let [w0, w1, w2] = [start, &self.middle, &self.end].map(|s| relative(model, &s.velocity));
+        let [w0, w1, w2] = [start, &self.middle, &self.end].map(|s| model.tree.relative(&s.velocity));
         [[w0, w1], [w1, w2]]
     }
 }
@@ -97,7 +97,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Halves<T, B, Z, N>
 /// What a step did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlledStep<T> {
-    /// How it ended; [`Outcome::NonFinite`] leaves the state as it was.
+    /// How it ended; [`Outcome::NonFinite`] and [`Outcome::TooManyLaws`] leave the state as it was.
     pub outcome: Outcome,
     /// Its length, s.
     pub step: T,
@@ -118,10 +118,12 @@ pub struct ControlledStep<T> {
 /// Advances `state` by one step, as long as its error allows, and at most `limit` s. Never allocates, never panics, takes a bounded
 /// number of inner steps.
 ///
-/// `input` is asked for what drives an inner step: of its start in s after this one's, its length, and the state there (see [`Input`] for
-/// the instants that its numbers belong to). Between these instants nothing is known of it; where a drive jumps, a step should end.
-/// `settings.step` is not used; its Newton tolerance is, or a hundredth of the accuracy's, if that is less. theta = 1/2 is meant; at
-/// larger ones the scheme is of first order, and steps are shorter.
+/// `input(from, h, state)` says what drives an inner step that begins `from` s after this step's start at `state` and lasts `h` s (see
+/// [`Input`] for the instants that its numbers belong to). The controller knows nothing of the drive between these instants, so a step should
+/// end where the drive jumps.
+///
+/// Of the settings, `step` is not used, and the Newton tolerance is lowered to a hundredth of the accuracy's where that is less. Use
+/// theta = 1/2: at a larger one the scheme is of first order, and steps are shorter.
 #[allow(clippy::too_many_arguments)]
 pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -134,7 +136,7 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
     halves: &mut Halves<T, B, Z, N>,
 ) -> ControlledStep<T> {
     let wanted = controller.next.max(accuracy.smallest).min(accuracy.largest);
-    // No crumbs: what is left is taken at once or in two.
+    // What is left is taken at once or in two: no crumb remains.
     let first = if limit <= wanted { limit } else { wanted.min(T::from_f64(0.5) * limit) };
     let newton = accuracy.tolerance * accuracy.velocity.min(T::ONE) * T::from_f64(NEWTON_SHARE);
     let tolerance = newton.max(T::from_f64(64.0) * T::EPSILON);
@@ -173,20 +175,20 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
         }
         .max(accuracy.smallest.min(limit));
     };
-    if report.outcome == Outcome::NonFinite {
+    if matches!(report.outcome, Outcome::NonFinite | Outcome::TooManyLaws) {
         return report;
     }
     let second = halves.joints(model, state)[1];
     *state = halves.end.clone();
     report.extrapolated = !changes.any && extrapolate(model, halves, state);
     controller.last = halves.settings.step;
-    controller.slip = slips(model, &halves.scratch[1], state);
+    controller.slip = slips(model, &halves.workspace[1], state);
     for (z, rate) in controller.slip_rate.iter_mut().enumerate() {
-        let [u0, u1] = halves.scratch[1].slip(model, z, &second);
+        let [u0, u1] = halves.workspace[1].slip(model, z, &second);
         *rate = (u1 - u0) / controller.last;
     }
     let next = report.step * growth(exponent(&settings, &changes), &report, controller.error);
-    // A step that was only cut off says little of what is possible.
+    // A step that the limit cut off says little of what length is possible.
     let cut = report.rejected == 0 && first < wanted;
     controller.next = if cut { next.max(wanted) } else { next };
     controller.error = if report.error <= T::ONE { report.error.max(T::from_f64(1e-2)) } else { T::ONE };
@@ -203,7 +205,7 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     halves: &mut Halves<T, B, Z, N>,
     report: &mut ControlledStep<T>,
 ) {
-    let Halves { settings: own, middle, scratch: [first, second], end, whole } = halves;
+    let Halves { settings: own, middle, workspace: [first, second], end, whole } = halves;
     let h = report.step;
     *own = Settings { step: T::from_f64(0.5) * h, ..*settings };
     let mut worst = Outcome::Converged;
@@ -213,19 +215,20 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
                   last: T,
                   slip: &[T; Z],
                   state: &mut State<T, B, Z>,
-                  scratch: &mut Scratch<T, B, Z, N>| {
+                  workspace: &mut Workspace<T, B, Z, N>| {
         let ratio = if T::ZERO < last { settings.step / last } else { T::ZERO };
-        for trend in &mut state.trend {
-            *trend = *trend * ratio;
+        for increment in &mut state.increment {
+            *increment = *increment * ratio;
         }
-        scratch.slip_before = *slip;
-        scratch.slip_span = (T::ONE - settings.theta) * last;
+        workspace.turning.slip_before = *slip;
+        workspace.turning.span = (T::ONE - settings.theta) * last;
         let input = input(from, settings.step, state);
-        let did = step(model, settings, &input, state, scratch);
+        let did = step(model, settings, &input, state, workspace);
         report.inner += 1;
         report.newton += did.newton;
         report.solver += did.solver;
         worst = match (worst, did.outcome) {
+            (Outcome::TooManyLaws, _) | (_, Outcome::TooManyLaws) => Outcome::TooManyLaws,
             (Outcome::NonFinite, _) | (_, Outcome::NonFinite) => Outcome::NonFinite,
             (Outcome::IterationLimit, _) | (_, Outcome::IterationLimit) => Outcome::IterationLimit,
             _ => Outcome::Converged,
@@ -234,8 +237,8 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     whole.clone_from(state);
     go(&Settings { step: h, ..*settings }, T::ZERO, controller.last, &controller.slip, whole, second);
     middle.clone_from(state);
-    // What was found out of the whole step's reach is out of the halves', too: no survey but one.
-    middle.survey = whole.survey;
+    // What is out of the whole step's reach is out of the halves', too: one broad phase serves all three.
+    middle.broad_phase = whole.broad_phase;
     middle.forget_far(model);
     go(own, T::ZERO, controller.last, &controller.slip, middle, first);
     end.clone_from(middle);
@@ -246,14 +249,14 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 /// Slip velocities of a state along an inner step's rows.
 fn slips<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
-    scratch: &Scratch<T, B, Z, N>,
+    workspace: &Workspace<T, B, Z, N>,
     state: &State<T, B, Z>,
 ) -> [T; Z] {
-    let w = relative(model, &state.velocity);
+    let w = model.tree.relative(&state.velocity);
     let mut slips = [T::ZERO; Z];
     for &z in &model.sliding_zones[..model.sliding_count] {
-        if scratch.touched_in(z) {
-            slips[z] = model.paths[z].product(&scratch.slip_row[z], &w);
+        if workspace.touched_in(z) {
+            slips[z] = model.supports[z].product(&workspace.contacts.slip_row[z], &w);
         }
     }
     slips
@@ -308,7 +311,7 @@ fn extrapolate<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         v[i] += share * (v[i] - halves.whole.velocity[i]);
         q[i] += share * (q[i] - halves.whole.angle[i]);
     }
-    let (before, after) = (relative(model, &state.velocity), relative(model, &v));
+    let (before, after) = (model.tree.relative(&state.velocity), model.tree.relative(&v));
     let sound = (0..B).all(|i| T::ZERO <= before[i] * after[i]);
     if sound {
         (state.velocity, state.angle) = (v, q);

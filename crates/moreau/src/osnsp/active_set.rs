@@ -2,31 +2,20 @@
 //! the guess, until it is right. The warm start is right in most steps, and then one factorisation is all; the Delassus
 //! matrix is never formed.
 //!
-//! Sticking pivots stay in the system with a huge inertia, which leaves the others as if they were not in it, and their velocities are then
-//! set to zero exactly (a held note does not drift by rounding). Sliding contacts are few: they are condensed onto a system of
-//! their own. Where guesses cycle, the exact dense solver takes over.
+//! Sticking pivots stay in the system with a huge inertia. The others then move as if those were not in it. The solver sets the velocities of
+//! sticking pivots to zero exactly, so that a held note does not drift by rounding. Sliding contacts are few: they are condensed onto a system
+//! of their own. Where guesses cycle, the exact dense solver takes over.
 
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
-use super::{Impulses, SlidingLaw, System, lane_by_lane};
+use super::system::{Guess, Impulses, SlidingLaw, System, lane_by_lane};
 use crate::linear::{back_substitute, product, solve as solve_factored};
-use crate::{Mask, Real, Scalar};
+use crate::real::{Mask, Real, Scalar};
 
-/// Guesses that correct every refuted law at once; usual problems need one or two, and what cycles does so from the start.
+/// Guesses that correct every refuted law at once. Usual problems need one or two; a problem that cycles does so from the start.
 const GUESSES: u32 = 8;
 /// Guesses that then correct only the first refuted law, which ends most cycles, before the exact dense solver takes over.
 const SINGLE_GUESSES: u32 = 24;
-
-/// Where every law stands: 0 sticks, +1 and -1 slide with p = +bound and -bound.
-#[derive(Debug, Clone)]
-pub struct Guess<T: Real, const B: usize, const N: usize> {
-    /// Pivots; those without dry friction never stick.
-    pub pivot: [T; B],
-    /// Sliding laws.
-    pub sliding: [T; N],
-    /// Sliding laws whose bound falls to zero within the step, because the felt is left: p = 0, whatever the velocity.
-    pub(crate) open: [T::Mask; N],
-}
 
 /// The sliding laws' own system, once the pivots are guessed, and what it is made from: workspace.
 #[derive(Debug, Clone)]
@@ -38,43 +27,9 @@ pub struct Condensed<T, const B: usize, const N: usize> {
     matrix: [[T; N]; N],
 }
 
-impl<T: Real, const B: usize, const N: usize> Guess<T, B, N> {
-    pub(crate) fn new() -> Self {
-        Guess { pivot: [T::ZERO; B], sliding: [T::ZERO; N], open: [T::Mask::splat(false); N] }
-    }
-
-    pub(super) fn lane(&self, lane: usize) -> Guess<T::Lane, B, N> {
-        Guess {
-            pivot: self.pivot.map(|x| x.lane(lane)),
-            sliding: self.sliding.map(|x| x.lane(lane)),
-            open: self.open.map(|x| x.lane(lane)),
-        }
-    }
-
-    pub(super) fn set_lane(&mut self, lane: usize, one: &Guess<T::Lane, B, N>) {
-        for i in 0..B {
-            self.pivot[i] = self.pivot[i].with_lane(lane, one.pivot[i]);
-        }
-        for k in 0..N {
-            self.sliding[k] = self.sliding[k].with_lane(lane, one.sliding[k]);
-        }
-    }
-}
-
 impl<T: Real, const B: usize, const N: usize> Condensed<T, B, N> {
     pub(crate) fn new() -> Self {
         Condensed { factors: [[T::ZERO; B]; B], columns: [[T::ZERO; B]; N], matrix: [[T::ZERO; N]; N] }
-    }
-}
-
-impl<T: Scalar, const B: usize, const N: usize> Guess<T, B, N> {
-    /// What a solution's impulses say: a law at its bound slides.
-    pub(crate) fn read(&mut self, system: &System<T, B, N>, impulses: &Impulses<T, B, N>) {
-        for k in 0..system.count {
-            let (law, p) = (&system.sliding[k], impulses.sliding[k]);
-            let side = if p >= law.bound { T::ONE } else { -T::ONE };
-            self.sliding[k] = if law.rigid || p.abs() < law.bound { T::ZERO } else { side };
-        }
     }
 }
 
@@ -145,14 +100,15 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
         impulses.pivot[i] = guess.pivot[i] * system.pivot_bound[i];
     }
     let (mut changed, moves) = velocities(system, guess, impulses, condensed, tolerance, single, w);
-    // What the impulses of the pivots that stick must make up for, but for A w.
+    // A w = b + p + sum row_k p_k: the impulse of a pivot that sticks is A w less the rest. This is minus the rest.
     let mut lacking = system.b.map(|b| -b);
     for k in 0..system.count {
         for i in 0..B {
             lacking[i] = lacking[i].sub_product(system.sliding[k].row[i], impulses.sliding[k]);
         }
     }
-    // Mostly none has turned: lanes find that out sooner of all pivots together, a number alone of each that slides.
+    // Usually no sliding pivot has reversed. With several lanes one test for all pivots is cheaper; with one lane, a test per sliding
+    // pivot is.
     let turning = T::LANES > 1 && tolerance.lt(fastest(&guess.pivot, w)).any();
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
@@ -160,8 +116,8 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             let p = if moves { lacking[i] + system.a.row_product(i, w) } else { lacking[i] };
             // A pivot that sticks has no impulse yet.
             impulses.pivot[i] += T::select(slides, T::ZERO, p);
-            // Rounding, in the bound and in the loads that p is the difference of, must not turn a pivot that holds at its limit back
-            // and forth.
+            // p is a difference of loads, so it is rounded as they are. A pivot that holds just at its limit must not begin to slide
+            // because of that.
             let rounding = T::from_f64(8.0) * T::EPSILON * (system.pivot_bound[i] + system.b[i].abs());
             let bound = system.pivot_bound[i] + rounding;
             let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change::<T>(changed, single));
@@ -183,7 +139,7 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     changed
 }
 
-/// The largest velocity in the direction against which a pivot is expected to be opposed.
+/// The largest velocity that goes against a pivot's guess: positive where the pivot turns the way that its friction pushes.
 #[inline(always)]
 fn fastest<T: Real, const B: usize>(guess: &[T; B], w: &[T; B]) -> T {
     let mut fastest = T::ZERO;
@@ -193,7 +149,7 @@ fn fastest<T: Real, const B: usize>(guess: &[T; B], w: &[T; B]) -> T {
     fastest
 }
 
-/// In which lanes a guess may be corrected, after it has been in some.
+/// In which lanes a guess may be corrected, when it has been corrected already in `changed`.
 #[inline(always)]
 fn may_change<T: Real>(changed: T::Mask, single: bool) -> T::Mask {
     if single { changed.not() } else { T::Mask::splat(true) }
@@ -243,7 +199,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
         only(&moves, w);
     }
     if !free {
-        return (hold(system, guess, impulses, tolerance, single), false);
+        return (all_stick(system, guess, impulses, tolerance, single), false);
     }
     if !spelt_out {
         for k in 0..system.count.min(N) {
@@ -279,7 +235,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     (correct(guess, 0, found, tolerance, T::Mask::splat(true)), true)
 }
 
-/// What a guess gave a sliding law: its impulse, velocity and bound, and whether it is held by the others anyway.
+/// What a guess gave a sliding law: its impulse, velocity and bound, and whether the other sticking laws hold it already.
 struct Found<T: Real> {
     p: T,
     u: T,
@@ -351,15 +307,15 @@ fn slide<T: Real, const B: usize, const N: usize>(
     for k in 0..n {
         impulses.sliding[k] = p[k];
         let found = Found::at(&system.sliding[k], v, p[k], dependent[k]);
-        changed = changed.or(judge(system, guess, k, found, tolerance, may_change::<T>(changed, single)));
+        changed = changed.or(correct_law(system, guess, k, found, tolerance, may_change::<T>(changed, single)));
     }
     changed
 }
 
-/// Sliding laws of a mechanism that every pivot holds, in every lane: what slides is at its bound, and the impulses of what sticks are not
-/// determined. Corrects the guesses.
+/// Sliding laws of a mechanism in which every pivot sticks, in every lane. A law that slides is at its bound; the impulse of one that sticks
+/// is not determined, and keeps its value. Corrects the guesses.
 #[inline(always)]
-fn hold<T: Real, const B: usize, const N: usize>(
+fn all_stick<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
@@ -373,14 +329,14 @@ fn hold<T: Real, const B: usize, const N: usize>(
         let p = T::select(sticks, impulses.sliding[k], T::only(closed, side * law.bound));
         impulses.sliding[k] = p;
         let found = Found { p, u: -law.target, bound: law.bound, dependent: sticks };
-        changed = changed.or(judge(system, guess, k, found, tolerance, may_change::<T>(changed, single)));
+        changed = changed.or(correct_law(system, guess, k, found, tolerance, may_change::<T>(changed, single)));
     }
     changed
 }
 
-/// Corrects where a sliding law stands, as [`correct`] does; a rigid one that is refused lets another law give way.
+/// Corrects where a sliding law stands, as [`correct`] does. A rigid drive that the sticking laws block releases one of them.
 #[inline(always)]
-fn judge<T: Real, const B: usize, const N: usize>(
+fn correct_law<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     k: usize,
@@ -391,16 +347,16 @@ fn judge<T: Real, const B: usize, const N: usize>(
     if !system.sliding[k].rigid {
         return correct(guess, k, found, tolerance, allowed);
     }
-    let refused = found.dependent.and(tolerance.lt(found.u.abs())).and(allowed);
-    for lane in (0..T::LANES).filter(|&l| refused.lane(l)) {
+    let blocked = found.dependent.and(tolerance.lt(found.u.abs())).and(allowed);
+    for lane in (0..T::LANES).filter(|&l| blocked.lane(l)) {
         let mut own = guess.lane(lane);
-        give_way(&system.lane(lane), &mut own, k, found.u.lane(lane));
+        release_blocking_law(&system.lane(lane), &mut own, k, found.u.lane(lane));
         guess.set_lane(lane, &own);
     }
-    refused
+    blocked
 }
 
-/// What a row would see if nothing stuck: the scale that tells a law that is held already from a free one.
+/// The mobility that a row would have if nothing stuck. Against it a law that other sticking laws hold already has none.
 #[inline(always)]
 fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, row: &[T; B]) -> T {
     let mut scale = T::ZERO;
@@ -436,10 +392,10 @@ fn correct<T: Real, const B: usize, const N: usize>(
     moved
 }
 
-/// An imposed velocity that the sticking laws do not admit: the one that stands most in its way slides, against the motion.
+/// The sticking laws do not admit an imposed velocity: the one that blocks it most is released, and slides against the motion.
 #[cold]
 #[inline(never)]
-fn give_way<T: Scalar, const B: usize, const N: usize>(
+fn release_blocking_law<T: Scalar, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     guess: &mut Guess<T, B, N>,
     rigid: usize,

@@ -4,9 +4,9 @@
 //! The bound of a sliding contact follows the felt's force, so it is affine in p:
 //! bound_i(p) = max(0, bound_i + sum_j slope_ij p_j). An infinite bound is an equality, u_i = 0.
 
-use super::{Impulses, System};
+use super::system::{Impulses, System};
 use crate::linear;
-use crate::{Real, Scalar};
+use crate::real::{Real, Scalar};
 
 /// One linearised step, `count` laws in use.
 #[derive(Debug, Clone)]

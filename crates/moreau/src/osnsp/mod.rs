@@ -4,105 +4,17 @@
 //! |p_i| <= bound_i, and sliding laws u_k = row_k . w, |p_k| <= bound_k + slope_k . w (the bound follows the felt's force),
 //! every impulse opposing its own velocity: p = proj_[-bound, bound](p - rho u) for any rho > 0 [T12 eqs 2-4].
 //!
-//! Rival solvers are sibling files with one signature; `delassus.rs` is the dense form u = u_free + W p that some of them use.
+//! `system.rs` holds the data. Rival solvers are sibling files with one signature; `delassus.rs` is the dense form u = u_free + W p that
+//! some of them use.
 
 pub mod active_set;
 pub mod delassus;
 pub mod projected_gauss_seidel;
 pub mod relay;
+mod system;
 
-use crate::linear::Symmetric;
-use crate::state::Scratch;
-use crate::{Mask, Real, Settings};
-
-/// One linearised step, in relative velocities.
-#[derive(Debug, Clone)]
-pub struct System<T, const B: usize, const N: usize> {
-    /// A, symmetric positive definite.
-    pub a: Symmetric<T, B>,
-    /// b: the impulse that would bring about the step without set-valued laws, plus A w for the iterate w.
-    pub b: [T; B],
-    /// h c_d of every pivot; 0 is no friction.
-    pub pivot_bound: [T; B],
-    /// Sliding contacts and a rigid drive.
-    pub sliding: [SlidingLaw<T, B>; N],
-    /// How many of them are in use.
-    pub count: usize,
-}
-
-/// A sliding contact, or a velocity that is imposed.
-#[derive(Debug, Clone, Copy)]
-pub struct SlidingLaw<T, const B: usize> {
-    /// u = row . w - target.
-    pub row: [T; B],
-    /// The velocity to be reached; zero for friction.
-    pub target: T,
-    /// Bound of the impulse at w = 0.
-    pub bound: T,
-    /// Its gradient in w.
-    pub slope: [T; B],
-    /// No bound at all: u = 0.
-    pub rigid: bool,
-}
-
-/// The impulses of a system: a warm start before, the solution after.
-#[derive(Debug, Clone, Copy)]
-pub struct Impulses<T, const B: usize, const N: usize> {
-    /// Of every pivot.
-    pub pivot: [T; B],
-    /// Of every sliding law.
-    pub sliding: [T; N],
-}
-
-impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
-    pub(crate) fn new() -> Self {
-        let z = T::ZERO;
-        let law = SlidingLaw { row: [z; B], target: z, bound: z, slope: [z; B], rigid: false };
-        System { a: Symmetric::zero(), b: [z; B], pivot_bound: [z; B], sliding: [law; N], count: 0 }
-    }
-}
-
-impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
-    pub(crate) fn new() -> Self {
-        Impulses { pivot: [T::ZERO; B], sliding: [T::ZERO; N] }
-    }
-}
-
-impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
-    /// One lane's system.
-    pub(crate) fn lane(&self, lane: usize) -> System<T::Lane, B, N> {
-        System {
-            a: self.a.lane(lane),
-            b: self.b.map(|x| x.lane(lane)),
-            pivot_bound: self.pivot_bound.map(|x| x.lane(lane)),
-            sliding: self.sliding.map(|law| SlidingLaw {
-                row: law.row.map(|x| x.lane(lane)),
-                target: law.target.lane(lane),
-                bound: law.bound.lane(lane),
-                slope: law.slope.map(|x| x.lane(lane)),
-                rigid: law.rigid,
-            }),
-            count: self.count,
-        }
-    }
-}
-
-impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
-    /// One lane's impulses.
-    pub(crate) fn lane(&self, lane: usize) -> Impulses<T::Lane, B, N> {
-        Impulses { pivot: self.pivot.map(|x| x.lane(lane)), sliding: self.sliding.map(|x| x.lane(lane)) }
-    }
-
-    /// Sets one lane's impulses.
-    pub(crate) fn set_lane(&mut self, lane: usize, one: &Impulses<T::Lane, B, N>) {
-        for i in 0..B {
-            self.pivot[i] = self.pivot[i].with_lane(lane, one.pivot[i]);
-        }
-        for k in 0..N {
-            self.sliding[k] = self.sliding[k].with_lane(lane, one.sliding[k]);
-        }
-    }
-}
+use crate::real::{Mask, Real};
+pub use system::{Guess, Impulses, SlidingLaw, SolveReport, System};
 
 /// Which solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -114,27 +26,21 @@ pub enum Solver {
     ProjectedGaussSeidel,
 }
 
-/// How a solve ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SolveReport {
-    /// The tolerance was met.
-    pub converged: bool,
-    /// Sweeps or active sets tried.
-    pub iterations: u32,
-}
-
 impl Solver {
-    /// Solves the scratch's system from its warm start, which is overwritten; `w`: the relative velocities. Says which lanes converged,
-    /// and after how many sweeps or active sets.
+    /// Solves the system from its warm start, which is overwritten; `w`: the relative velocities. `tolerance` is on the laws' velocities,
+    /// `limit` the largest number of sweeps or active sets. Says which lanes converged, and after how many sweeps or active sets.
     #[inline(always)]
-    pub(crate) fn solve<T: Real, const B: usize, const Z: usize, const N: usize>(
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn solve<T: Real, const B: usize, const N: usize>(
         self,
-        settings: &Settings<T>,
-        scratch: &mut Scratch<T, B, Z, N>,
+        system: &System<T, B, N>,
+        impulses: &mut Impulses<T, B, N>,
+        guess: &mut Guess<T, B, N>,
+        condensed: &mut active_set::Condensed<T, B, N>,
+        tolerance: T,
+        limit: u32,
         w: &mut [T; B],
     ) -> (T::Mask, u32) {
-        let (tolerance, limit) = (settings.solver_tolerance, settings.solver_limit);
-        let Scratch { system, impulses, guess, condensed, .. } = scratch;
         match self {
             Solver::ActiveSet => active_set::solve(system, impulses, guess, condensed, tolerance, limit, w),
             Solver::ProjectedGaussSeidel => sweep(system, impulses, guess, tolerance.lane(0), limit, w),
@@ -147,44 +53,11 @@ impl Solver {
 fn sweep<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
-    guess: &mut active_set::Guess<T, B, N>,
+    guess: &mut Guess<T, B, N>,
     tolerance: T::Lane,
     limit: u32,
     w: &mut [T; B],
 ) -> (T::Mask, u32) {
     let one = |system: &_, own: &mut _| projected_gauss_seidel::solve(system, own, tolerance, limit);
-    lane_by_lane(system, impulses, guess, w, T::Mask::splat(true), one)
-}
-
-/// Lane after lane, in those that are asked for, by a solver that knows one: its velocities, its impulses, and the guess that follows
-/// from them. Says which lanes did not fail, and the most sweeps or active sets.
-#[inline(always)]
-fn lane_by_lane<T: Real, const B: usize, const N: usize>(
-    system: &System<T, B, N>,
-    impulses: &mut Impulses<T, B, N>,
-    guess: &mut active_set::Guess<T, B, N>,
-    w: &mut [T; B],
-    lanes: T::Mask,
-    one: impl Fn(&System<T::Lane, B, N>, &mut Impulses<T::Lane, B, N>) -> ([T::Lane; B], SolveReport),
-) -> (T::Mask, u32) {
-    let (mut failed, mut most) = (T::ZERO, 0);
-    for lane in 0..T::LANES {
-        if !lanes.lane(lane) {
-            continue;
-        }
-        let system = system.lane(lane);
-        let (mut own, mut sides) = (impulses.lane(lane), guess.lane(lane));
-        let (velocities, report) = one(&system, &mut own);
-        sides.read(&system, &own);
-        impulses.set_lane(lane, &own);
-        guess.set_lane(lane, &sides);
-        for i in 0..B {
-            w[i] = w[i].with_lane(lane, velocities[i]);
-        }
-        if !report.converged {
-            failed = failed.with_lane(lane, T::Lane::ONE);
-        }
-        most = most.max(report.iterations);
-    }
-    (failed.le(T::ZERO), most)
+    system::lane_by_lane(system, impulses, guess, w, T::Mask::splat(true), one)
 }

@@ -3,8 +3,8 @@
 //! With rho_i = 1/W_ii each update solves its own law exactly, given the others.
 
 use super::delassus::{Dense, OneStepProblem};
-use super::{Impulses, SolveReport, System};
-use crate::{Mask, Real, Scalar};
+use super::system::{Impulses, SolveReport, System};
+use crate::real::{Mask, Real, Scalar};
 
 /// Solves a system by way of its Delassus matrix.
 pub fn solve<T: Scalar, const B: usize, const N: usize>(

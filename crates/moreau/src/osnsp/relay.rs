@@ -5,9 +5,9 @@
 //! quadratic programme min 1/2 p.W p + u_free.p over the box takes over: it goes downhill at every step and ends
 //! (Nocedal & Wright, Numerical Optimization, section 16.5).
 
-use super::SolveReport;
 use super::delassus::OneStepProblem;
-use crate::{Mask, Real, Scalar};
+use super::system::SolveReport;
+use crate::real::{Mask, Real, Scalar};
 
 /// Guesses before the fallback; usual problems need one or two, and what cycles does so from the start.
 const GUESSES: u32 = 12;
@@ -191,7 +191,7 @@ fn correct_guess<T: Scalar, const N: usize>(
                     // The others do not hold it after all: it slides, against its velocity.
                     side[i] = if u > T::ZERO { Side::Lower } else { Side::Upper };
                 } else {
-                    give_way(problem, side, i, u);
+                    release_blocking_law(problem, side, i, u);
                 }
                 changed = true;
             }
@@ -224,9 +224,14 @@ fn correct_guess<T: Scalar, const N: usize>(
     changed
 }
 
-/// An equality that the sticking laws do not admit: the one that is most strongly coupled to it slides, against the motion.
+/// The sticking laws do not admit an equality: the one that is most strongly coupled to it is released, and slides against the motion.
 #[cold]
-fn give_way<T: Scalar, const N: usize>(problem: &OneStepProblem<T, N>, side: &mut [Side; N], i: usize, u: T) {
+fn release_blocking_law<T: Scalar, const N: usize>(
+    problem: &OneStepProblem<T, N>,
+    side: &mut [Side; N],
+    i: usize,
+    u: T,
+) {
     let (mut most, mut holder) = (T::ZERO, None);
     for j in 0..problem.count {
         let (coupling, mobility) = (problem.delassus[i][j], problem.delassus[j][j]);

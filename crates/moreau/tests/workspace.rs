@@ -1,6 +1,8 @@
 //! Working memory holds nothing that a later step depends on.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Input, Model, Scratch, Settings, Site, State, Zone, step};
+use moreau::{
+    Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Settings, Site, State, Workspace, Zone, step,
+};
 
 /// Three levers that swing down onto felts with friction, the first one driven at its tip: hinged on the ground each, in a chain of two,
 /// or in a chain of three.
@@ -31,12 +33,20 @@ fn levers(parents: [usize; 3]) -> Model<f64, 3, 3> {
         radius: 0.005,
         curve_body: GROUND,
         curve: Curve::Line { point: [pivot_x(i) + 0.09, -0.006 - 0.002 * i as f64], normal: [0.0, 1.0] },
-        felt: Felt { stiffness: 1e6, exponent: Exponent::Two, damping: 1e5 },
+        felt: Felt { stiffness: 1e6, exponent: Exponent::Two, loss: Loss::Quadratic(1e5) },
         friction: Some(0.3),
     };
     let site = Site { body: 0, point: [0.09, 0.0], direction: [0.0, -1.0], stiffness: 100.0, damping: 1.0 };
     let bodies = [0, 1, 2].map(body);
-    Model::new(&bodies, &[], &[0, 1, 2].map(zone), Some(site), 9.81).unwrap()
+    Description {
+        bodies: &bodies,
+        zones: &[0, 1, 2].map(zone),
+        site: Some(site),
+        gravity: 9.81,
+        ..Description::default()
+    }
+    .compile()
+    .unwrap()
 }
 
 /// Mechanisms of different trees, stepped in turn with one working memory, do to the bit what each does with its own; so do the contacts
@@ -47,9 +57,9 @@ fn mechanisms_may_share_working_memory() {
     let models = [[GROUND; 3], [GROUND, 0, GROUND], [GROUND, 0, 1], [GROUND, GROUND, 1]].map(levers);
     // Some begin on their felts, others far above them.
     let starts = [0.0, 0.4, 0.8, 0.0].map(|angle| State::at_rest([angle; 3]));
-    let mut alone = starts.clone().map(|start| (start, Scratch::<f64, 3, 3, 7>::new()));
+    let mut alone = starts.clone().map(|start| (start, Workspace::<f64, 3, 3, 7>::new()));
     let mut together = starts;
-    let mut shared = Scratch::<f64, 3, 3, 7>::new();
+    let mut shared = Workspace::<f64, 3, 3, 7>::new();
     let mut touched = [0; 4];
     for n in 0..4000 {
         // Down, held, and let go of.
@@ -63,7 +73,8 @@ fn mechanisms_may_share_working_memory() {
             assert_eq!(a, b, "mechanism {m}, step {n}");
             assert!(*state == together[m], "mechanism {m}, step {n}: {state:?} {:?}", together[m]);
             for zone in 0..3 {
-                let force = |scratch: &Scratch<f64, 3, 3, 7>| scratch.contact(model, &settings, zone).map(|c| c.force);
+                let force =
+                    |workspace: &Workspace<f64, 3, 3, 7>| workspace.contact(model, &settings, zone).map(|c| c.force);
                 assert_eq!(force(own), force(&shared), "mechanism {m}, step {n}, zone {zone}");
                 touched[m] += usize::from(force(own).is_some());
             }

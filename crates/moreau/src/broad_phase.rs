@@ -1,24 +1,25 @@
-//! Which zones can be touched at all while the mechanism stays near a pose: the others are not looked at.
+//! The broad phase: which zones can be touched at all while the mechanism stays near a pose. A step leaves the others out.
 //!
-//! A zone's gap changes by at most lever times angle for every joint that it depends on. So a zone with a clearance c at the
-//! pose of the survey cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This is a bound and no
-//! estimate: with or without a survey, a step gives the same bits.
+//! A zone's gap changes by at most lever times angle for every supporting joint. So a zone with a clearance c at the pose of the broad
+//! phase cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This is a bound and no estimate: with or without
+//! a broad phase, a step gives the same bits.
 
-use crate::contact::{Timing, gap_of};
+use crate::felt::ONSET;
 use crate::model::Model;
-use crate::pose::Pose;
-use crate::{Mask, Real};
+use crate::real::{Mask, Real};
+use crate::timing::Timing;
+use crate::workspace::Kinematics;
 
-/// A zone that could be touched within so many steps at the present speeds is looked at in every step. More means fewer surveys
-/// and more zones to look at.
+/// A zone that could be touched within so many steps at the present speeds is near: every step looks at it. A larger number means fewer
+/// broad phases and more zones to look at.
 const STEPS: f64 = 32.0;
-/// m; the same from rest.
+/// m; a zone with less clearance is near even at rest.
 const CLEARANCE: f64 = 5e-5;
 
-/// The zones near contact around one pose.
+/// The zones near contact around one pose: what a broad phase found.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Survey<T, const B: usize, const Z: usize> {
-    /// Joint angles of the survey's pose, rad.
+pub(crate) struct BroadPhase<T, const B: usize, const Z: usize> {
+    /// Joint angles of its pose, rad.
     angle: [T; B],
     /// For every joint, the part of the tightest clearance that turning by a radian can use up.
     spent: [T; B],
@@ -31,17 +32,17 @@ pub(crate) struct Survey<T, const B: usize, const Z: usize> {
     sliding_count: usize,
 }
 
-/// A survey says nothing of where the mechanism is: it never distinguishes two states.
-impl<T, const B: usize, const Z: usize> PartialEq for Survey<T, B, Z> {
+/// It says nothing of where the mechanism is, so it never distinguishes two states.
+impl<T, const B: usize, const Z: usize> PartialEq for BroadPhase<T, B, Z> {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
+impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
     /// None yet.
     pub fn none() -> Self {
-        Survey {
+        BroadPhase {
             angle: [T::ZERO; B],
             spent: [T::ZERO; B],
             reach: -T::ONE,
@@ -64,14 +65,13 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         &self.sliding[..self.sliding_count]
     }
 
-    /// Surveys again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`: the joints' angles.
+    /// BroadPhases again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`: the joints' angles.
     #[inline(always)]
     pub fn renew(
         &mut self,
         model: &Model<T, B, Z>,
-        pose: &Pose<T, B>,
+        kinematics: &Kinematics<T, B>,
         joint: &[T; B],
-        joint_velocity: &[T; B],
         timing: &Timing<T>,
     ) -> bool {
         let mut spent = T::ZERO;
@@ -82,37 +82,30 @@ impl<T: Real, const B: usize, const Z: usize> Survey<T, B, Z> {
         let holds = spent.lt(T::from_f64(0.999)).and(timing.reach.le(self.reach));
         let again = !holds.all();
         if again {
-            self.take(model, pose, joint, joint_velocity, timing);
+            self.take(model, kinematics, joint, timing);
         }
         again
     }
 
     #[inline(always)]
-    fn take(
-        &mut self,
-        model: &Model<T, B, Z>,
-        pose: &Pose<T, B>,
-        joint: &[T; B],
-        joint_velocity: &[T; B],
-        timing: &Timing<T>,
-    ) {
-        *self = Survey { angle: *joint, reach: timing.reach, ..Survey::none() };
+    fn take(&mut self, model: &Model<T, B, Z>, kinematics: &Kinematics<T, B>, joint: &[T; B], timing: &Timing<T>) {
+        *self = BroadPhase { angle: *joint, reach: timing.reach, ..BroadPhase::none() };
         for z in 0..model.zone_count {
-            let clearance = -gap_of(&model.forms[z], pose) - timing.reach;
+            let clearance = T::from_f64(ONSET) - model.compiled[z].gap(&kinematics.pose) - timing.reach;
             let mut speed = T::ZERO;
-            for (k, j) in model.paths[z].joints() {
-                speed = speed.add_product(model.paths[z].lever(k), joint_velocity[j].abs());
+            for (k, j) in model.supports[z].joints() {
+                speed = speed.add_product(model.supports[z].lever(k), kinematics.joint_velocity[j].abs());
             }
             let needed = T::from_f64(CLEARANCE) + T::from_f64(STEPS) * timing.step * speed;
             if needed.lt(clearance).all() {
                 let inverse = T::ONE / clearance;
-                for (k, j) in model.paths[z].joints() {
-                    self.spent[j] = self.spent[j].max(model.paths[z].lever(k) * inverse);
+                for (k, j) in model.supports[z].joints() {
+                    self.spent[j] = self.spent[j].max(model.supports[z].lever(k) * inverse);
                 }
             } else {
                 self.near[self.near_count] = z;
                 self.near_count += 1;
-                if model.forms[z].slides {
+                if model.compiled[z].slides {
                     self.sliding[self.sliding_count] = z;
                     self.sliding_count += 1;
                 }

@@ -1,13 +1,15 @@
-//! Which joints a relative motion of two points depends on.
+//! The supporting joints of a relative motion: those that it depends on.
 
-use crate::batch::join;
+use crate::description::Zone;
 use crate::linear::Symmetric;
-use crate::{Real, Scalar};
+use crate::real::{Real, Scalar, join};
+use crate::tree::Tree;
+use crate::vector::{Vector, dot, sub};
 
 /// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
 /// not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to `joint[k]`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Path<T, const B: usize> {
+pub(crate) struct Support<T, const B: usize> {
     count: usize,
     /// Ascending.
     joint: [usize; B],
@@ -17,27 +19,84 @@ pub(crate) struct Path<T, const B: usize> {
     lever: [T; B],
 }
 
-impl<T: Real, const B: usize> Path<T, B> {
-    /// Through no joint at all.
-    pub fn empty() -> Self {
-        Path { count: 0, joint: [0; B], sign: [T::ZERO; B], lever: [T::ZERO; B] }
+impl<T: Scalar, const B: usize> Support<T, B> {
+    /// The joints between a point of a body and the ground.
+    pub fn of_point(tree: &Tree<T, B>, body: usize, point: Vector<T>) -> Self {
+        let mut support = Support::empty();
+        for j in 0..B {
+            if tree.carries(j, body) {
+                support.push(j, T::ONE, extent(tree, body, point, j));
+            }
+        }
+        support
     }
 
-    /// The same path with the levers of as many models as there are lanes.
-    pub fn of_lanes<'a, S: Scalar + 'a>(path: impl Fn(usize) -> &'a Path<S, B>) -> Self {
-        let first = path(0);
-        let mut joined = Path { count: first.count, joint: first.joint, ..Path::empty() };
-        for k in 0..first.count {
-            joined.sign[k] = join(|lane| path(lane).sign[k]);
-            joined.lever[k] = join(|lane| path(lane).lever[k]);
+    /// The joints that a zone's compression depends on, and their longest levers about the disc's centre.
+    pub fn of_zone(tree: &Tree<T, B>, zone: &Zone<T>) -> Self {
+        let mut support = Support::empty();
+        for j in 0..B {
+            match (tree.carries(j, zone.curve_body), tree.carries(j, zone.disc_body)) {
+                (false, true) => support.push(j, -T::ONE, extent(tree, zone.disc_body, zone.center, j)),
+                (true, false) => support.push(j, T::ONE, distance(tree, j, zone)),
+                _ => {}
+            }
         }
-        joined
+        support
     }
 
     /// Appends a joint; joints must come in ascending order.
-    pub fn push(&mut self, joint: usize, sign: T, lever: T) {
+    fn push(&mut self, joint: usize, sign: T, lever: T) {
         (self.joint[self.count], self.sign[self.count], self.lever[self.count]) = (joint, sign, lever);
         self.count += 1;
+    }
+}
+
+/// The farthest that a point of a body can be from the pivot of a joint that carries it, m: all links stretched.
+fn extent<T: Scalar, const B: usize>(tree: &Tree<T, B>, body: usize, point: Vector<T>, joint: usize) -> T {
+    let (mut sum, mut i) = (length(point), body);
+    while i < B && i != joint {
+        sum += length(tree.pivot[i]);
+        i = tree.parent[i];
+    }
+    sum
+}
+
+/// The farthest that a zone's disc can be from the pivot of a joint that carries its curve, m.
+fn distance<T: Scalar, const B: usize>(tree: &Tree<T, B>, joint: usize, zone: &Zone<T>) -> T {
+    // A point in the frame of the ground, and how far what hangs on it reaches.
+    let anchor = |body: usize, point: Vector<T>| {
+        let (mut at, mut reach, mut i) = (point, T::ZERO, body);
+        while i < B {
+            reach += length(at);
+            at = tree.pivot[i];
+            i = tree.parent[i];
+        }
+        (at, reach)
+    };
+    let (disc, disc_reach) = anchor(zone.disc_body, zone.center);
+    let (pivot, pivot_reach) = anchor(tree.parent[joint], tree.pivot[joint]);
+    length(sub(disc, pivot)) + disc_reach + pivot_reach
+}
+
+fn length<T: Real>(a: Vector<T>) -> T {
+    dot(a, a).sqrt()
+}
+
+impl<T: Real, const B: usize> Support<T, B> {
+    /// No joint at all.
+    pub fn empty() -> Self {
+        Support { count: 0, joint: [0; B], sign: [T::ZERO; B], lever: [T::ZERO; B] }
+    }
+
+    /// The same joints with the levers of as many models as there are lanes.
+    pub fn of_lanes<'a, S: Scalar + 'a>(support: impl Fn(usize) -> &'a Support<S, B>) -> Self {
+        let first = support(0);
+        let mut joined = Support { count: first.count, joint: first.joint, ..Support::empty() };
+        for k in 0..first.count {
+            joined.sign[k] = join(|lane| support(lane).sign[k]);
+            joined.lever[k] = join(|lane| support(lane).lever[k]);
+        }
+        joined
     }
 
     /// The joints with their places in a row.
@@ -58,7 +117,7 @@ impl<T: Real, const B: usize> Path<T, B> {
         self.lever[entry]
     }
 
-    /// The first K entries of a row, at hand. Entries beyond the path's own must be zero.
+    /// The first K entries of a row. Entries beyond the row's own must be zero.
     #[inline(always)]
     pub fn entries<const K: usize>(&self, row: &[T; B]) -> Row<T, K> {
         Row { joint: core::array::from_fn(|k| self.joint[k]), entry: core::array::from_fn(|k| row[k]) }
@@ -101,7 +160,7 @@ impl<T: Real, const B: usize> Path<T, B> {
     }
 }
 
-/// A row with K entries, the number being known to the compiler, so that it stays in registers.
+/// A row with K entries. The compiler knows the number, so the row stays in registers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row<T, const K: usize> {
     /// The joints, ascending; any one where the entry is zero for good.

@@ -1,83 +1,55 @@
 //! Several mechanisms in the lanes of one model. The lanes may be of another precision than the mechanisms: S is theirs.
 
-use crate::ease::Bending;
-use crate::form::Form;
-use crate::joints::Parent;
-use crate::model::{Curve, Exponent, Felt, Model, Site, Zone};
-use crate::path::Path;
+use crate::broad_phase::BroadPhase;
+use crate::compiled_zone::CompiledZone;
+use crate::curvature::Curvatures;
+use crate::description::{Curve, Site, Zone};
+use crate::felt::Felt;
+use crate::model::Model;
+use crate::real::{Real, Scalar, cast, join, join_all};
+use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, State};
-use crate::survey::Survey;
+use crate::support::Support;
+use crate::tree::Tree;
 use crate::vector::Vector;
-use crate::{Real, Scalar, Settings};
-
-/// A number in the lanes' precision.
-#[inline(always)]
-fn cast<S: Scalar, L: Scalar>(x: S) -> L {
-    L::from_f64(x.to_f64())
-}
-
-#[inline(always)]
-pub(crate) fn join<S: Scalar, T: Real>(x: impl Fn(usize) -> S) -> T {
-    T::join(|lane| cast(x(lane)))
-}
-
-#[inline(always)]
-pub(crate) fn join_all<S: Scalar, T: Real, const K: usize>(x: impl Fn(usize) -> [S; K]) -> [T; K] {
-    core::array::from_fn(|k| join(|lane| x(lane)[k]))
-}
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
     /// As many models as there are lanes (`T::LANES`), side by side; `None` if their number is another, or if they differ in more than
-    /// their numbers: in what is hinged on what, in the zones' bodies, kinds of curve, exponents, or in where there is friction.
+    /// their numbers: in what is hinged on what, in the zones' bodies, kinds of curve and felt, or in where there is friction.
     pub fn of_lanes<S: Scalar>(models: &[&Model<S, B, Z>]) -> Option<Self> {
         let first = models.first()?;
         if models.len() != T::LANES || !models.iter().all(|m| alike(first, m)) {
             return None;
         }
         let numbers = |f: fn(&Model<S, B, Z>) -> [S; B]| join_all::<S, T, B>(|lane| f(models[lane]));
-        let o: [Vector<T>; B] = [[T::ZERO; 2]; B];
+        let zones = core::array::from_fn(|z| zone_of_lanes(|lane| &models[lane].zones[z]));
+        let moment: [Vector<T>; B] = core::array::from_fn(|i| join_all(|lane| models[lane].moment[i]));
         let mut joined = Model {
-            parent: first.parent,
-            hinged: first.hinged,
-            hinged_count: first.hinged_count,
-            parents: [Parent { body: 0, children: [T::ZERO; B], own: [T::ZERO; B] }; B],
-            parent_count: first.parent_count,
-            deep: first.deep,
-            pivot: o,
-            link: [numbers(|m| m.link[0]), numbers(|m| m.link[1])],
-            root: [numbers(|m| m.root[0]), numbers(|m| m.root[1])],
+            tree: Tree::of_lanes(|lane| &models[lane].tree),
             dry: numbers(|m| m.dry),
             viscous: numbers(|m| m.viscous),
             spring_torque: numbers(|m| m.spring_torque),
             spring_stiffness: numbers(|m| m.spring_stiffness),
             inertia: numbers(|m| m.inertia),
             joint_inertia: numbers(|m| m.joint_inertia),
-            moment: o,
+            moment,
             moment_x: numbers(|m| m.moment_x),
             moment_y: numbers(|m| m.moment_y),
             weight: numbers(|m| m.weight),
-            whirl: numbers(|m| m.whirl),
-            zones: core::array::from_fn(|z| zone_of_lanes(|lane| &models[lane].zones[z])),
-            forms: core::array::from_fn(|z| Form::of(&zone_of_lanes(|lane| &models[lane].zones[z]))),
-            paths: core::array::from_fn(|z| Path::of_lanes(|lane| &models[lane].paths[z])),
-            bending: Bending::of_lanes(|lane| &models[lane].bending),
-            site_path: Path::of_lanes(|lane| &models[lane].site_path),
+            centrifugal: numbers(|m| m.centrifugal),
+            compiled: core::array::from_fn(|z| CompiledZone::of(&zones[z])),
+            zones,
+            supports: core::array::from_fn(|z| Support::of_lanes(|lane| &models[lane].supports[z])),
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,
+            curvatures: Curvatures::of_lanes(|lane| &models[lane].curvatures),
+            // The lanes may differ in which pivots have friction.
+            laws: models.iter().map(|model| model.laws).max().unwrap_or(0),
             site: None,
+            site_support: Support::of_lanes(|lane| &models[lane].site_support),
             gravity: join(|lane| models[lane].gravity),
         };
-        for i in 0..B {
-            joined.pivot[i] = join_all(|lane| models[lane].pivot[i]);
-            joined.moment[i] = join_all(|lane| models[lane].moment[i]);
-            let parents = |lane: usize| &models[lane].parents[i];
-            joined.parents[i] = Parent {
-                body: first.parents[i].body,
-                children: join_all(|lane| parents(lane).children),
-                own: join_all(|lane| parents(lane).own),
-            };
-        }
         if let Some(site) = &first.site {
             let numbers = |f: fn(&Site<S>) -> S| join(|lane| models[lane].site.as_ref().map_or(f(site), f));
             joined.site = Some(Site {
@@ -95,14 +67,14 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
 /// Whether two models differ in their numbers only.
 fn alike<T: Real, const B: usize, const Z: usize>(a: &Model<T, B, Z>, b: &Model<T, B, Z>) -> bool {
     let site = |m: &Model<T, B, Z>| m.site.as_ref().map(|s| s.body);
-    a.parent == b.parent
+    a.tree.parent == b.tree.parent
         && a.zone_count == b.zone_count
         && site(a) == site(b)
         && a.zones.iter().zip(&b.zones).all(|(a, b)| {
-            use core::mem::discriminant as kind;
+            use core::mem::discriminant;
             (a.disc_body, a.curve_body, a.friction.is_some()) == (b.disc_body, b.curve_body, b.friction.is_some())
-                && kind(&a.curve) == kind(&b.curve)
-                && kind(&a.felt.exponent) == kind(&b.felt.exponent)
+                && discriminant(&a.curve) == discriminant(&b.curve)
+                && a.felt.kind() == b.felt.kind()
         })
 }
 
@@ -123,26 +95,13 @@ fn zone_of_lanes<'a, S: Scalar + 'a, T: Real>(zone: impl Fn(usize) -> &'a Zone<S
         Curve::Segment { .. } => Curve::Segment { from: [a, b], direction: [c, d], length: e, rounding: f },
         Curve::Disc { .. } => Curve::Disc { center: [a, b], radius: c },
     };
-    let exponent = match first.felt.exponent {
-        Exponent::Two => Exponent::Two,
-        Exponent::TwoAndHalf => Exponent::TwoAndHalf,
-        Exponent::Three => Exponent::Three,
-        Exponent::Other(r) => Exponent::Other(join(|lane| match zone(lane).felt.exponent {
-            Exponent::Other(r) => r,
-            _ => r,
-        })),
-    };
     Zone {
         disc_body: first.disc_body,
         center: join_all(|lane| zone(lane).center),
         radius: join(|lane| zone(lane).radius),
         curve_body: first.curve_body,
         curve,
-        felt: Felt {
-            stiffness: join(|lane| zone(lane).felt.stiffness),
-            exponent,
-            damping: join(|lane| zone(lane).felt.damping),
-        },
+        felt: Felt::of_lanes(|lane| zone(lane).felt),
         friction: first.friction.map(|mu| join(|lane| zone(lane).friction.unwrap_or(mu))),
     }
 }
@@ -155,7 +114,7 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     pub fn of_lanes<S: Scalar>(states: &[&State<S, B, Z>]) -> Self {
         let mut joined = State::at_rest(join_all(|lane| states[lane].angle));
         joined.velocity = join_all(|lane| states[lane].velocity);
-        joined.trend = join_all(|lane| states[lane].trend);
+        joined.increment = join_all(|lane| states[lane].increment);
         joined.pivot_friction = join_all(|lane| states[lane].pivot_friction);
         joined.tangential = join_all(|lane| states[lane].tangential);
         joined.side = join_all(|lane| states[lane].side);
@@ -172,12 +131,12 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         }
         set(&mut self.angle, lane, &one.angle);
         set(&mut self.velocity, lane, &one.velocity);
-        set(&mut self.trend, lane, &one.trend);
+        set(&mut self.increment, lane, &one.increment);
         set(&mut self.pivot_friction, lane, &one.pivot_friction);
         set(&mut self.tangential, lane, &one.tangential);
         set(&mut self.side, lane, &one.side);
         self.rigid_force = self.rigid_force.with_lane(lane, cast(one.rigid_force));
-        self.survey = Survey::none();
+        self.broad_phase = BroadPhase::none();
     }
 
     /// One lane's state.
@@ -187,7 +146,7 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         }
         let mut one = State::at_rest(of(&self.angle, lane));
         one.velocity = of(&self.velocity, lane);
-        one.trend = of(&self.trend, lane);
+        one.increment = of(&self.increment, lane);
         one.pivot_friction = of(&self.pivot_friction, lane);
         one.tangential = of(&self.tangential, lane);
         one.side = of(&self.side, lane);
@@ -228,7 +187,7 @@ impl<T: Real> Input<T> {
 impl<T: Real> Settings<T> {
     /// The same settings in every lane; in single precision, tolerances no tighter than its rounding allows.
     pub fn in_lanes(one: &Settings<f64>) -> Self {
-        use crate::FrictionLaw::{Regularised, SetValued};
+        use FrictionLaw::{Regularised, SetValued};
         let c = T::from_f64;
         let single = f64::EPSILON < T::Lane::EPSILON.to_f64();
         let at_least = |ulps: f64, x: f64| if single { c(x).max(c(ulps) * T::EPSILON) } else { c(x) };

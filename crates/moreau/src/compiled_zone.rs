@@ -1,9 +1,10 @@
-//! A contact zone in the form in which the step reads it: what does not change is worked out once, and what is read together lies
-//! together.
+//! A contact zone as the step reads it. What does not change is worked out once, and what is read together lies together.
 
-use crate::Real;
-use crate::model::{Curve, Exponent, Felt, Zone};
+use crate::description::{Curve, Zone};
+use crate::felt::FeltLaw;
 use crate::pose::Pose;
+use crate::real::Real;
+use crate::support::Support;
 use crate::vector::{Vector, add, dot, scale, sub};
 
 /// What distances are measured from.
@@ -20,7 +21,7 @@ enum Core {
 /// A disc against a curve: compression = `level` - distance of the disc's centre from the curve's core (for a line, from its carrier's
 /// pivot along the normal).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Form<T> {
+pub(crate) struct CompiledZone<T> {
     disc_body: usize,
     curve_body: usize,
     core: Core,
@@ -31,16 +32,14 @@ pub(crate) struct Form<T> {
     center: Vector<T>,
     axis: Vector<T>,
     level: T,
-    pub felt: Felt<T>,
-    /// k/b, m/s: so fast does a felt with r = 2 open when it pushes no more.
-    pub stiffness_over_damping: T,
+    pub felt: FeltLaw<T>,
     from: Vector<T>,
     length: T,
     /// The disc's radius: from its centre to the contact point, apart from the compression.
     radius: T,
 }
 
-impl<T: Real> Form<T> {
+impl<T: Real> CompiledZone<T> {
     pub fn of(zone: &Zone<T>) -> Self {
         let o = [T::ZERO; 2];
         let (core, axis, from, length, size) = match zone.curve {
@@ -48,7 +47,7 @@ impl<T: Real> Form<T> {
             Curve::Segment { from, direction, length, rounding } => (Core::Segment, direction, from, length, rounding),
             Curve::Disc { center, radius } => (Core::Point, o, center, T::ZERO, radius),
         };
-        Form {
+        CompiledZone {
             disc_body: zone.disc_body,
             curve_body: zone.curve_body,
             core,
@@ -57,18 +56,11 @@ impl<T: Real> Form<T> {
             center: zone.center,
             axis,
             level: zone.radius + size,
-            felt: zone.felt,
-            stiffness_over_damping: zone.felt.stiffness / zone.felt.damping.max(T::from_f64(1e-30)),
+            felt: FeltLaw::of(&zone.felt),
             from,
             length,
             radius: zone.radius,
         }
-    }
-
-    /// Whether the felt's exponent is 2, so that its mean over a step has a closed form.
-    #[inline(always)]
-    pub fn is_square(&self) -> bool {
-        matches!(self.felt.exponent, Exponent::Two)
     }
 
     /// The disc's centre in the world.
@@ -99,6 +91,24 @@ impl<T: Real> Form<T> {
                 (self.level - d, n)
             }
         }
+    }
+
+    /// Compression at a pose (negative apart), without forces.
+    #[inline(always)]
+    pub fn gap<const B: usize>(&self, pose: &Pose<T, B>) -> T {
+        self.gap_and_normal(pose, self.center(pose)).0
+    }
+
+    /// The row G at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)),
+    /// exact although the contact point moves.
+    pub fn gap_row<const B: usize>(&self, support: &Support<T, B>, pose: &Pose<T, B>) -> [T; B] {
+        let center = self.center(pose);
+        let (_, normal) = self.gap_and_normal(pose, center);
+        let mut row = [T::ZERO; B];
+        pose.turning_row(support, center, normal, &mut row);
+        let mut dense = [T::ZERO; B];
+        support.spread(&row, T::ONE, &mut dense);
+        dense
     }
 
     /// The contact point, on the curve.

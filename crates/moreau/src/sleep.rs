@@ -1,40 +1,44 @@
-//! Steps that would change nothing are not taken.
+//! Sleeping: steps that would change nothing are not taken.
 //!
-//! A step is a function of state and input. Where one left the state identical to the bit, every further step with the identical input
-//! does so too, and would report and leave in the scratch what that one did. No threshold, no drift: with or without, the same bits. It
-//! needs dry friction that truly sticks.
+//! A step is a function of state and input. If one leaves the state identical to the bit, then every further step with the identical input
+//! does the same: it leaves the state as it is, reports the same, and leaves the same in the workspace. So it need not be taken. There is
+//! no threshold and no drift: with sleep or without, the bits are the same. A mechanism comes to sleep only where dry friction truly
+//! sticks.
 
 use crate::model::Model;
+use crate::real::{Real, Scalar};
 use crate::settings::Settings;
-use crate::state::{Input, Scratch, State};
+use crate::state::{Input, State};
 use crate::step::{StepReport, step};
-use crate::{Real, Scalar};
+use crate::workspace::Workspace;
 
-/// Whether a mechanism's last step changed nothing, and under which input. It belongs to one [`State`] and its [`Settings`]: where either is
-/// changed otherwise than by [`Repose::step`], or the [`Scratch`] is used for another state and is to be read, call [`Repose::end`].
+/// Whether a mechanism's last step changed nothing, and under which input.
+///
+/// It belongs to one [`State`] and its [`Settings`]. Whoever changes either otherwise than by [`Sleep::step`] must call [`Sleep::wake`];
+/// so must whoever wants to read the [`Workspace`] after another state has used it.
 #[derive(Debug, Clone, Copy)]
-pub struct Repose<T> {
-    of: Option<(Input<T>, StepReport)>,
+pub struct Sleep<T> {
+    under: Option<(Input<T>, StepReport)>,
 }
 
-impl<T> Repose<T> {
-    /// Nothing is known to rest.
-    pub const fn none() -> Self {
-        Repose { of: None }
+impl<T> Sleep<T> {
+    /// Awake.
+    pub const fn awake() -> Self {
+        Sleep { under: None }
     }
 
     /// The next step is taken.
-    pub fn end(&mut self) {
-        self.of = None;
+    pub fn wake(&mut self) {
+        self.under = None;
     }
 
     /// Whether the last step changed nothing.
-    pub fn is_complete(&self) -> bool {
-        self.of.is_some()
+    pub fn is_asleep(&self) -> bool {
+        self.under.is_some()
     }
 }
 
-impl<T: Scalar> Repose<T> {
+impl<T: Scalar> Sleep<T> {
     /// [`step()`], unless it would change nothing: then only its report is given.
     pub fn step<const B: usize, const Z: usize, const N: usize>(
         &mut self,
@@ -42,18 +46,18 @@ impl<T: Scalar> Repose<T> {
         settings: &Settings<T>,
         input: &Input<T>,
         state: &mut State<T, B, Z>,
-        scratch: &mut Scratch<T, B, Z, N>,
+        workspace: &mut Workspace<T, B, Z, N>,
     ) -> StepReport {
-        if let Some((last, report)) = &self.of
+        if let Some((last, report)) = &self.under
             && last.identical(input)
         {
             return *report;
         }
-        // Of what moves no copy is kept to compare with.
+        // A mechanism that moves is not copied: it does not fall asleep in this step.
         let before = state.stands().then(|| state.clone());
-        let report = step(model, settings, input, state, scratch);
+        let report = step(model, settings, input, state, workspace);
         let same = before.as_ref().is_some_and(|before| before.identical(state));
-        self.of = same.then_some((*input, report));
+        self.under = same.then_some((*input, report));
         report
     }
 }
@@ -65,13 +69,13 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         self.velocity.iter().all(|v| (0..T::LANES).all(|lane| v.lane(lane).to_f64() == 0.0))
     }
 
-    /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends on. (The survey of
-    /// zones only tells which of them cannot be touched: with any survey a step gives the same bits.)
+    /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends on. That leaves out
+    /// the broad phase: with any of them a step gives the same bits.
     pub fn identical(&self, other: &Self) -> bool {
         let same = |a: &[T], b: &[T]| a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
         same(&self.velocity, &other.velocity)
             && same(&self.angle, &other.angle)
-            && same(&self.trend, &other.trend)
+            && same(&self.increment, &other.increment)
             && same(&self.pivot_friction, &other.pivot_friction)
             && same(&self.tangential, &other.tangential)
             && same(&self.side, &other.side)

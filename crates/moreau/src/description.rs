@@ -1,0 +1,345 @@
+//! What a mechanism is, as its caller describes it. [`Description::compile`] checks it and makes the [`Model`](crate::Model) that steps.
+
+use core::fmt;
+
+use crate::fault::Fault;
+use crate::felt::Felt;
+use crate::real::{Real, Scalar};
+use crate::vector::Vector;
+
+/// The index that stands for the ground.
+pub const GROUND: usize = usize::MAX;
+
+/// One hinged rigid body. Its frame has the origin at its pivot.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<T> {
+    /// What it is hinged on: the index of an earlier body, or [`GROUND`].
+    pub parent: usize,
+    /// The pivot in the parent's frame, m.
+    pub pivot: Vector<T>,
+    /// Mass, kg.
+    pub mass: T,
+    /// Moment of inertia about its own pivot, kg m2.
+    pub inertia: T,
+    /// Centre of mass in its own frame, m.
+    pub center_of_mass: Vector<T>,
+    /// Dry friction torque c_d of the pivot, N m.
+    pub dry: T,
+    /// Viscous friction c_v of the pivot, N m s.
+    pub viscous: T,
+}
+
+impl<T: Real> Body<T> {
+    /// A body of unit inertia that nothing touches: fills unused places of a model of fixed size.
+    pub fn inert() -> Self {
+        let o = [T::ZERO; 2];
+        let zero = T::ZERO;
+        Body { parent: GROUND, pivot: o, mass: zero, inertia: T::ONE, center_of_mass: o, dry: zero, viscous: zero }
+    }
+}
+
+/// A torsion spring at a body's pivot. Torque on the body: `torque - stiffness (relative angle - reference)`.
+#[derive(Debug, Clone, Copy)]
+pub struct Spring<T> {
+    /// The hinged body; the opposite torque acts on its parent.
+    pub body: usize,
+    /// Torque at the reference, N m, counter-clockwise.
+    pub torque: T,
+    /// Stiffness, N m/rad.
+    pub stiffness: T,
+    /// Relative angle (body minus parent) at which `torque` holds, rad.
+    pub reference: T,
+}
+
+/// The curve that a zone's disc presses on, in its carrier's frame.
+#[derive(Debug, Clone, Copy)]
+pub enum Curve<T> {
+    /// A straight line through `point` with outward unit `normal`.
+    Line {
+        /// A point of the line.
+        point: Vector<T>,
+        /// Outward unit normal.
+        normal: Vector<T>,
+    },
+    /// A rounded segment: all points within `rounding` of the segment. It ends, so that a disc can slip off.
+    Segment {
+        /// One end of the core.
+        from: Vector<T>,
+        /// Unit vector from there to the other end.
+        direction: Vector<T>,
+        /// Length of the core, m.
+        length: T,
+        /// Rounding radius, m.
+        rounding: T,
+    },
+    /// A disc.
+    Disc {
+        /// Centre.
+        center: Vector<T>,
+        /// Radius, m.
+        radius: T,
+    },
+}
+
+/// A contact zone: a disc (radius 0: a point) on one body against a curve on another, felt between them.
+#[derive(Debug, Clone, Copy)]
+pub struct Zone<T> {
+    /// Carrier of the disc, or [`GROUND`].
+    pub disc_body: usize,
+    /// Disc centre in its carrier's frame, m.
+    pub center: Vector<T>,
+    /// Disc radius, m.
+    pub radius: T,
+    /// Carrier of the curve, or [`GROUND`].
+    pub curve_body: usize,
+    /// The curve.
+    pub curve: Curve<T>,
+    /// The felt.
+    pub felt: Felt<T>,
+    /// Coulomb friction coefficient, where there is any.
+    pub friction: Option<T>,
+}
+
+impl<T: Real> Zone<T> {
+    /// Fills the unused places of a model's array; never evaluated.
+    pub(crate) fn vacant() -> Self {
+        let o = [T::ZERO; 2];
+        Zone {
+            disc_body: GROUND,
+            center: o,
+            radius: T::ZERO,
+            curve_body: GROUND,
+            curve: Curve::Disc { center: o, radius: T::ZERO },
+            felt: Felt::none(),
+            friction: None,
+        }
+    }
+
+    /// How many set-valued laws it brings into a step.
+    fn laws(&self) -> usize {
+        usize::from(self.friction.is_some()) + self.felt.laws()
+    }
+}
+
+/// Where the mechanism is driven: a point of a body, a world direction, and the elasticity between driver and body.
+#[derive(Debug, Clone, Copy)]
+pub struct Site<T> {
+    /// Driven body.
+    pub body: usize,
+    /// Driven point in its frame, m.
+    pub point: Vector<T>,
+    /// Unit direction of a positive push, in the world.
+    pub direction: Vector<T>,
+    /// Stiffness of the spring between driver and body, N/m.
+    pub stiffness: T,
+    /// Damping in parallel with it, N s/m.
+    pub damping: T,
+}
+
+/// A mechanism as described: borrowed lists, not yet checked. [`Description::compile`] makes the model that steps.
+#[derive(Debug, Clone, Copy)]
+pub struct Description<'a, T> {
+    /// The bodies, parents before those that are hinged on them.
+    pub bodies: &'a [Body<T>],
+    /// Torsion springs at pivots.
+    pub springs: &'a [Spring<T>],
+    /// Contact zones.
+    pub zones: &'a [Zone<T>],
+    /// Where it is driven.
+    pub site: Option<Site<T>>,
+    /// Gravity, m/s2, pointing toward -y.
+    pub gravity: T,
+}
+
+/// Nothing, without gravity: for a description of which only some lists are filled, `Description { bodies, ..Description::default() }`.
+impl<T: Real> Default for Description<'_, T> {
+    fn default() -> Self {
+        Description { bodies: &[], springs: &[], zones: &[], site: None, gravity: T::ZERO }
+    }
+}
+
+/// Why a description cannot be compiled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// More bodies than the model has room for.
+    TooManyBodies {
+        /// Bodies in the description.
+        found: usize,
+        /// B.
+        room: usize,
+    },
+    /// More zones than the model has room for.
+    TooManyZones {
+        /// Zones in the description.
+        found: usize,
+        /// Z.
+        room: usize,
+    },
+    /// More set-valued laws than the workspace has room for.
+    TooManyLaws {
+        /// Laws that can be in force at once: [`Description::laws`].
+        found: usize,
+        /// N.
+        room: usize,
+    },
+    /// A body's parent does not precede it.
+    ParentOrder {
+        /// The body.
+        body: usize,
+        /// Its parent.
+        parent: usize,
+    },
+    /// A body is named that is not there.
+    UnknownBody {
+        /// Who names it.
+        part: Part,
+        /// The body.
+        body: usize,
+    },
+    /// A number that cannot be.
+    BadNumber {
+        /// Whose.
+        part: Part,
+        /// Which, its value, and what is expected.
+        fault: Fault,
+    },
+}
+
+/// A part of a description, by its index in its list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// A body.
+    Body(usize),
+    /// A spring.
+    Spring(usize),
+    /// A zone.
+    Zone(usize),
+    /// The site.
+    Site,
+    /// The mechanism as a whole.
+    Mechanism,
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Part::Body(i) => write!(f, "body {i}"),
+            Part::Spring(i) => write!(f, "spring {i}"),
+            Part::Zone(i) => write!(f, "zone {i}"),
+            Part::Site => write!(f, "the driven site"),
+            Part::Mechanism => write!(f, "the mechanism"),
+        }
+    }
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ModelError::TooManyBodies { found, room } => {
+                write!(f, "the mechanism has {found} bodies, this size has room for {room}")
+            }
+            ModelError::TooManyZones { found, room } => {
+                write!(f, "the mechanism has {found} zones, this size has room for {room}")
+            }
+            ModelError::TooManyLaws { found, room } => {
+                write!(f, "the mechanism has {found} set-valued laws, this size has room for {room}")
+            }
+            ModelError::ParentOrder { body, parent } => {
+                write!(f, "body {body} is hinged on body {parent}, which must precede it")
+            }
+            ModelError::UnknownBody { part, body } => write!(f, "{part} names body {body}, which is not there"),
+            ModelError::BadNumber { part, fault } => write!(f, "{part}: {fault}"),
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}
+
+impl<T: Scalar> Description<'_, T> {
+    /// How many set-valued laws a step may have to solve at once: one for each pivot with dry friction, one for each zone with Coulomb
+    /// friction, one for a rigid drive where there is a site.
+    pub fn laws(&self) -> usize {
+        let pivots = self.bodies.iter().filter(|body| body.dry > T::ZERO).count();
+        let zones: usize = self.zones.iter().map(Zone::laws).sum();
+        pivots + zones + usize::from(self.site.is_some())
+    }
+
+    /// Checks everything but the sizes.
+    ///
+    /// # Errors
+    /// The first fault: which part, and what is wrong with it.
+    pub fn check(&self) -> Result<(), ModelError> {
+        for (i, body) in self.bodies.iter().enumerate() {
+            if body.parent != GROUND && body.parent >= i {
+                return Err(ModelError::ParentOrder { body: i, parent: body.parent });
+            }
+            sound(Part::Body(i), body_fault(body))?;
+        }
+        for (i, spring) in self.springs.iter().enumerate() {
+            self.known(Part::Spring(i), spring.body)?;
+            sound(Part::Spring(i), spring_fault(spring))?;
+        }
+        for (i, zone) in self.zones.iter().enumerate() {
+            for body in [zone.disc_body, zone.curve_body] {
+                if body != GROUND {
+                    self.known(Part::Zone(i), body)?;
+                }
+            }
+            sound(Part::Zone(i), zone_fault(zone))?;
+        }
+        if let Some(site) = &self.site {
+            self.known(Part::Site, site.body)?;
+            sound(Part::Site, site_fault(site))?;
+        }
+        sound(Part::Mechanism, Fault::not_finite("gravity", self.gravity))
+    }
+
+    fn known(&self, part: Part, body: usize) -> Result<(), ModelError> {
+        if body < self.bodies.len() { Ok(()) } else { Err(ModelError::UnknownBody { part, body }) }
+    }
+}
+
+fn sound(part: Part, fault: Option<Fault>) -> Result<(), ModelError> {
+    fault.map_or(Ok(()), |fault| Err(ModelError::BadNumber { part, fault }))
+}
+
+fn body_fault<T: Scalar>(body: &Body<T>) -> Option<Fault> {
+    Fault::vector("pivot", body.pivot)
+        .or_else(|| Fault::negative("mass", body.mass))
+        .or_else(|| Fault::not_positive("inertia", body.inertia))
+        .or_else(|| Fault::vector("center_of_mass", body.center_of_mass))
+        .or_else(|| Fault::negative("dry", body.dry))
+        .or_else(|| Fault::negative("viscous", body.viscous))
+}
+
+fn spring_fault<T: Scalar>(spring: &Spring<T>) -> Option<Fault> {
+    Fault::not_finite("torque", spring.torque)
+        .or_else(|| Fault::not_finite("stiffness", spring.stiffness))
+        .or_else(|| Fault::not_finite("reference", spring.reference))
+}
+
+fn zone_fault<T: Scalar>(zone: &Zone<T>) -> Option<Fault> {
+    let curve = match zone.curve {
+        Curve::Line { point, normal } => Fault::vector("point", point).or_else(|| Fault::not_unit("normal", normal)),
+        Curve::Segment { from, direction, length, rounding } => Fault::vector("from", from)
+            .or_else(|| Fault::not_unit("direction", direction))
+            .or_else(|| Fault::negative("length", length))
+            .or_else(|| Fault::negative("rounding", rounding)),
+        Curve::Disc { center, radius } => {
+            Fault::vector("the curve's center", center).or_else(|| Fault::negative("the curve's radius", radius))
+        }
+    };
+    Fault::vector("center", zone.center)
+        .or_else(|| Fault::negative("radius", zone.radius))
+        .or(curve)
+        .or_else(|| zone.felt.fault())
+        .or_else(|| zone.friction.and_then(|mu| Fault::negative("friction", mu)))
+}
+
+fn site_fault<T: Scalar>(site: &Site<T>) -> Option<Fault> {
+    Fault::vector("point", site.point)
+        .or_else(|| Fault::not_unit("direction", site.direction))
+        .or_else(|| Fault::not_finite("stiffness", site.stiffness))
+        .or_else(|| Fault::not_finite("damping", site.damping))
+}

@@ -1,0 +1,599 @@
+//! The felt law: everything that the engine asks of a felt, in one file.
+//!
+//! A new law is a variant of [`Loss`] or of [`Exponent`] and an arm in every `match` below; the compiler lists the places. Who asks what:
+//!
+//! | who asks | what |
+//! |---|---|
+//! | the step (`contact.rs`) | [`FeltLaw::press`]: mean force over the step, its tangent, and what the tangent leaves out |
+//! | the broad phase (`broad_phase.rs`) | [`ONSET`]: the compression at which a felt begins to push |
+//! | the quick test (`curvature.rs`) | [`Felt::curvature_bound`]: how strongly the force can bend; [`Pressed::opening`]: how far the clamp is |
+//! | the lanes (`lanes.rs`) | [`Felt::kind`], [`Felt::of_lanes`] |
+//! | the ledger (`ledger.rs`) | [`Felt::stored`], and the loss in [`Contact::damping_force`](crate::Contact::damping_force) |
+//! | the description (`description.rs`) | [`Felt::fault`] |
+//!
+//! **A set-valued loss**, F = k g^r (1 + eta Sign(dg/dt)), would be one more variant of [`Loss`]. Its force here is k g^r alone. The
+//! sign is a law of the one-step problem: `laws.rs` gives the zone a law along its row G with the bound h eta k g^r, as it gives a zone
+//! with Coulomb friction one along its slip row, and [`Felt::laws`] counts it.
+
+use crate::fault::Fault;
+use crate::real::{Mask, Real, Scalar, join};
+use crate::timing::Timing;
+
+/// m; every felt pushes at a compression above this and at no other.
+pub(crate) const ONSET: f64 = 0.0;
+/// m; square roots of compressions are bounded by their tangent here.
+const USUAL_DEPTH: f64 = 1e-3;
+/// m; the quick test bounds Hunt and Crossley's loss up to this compression, several times what the felts of an action are pressed by.
+/// A felt that is pressed deeper is looked at by itself.
+const LARGEST_DEPTH: f64 = 3e-3;
+/// Longer than any distance, faster than any speed, larger than any force.
+pub(crate) const FAR: f64 = 1e30;
+/// What a divisor may not fall below.
+const TINY: f64 = 1e-30;
+
+/// The felt law's exponent. The usual ones are computed without `pow`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Exponent<T> {
+    /// r = 2.
+    Two,
+    /// r = 2.5.
+    TwoAndHalf,
+    /// r = 3.
+    Three,
+    /// Any r >= 1.
+    Other(T),
+}
+
+impl<T: Scalar> Exponent<T> {
+    /// The variant for a given r.
+    pub fn new(r: T) -> Self {
+        match r.to_f64() {
+            2.0 => Exponent::Two,
+            2.5 => Exponent::TwoAndHalf,
+            3.0 => Exponent::Three,
+            _ => Exponent::Other(r),
+        }
+    }
+}
+
+impl<T: Real> Exponent<T> {
+    /// r.
+    fn value(&self) -> T {
+        match self {
+            Exponent::Two => T::from_f64(2.0),
+            Exponent::TwoAndHalf => T::from_f64(2.5),
+            Exponent::Three => T::from_f64(3.0),
+            Exponent::Other(r) => *r,
+        }
+    }
+}
+
+/// How a felt loses energy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Loss<T> {
+    /// The papers' law, F = k g^r + b g^2 dg/dt: b, N s/m3. The papers call b also p.
+    Quadratic(T),
+    /// F = k g^r (1 + a dg/dt): a, s/m. K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted as damping in
+    /// vibroimpact*, Journal of Applied Mechanics 42 (1975) 440-445.
+    HuntCrossley(T),
+}
+
+/// A felt: F(g, dg/dt) for the compression g, clamped at zero, for it never pulls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Felt<T> {
+    /// k, N/m^r.
+    pub stiffness: T,
+    /// r.
+    pub exponent: Exponent<T>,
+    /// How it loses energy.
+    pub loss: Loss<T>,
+}
+
+/// What two felts must have in common to be pressed side by side in lanes: all but their numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FeltKind {
+    exponent: u8,
+    loss: u8,
+}
+
+/// How strongly a felt's force can bend away from its tangent: with depth the largest compression and speed the largest |dg/dt|,
+/// 1/2 |F_gg| <= stiffness + stiffness_by_depth depth + damping speed and |F_gv| <= 2 damping depth, up to the compression `deepest`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CurvatureBound<T> {
+    pub stiffness: T,
+    pub stiffness_by_depth: T,
+    pub damping: T,
+    pub deepest: T,
+}
+
+impl<T: Real> Felt<T> {
+    /// A felt without a loss that pushes with no force: fills unused places.
+    pub(crate) fn none() -> Self {
+        Felt { stiffness: T::ZERO, exponent: Exponent::Two, loss: Loss::Quadratic(T::ZERO) }
+    }
+
+    /// What must be alike for lanes.
+    pub fn kind(&self) -> FeltKind {
+        let exponent = match self.exponent {
+            Exponent::Two => 0,
+            Exponent::TwoAndHalf => 1,
+            Exponent::Three => 2,
+            Exponent::Other(_) => 3,
+        };
+        let loss = match self.loss {
+            Loss::Quadratic(_) => 0,
+            Loss::HuntCrossley(_) => 1,
+        };
+        FeltKind { exponent, loss }
+    }
+
+    /// How many set-valued laws it brings into a step.
+    pub(crate) fn laws(&self) -> usize {
+        match self.loss {
+            Loss::Quadratic(_) | Loss::HuntCrossley(_) => 0,
+        }
+    }
+
+    /// The felts of all lanes; their kind is the first one's.
+    pub(crate) fn of_lanes<S: Scalar>(felt: impl Fn(usize) -> Felt<S>) -> Self {
+        let first = felt(0);
+        let loss = join(|lane| match felt(lane).loss {
+            Loss::Quadratic(b) => b,
+            Loss::HuntCrossley(a) => a,
+        });
+        Felt {
+            stiffness: join(|lane| felt(lane).stiffness),
+            exponent: match first.exponent {
+                Exponent::Two => Exponent::Two,
+                Exponent::TwoAndHalf => Exponent::TwoAndHalf,
+                Exponent::Three => Exponent::Three,
+                Exponent::Other(_) => Exponent::Other(join(|lane| felt(lane).exponent.value())),
+            },
+            loss: match first.loss {
+                Loss::Quadratic(_) => Loss::Quadratic(loss),
+                Loss::HuntCrossley(_) => Loss::HuntCrossley(loss),
+            },
+        }
+    }
+
+    /// Energy stored at a compression g: k g^(r+1) / (r+1), J.
+    pub(crate) fn stored(&self, gap: T) -> T {
+        let r = self.exponent.value();
+        let g = gap.max(T::ZERO);
+        self.stiffness * g.powf(r + T::ONE) / (r + T::ONE)
+    }
+}
+
+impl<T: Scalar> Felt<T> {
+    /// What is wrong with its numbers, if anything.
+    pub(crate) fn fault(&self) -> Option<Fault> {
+        let (loss, name) = match self.loss {
+            Loss::Quadratic(b) => (b, "damping"),
+            Loss::HuntCrossley(a) => (a, "Hunt and Crossley's a"),
+        };
+        let exponent = match self.exponent {
+            Exponent::Other(r) => Fault::below_one("exponent", r),
+            _ => None,
+        };
+        exponent.or_else(|| Fault::negative("stiffness", self.stiffness)).or_else(|| Fault::negative(name, loss))
+    }
+
+    /// See [`CurvatureBound`].
+    pub(crate) fn curvature_bound(&self) -> CurvatureBound<T> {
+        let c = T::from_f64;
+        let k = self.stiffness;
+        // 1/2 r (r - 1) k g^(r - 2), as a number and one per metre of depth.
+        let (constant, by_depth) = match self.exponent {
+            Exponent::Two => (1.0, 0.0),
+            // sqrt(g) <= (d + g) / (2 sqrt(d)) for any d.
+            Exponent::TwoAndHalf => (0.9375 * libm::sqrt(USUAL_DEPTH), 0.9375 / libm::sqrt(USUAL_DEPTH)),
+            Exponent::Three => (0.0, 3.0),
+            // No bound: the quick test always leaves it to the exact one.
+            Exponent::Other(_) => (FAR, 0.0),
+        };
+        let (stiffness, stiffness_by_depth) = (k * c(constant), k * c(by_depth));
+        let (damping, deepest) = match (self.loss, self.exponent) {
+            (Loss::Quadratic(b), _) => (b, c(FAR)),
+            // a k g^2 dg/dt is the papers' law with b = a k.
+            (Loss::HuntCrossley(a), Exponent::Two) => (a * k, c(FAR)),
+            // 1/2 F_gg = 1/2 r (r - 1) a k g^(r - 2) dg/dt and F_gv = r a k g^(r - 1), and g^(r - 2) <= D^(r - 2) for g <= D and r >= 2.
+            (Loss::HuntCrossley(a), Exponent::TwoAndHalf) => {
+                (a * k * c(1.875 * libm::sqrt(LARGEST_DEPTH)), c(LARGEST_DEPTH))
+            }
+            (Loss::HuntCrossley(a), Exponent::Three) => (a * k * c(3.0 * LARGEST_DEPTH), c(LARGEST_DEPTH)),
+            (Loss::HuntCrossley(_), Exponent::Other(_)) => (T::ZERO, c(FAR)),
+        };
+        CurvatureBound { stiffness, stiffness_by_depth, damping, deepest }
+    }
+}
+
+/// A felt as the step reads it: what does not change is worked out once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FeltLaw<T> {
+    stiffness: T,
+    exponent: Exponent<T>,
+    loss: Loss<T>,
+    /// r = 2 with the papers' loss: the mean over a step has a closed form.
+    square: bool,
+    /// b of the papers' loss.
+    damping: T,
+    /// The rate, m/s, at which a felt opens when it just pushes no more, where that does not depend on the compression: k/b for r = 2,
+    /// 1/a for Hunt and Crossley's.
+    opening: T,
+}
+
+/// What a felt does during a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pressed<T> {
+    /// Mean force over the step, N.
+    pub force: T,
+    /// The part of it due to the loss, N.
+    pub damping_force: T,
+    /// h dF/d(rate), never negative.
+    pub tangent: T,
+    pub curvature: Curvature<T>,
+    /// The rate, m/s, by which it would have to open faster before it pushes no more.
+    pub opening: T,
+}
+
+/// How a felt's mean force bends away from its tangent.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Curvature<T> {
+    /// Largest change of the force with the rate, to first and (what is not in the tangent) to second order.
+    pub linear: T,
+    pub quadratic: T,
+    /// Smallest force of a touched Gauss point, N: how far the clamp at zero is.
+    pub slack: T,
+}
+
+impl<T: Real> FeltLaw<T> {
+    pub fn of(felt: &Felt<T>) -> Self {
+        let (stiffness, exponent, tiny) = (felt.stiffness, felt.exponent, T::from_f64(TINY));
+        // For r = 2 Hunt and Crossley's law is the papers', with b = a k.
+        let loss = match (felt.loss, exponent) {
+            (Loss::HuntCrossley(a), Exponent::Two) => Loss::Quadratic(a * stiffness),
+            (loss, _) => loss,
+        };
+        let (damping, opening) = match loss {
+            Loss::Quadratic(b) => (b, stiffness / b.max(tiny)),
+            Loss::HuntCrossley(a) => (T::ZERO, T::ONE / a.max(tiny)),
+        };
+        let square = matches!((exponent, loss), (Exponent::Two, Loss::Quadratic(_)));
+        FeltLaw { stiffness, exponent, loss, square, damping, opening }
+    }
+
+    /// The felt's mean force over the step and its tangent, at a compression and rate, in the lanes that are touched.
+    ///
+    /// The mean is taken along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is exact, so that
+    /// compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the string's felt alone would
+    /// leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the scheme is
+    /// backward Euler.
+    #[inline(always)]
+    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
+        if !self.square {
+            return self.press_points(gap, rate, timing, touched);
+        }
+        let whole = self.press_square(gap, rate, timing, touched);
+        let partly = touched.and(gap.le((timing.node * rate).abs()));
+        if partly.any() {
+            // Each lane by the formula that it would take alone.
+            whole.or(partly, self.press_points(gap, rate, timing, touched))
+        } else {
+            whole
+        }
+    }
+
+    /// r = 2 and both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is (k + b dg/dt) (g^2 + o^2), o being the
+    /// points' distance from the middle.
+    #[inline(always)]
+    fn press_square(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
+        let (h_theta, node) = (timing.h_theta, timing.node);
+        let (offset, reach) = (node * rate, h_theta + node);
+        let (deepest, shallowest) = (gap + offset.abs(), gap - offset.abs());
+        let bv = self.damping * rate;
+        let (factor, square) = (self.stiffness + bv, (gap * gap).add_product(offset, offset));
+        // One factor for both points: the clamp takes both or none.
+        let pushing = touched.and(T::ZERO.lt(factor));
+        let only_pushing = |x: T| T::only(pushing, x);
+        let twice = factor + factor;
+        let tangent = h_theta * (self.damping * square).add_product(twice, (h_theta * gap).add_product(node, offset));
+        Pressed {
+            force: only_pushing(factor * square),
+            // What the clamp leaves of the damping undoes the stiffness.
+            damping_force: T::select(pushing, bv, -self.stiffness) * square,
+            tangent: only_pushing(tangent.max(T::ZERO)),
+            curvature: Curvature {
+                linear: deepest * (reach * twice.abs() + self.damping * deepest),
+                quadratic: reach * (reach * (self.stiffness + bv.abs()) + T::from_f64(2.0) * self.damping * deepest),
+                slack: only_pushing(factor * shallowest * shallowest),
+            },
+            opening: self.opening + rate,
+        }
+    }
+
+    /// Any law and any path, point by point.
+    #[inline(always)]
+    fn press_points(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
+        let half = T::from_f64(0.5);
+        let offset = timing.node * rate;
+        let deepest = gap + offset.abs();
+        let (first, second) = ((gap + offset).max(T::ZERO), (gap - offset).max(T::ZERO));
+        let (elastic_a, elastic_b) = (self.elastic(first), self.elastic(second));
+        let a = self.at(&elastic_a, first, rate).clamped(first);
+        let b = self.at(&elastic_b, second, rate).clamped(second);
+        let only_touched = |x: T| T::only(touched, x);
+        let (h_theta, node) = (timing.h_theta, timing.node);
+        let slope = ((h_theta + node) * a.stiffness).add_product(h_theta - node, b.stiffness);
+        // The gap's change by a change of the rate.
+        let reach = h_theta + node;
+        let bend = self.bend(&elastic_a.max(&elastic_b), deepest, rate);
+        let slack = a.slack.min(b.slack);
+        Pressed {
+            force: only_touched(half * (a.force + b.force)),
+            damping_force: half * (a.damping_force + b.damping_force),
+            tangent: only_touched((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO)),
+            curvature: Curvature {
+                linear: reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping),
+                quadratic: reach * (reach * bend.by_gap + bend.mixed),
+                slack,
+            },
+            opening: match self.loss {
+                // The least of the forces over the largest damping.
+                Loss::Quadratic(_) => slack / bend.largest_damping.max(T::from_f64(TINY)),
+                Loss::HuntCrossley(_) => self.opening + rate,
+            },
+        }
+    }
+
+    /// The largest force of a felt that is pressed no deeper and no faster than this, N.
+    #[inline(always)]
+    pub fn largest_force(&self, deepest: T, speed: T) -> T {
+        let elastic = self.elastic(deepest).force;
+        match self.loss {
+            Loss::Quadratic(b) => elastic + b * deepest * deepest * speed,
+            Loss::HuntCrossley(a) => elastic + a * elastic * speed,
+        }
+    }
+
+    /// The law and its partial derivatives, not clamped; `gap` must not be negative.
+    #[inline(always)]
+    fn at(&self, elastic: &Elastic<T>, gap: T, rate: T) -> FeltState<T> {
+        match self.loss {
+            Loss::Quadratic(b) => {
+                let bg = b * gap;
+                let damping = bg * gap;
+                let damping_force = damping * rate;
+                let force = elastic.force + damping_force;
+                let stiffness = elastic.slope.add_product(bg + bg, rate);
+                FeltState { force, damping_force, stiffness, damping, slack: force }
+            }
+            Loss::HuntCrossley(a) => {
+                let damping = a * elastic.force;
+                let damping_force = damping * rate;
+                let force = elastic.force + damping_force;
+                let stiffness = elastic.slope.add_product(a * elastic.slope, rate);
+                FeltState { force, damping_force, stiffness, damping, slack: force }
+            }
+        }
+    }
+
+    /// Its second derivatives at most, on a path down to `deepest`, given the larger of the elastic forces, slopes and curvatures there.
+    #[inline(always)]
+    fn bend(&self, elastic: &Elastic<T>, deepest: T, rate: T) -> Bend<T> {
+        let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
+        match self.loss {
+            Loss::Quadratic(b) => Bend {
+                by_gap: half * elastic.curvature + b * rate.abs(),
+                mixed: two * b * deepest,
+                largest_damping: b * deepest * deepest,
+            },
+            Loss::HuntCrossley(a) => Bend {
+                by_gap: half * elastic.curvature * (T::ONE + a * rate.abs()),
+                mixed: a * elastic.slope,
+                largest_damping: a * elastic.force,
+            },
+        }
+    }
+
+    /// k g^r and its first and second derivative in g; `gap` must not be negative.
+    #[inline(always)]
+    fn elastic(&self, gap: T) -> Elastic<T> {
+        let c = T::from_f64;
+        match self.exponent {
+            Exponent::Two => {
+                let kg = self.stiffness * gap;
+                Elastic { force: kg * gap, slope: c(2.0) * kg, curvature: c(2.0) * self.stiffness }
+            }
+            Exponent::TwoAndHalf => {
+                let k_root = self.stiffness * gap.sqrt();
+                let kg = k_root * gap;
+                Elastic { force: kg * gap, slope: c(2.5) * kg, curvature: c(3.75) * k_root }
+            }
+            Exponent::Three => {
+                let k_gap = self.stiffness * gap;
+                let kg = k_gap * gap;
+                Elastic { force: kg * gap, slope: c(3.0) * kg, curvature: c(6.0) * k_gap }
+            }
+            Exponent::Other(r) => {
+                let kg = self.stiffness * gap.powf(r - T::ONE);
+                // r < 2 bends without bound at first touch; a gap of a nanometre is no touch.
+                let curvature = r * (r - T::ONE) * kg / gap.max(c(1e-9));
+                Elastic { force: kg * gap, slope: r * kg, curvature }
+            }
+        }
+    }
+}
+
+impl<T: Real> Pressed<T> {
+    /// The other in some lanes.
+    #[inline(always)]
+    fn or(self, lanes: T::Mask, other: Self) -> Self {
+        let choose = |a: T, b: T| T::select(lanes, b, a);
+        Pressed {
+            force: choose(self.force, other.force),
+            damping_force: choose(self.damping_force, other.damping_force),
+            tangent: choose(self.tangent, other.tangent),
+            curvature: Curvature {
+                linear: choose(self.curvature.linear, other.curvature.linear),
+                quadratic: choose(self.curvature.quadratic, other.curvature.quadratic),
+                slack: choose(self.curvature.slack, other.curvature.slack),
+            },
+            opening: choose(self.opening, other.opening),
+        }
+    }
+}
+
+/// k g^r with its first and second derivative in g.
+#[derive(Debug, Clone, Copy)]
+struct Elastic<T> {
+    force: T,
+    slope: T,
+    curvature: T,
+}
+
+impl<T: Real> Elastic<T> {
+    /// The larger of each.
+    #[inline(always)]
+    fn max(&self, other: &Self) -> Self {
+        Elastic {
+            force: self.force.max(other.force),
+            slope: self.slope.max(other.slope),
+            curvature: self.curvature.max(other.curvature),
+        }
+    }
+}
+
+/// The second derivatives of a law, at most.
+struct Bend<T> {
+    /// 1/2 |F_gg|.
+    by_gap: T,
+    /// |F_gv|.
+    mixed: T,
+    /// F_v.
+    largest_damping: T,
+}
+
+/// The felt law and its partial derivatives at one compression and rate.
+#[derive(Debug, Clone, Copy)]
+struct FeltState<T> {
+    force: T,
+    damping_force: T,
+    stiffness: T,
+    damping: T,
+    /// Force before the clamp's kink; large where the felt is not touched, zero where it is clamped.
+    slack: T,
+}
+
+impl<T: Real> FeltState<T> {
+    /// Clamped at zero: felt never pulls.
+    #[inline(always)]
+    fn clamped(self, gap: T) -> Self {
+        let pushing = T::ZERO.lt(self.force);
+        let or_zero = |x: T| T::only(pushing, x);
+        FeltState {
+            force: or_zero(self.force),
+            damping_force: T::select(pushing, self.damping_force, self.damping_force - self.force),
+            stiffness: or_zero(self.stiffness),
+            damping: or_zero(self.damping),
+            slack: T::select(T::ZERO.lt(gap), or_zero(self.force), T::from_f64(FAR)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXPONENTS: [Exponent<f64>; 4] = [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three, Exponent::Other(1.7)];
+
+    fn laws() -> impl Iterator<Item = (Felt<f64>, FeltLaw<f64>)> {
+        let losses = [Loss::Quadratic(2e3), Loss::HuntCrossley(0.8)];
+        EXPONENTS.into_iter().flat_map(move |exponent| {
+            losses.map(|loss| {
+                let felt = Felt { stiffness: 3e3, exponent, loss };
+                (felt, FeltLaw::of(&felt))
+            })
+        })
+    }
+
+    fn at(law: &FeltLaw<f64>, g: f64, v: f64) -> FeltState<f64> {
+        law.at(&law.elastic(g), g, v).clamped(g)
+    }
+
+    /// The force as the README writes it, by `pow`, against the law's own: to rounding.
+    #[test]
+    fn the_force_is_the_written_one() {
+        for (felt, law) in laws() {
+            for (g, v) in [(0.02, -0.01), (1e-3, 0.3), (0.5, 1.0)] {
+                let elastic = felt.stiffness * libm::pow(g, felt.exponent.value());
+                let written = match felt.loss {
+                    Loss::Quadratic(b) => elastic + b * g * g * v,
+                    Loss::HuntCrossley(a) => elastic * (1.0 + a * v),
+                };
+                let ours = at(&law, g, v).force;
+                assert!((ours - written.max(0.0)).abs() <= 1e-14 * written.abs(), "{felt:?} {g} {v}: {ours} {written}");
+            }
+        }
+    }
+
+    /// The law's partial derivatives against differences, and the clamp: felt never pulls.
+    #[test]
+    fn partial_derivatives() {
+        for (felt, law) in laws() {
+            let (g, v, e) = (0.02, -0.01, 1e-7);
+            let here = at(&law, g, v);
+            let dg = (at(&law, g + e, v).force - at(&law, g - e, v).force) / (2.0 * e);
+            let dv = (at(&law, g, v + e).force - at(&law, g, v - e).force) / (2.0 * e);
+            assert!((here.stiffness - dg).abs() < 1e-6 * dg.abs(), "{felt:?}");
+            assert!((here.damping - dv).abs() < 1e-6 * dv.abs(), "{felt:?}");
+            assert_eq!(at(&law, g, -1e3).force, 0.0);
+        }
+    }
+
+    /// The stored energy is the integral of the force of a felt that moves infinitely slowly: Simpson's rule over 2000 intervals, whose
+    /// own error for g^1.7, the least smooth at zero, is below 1e-6.
+    #[test]
+    fn the_stored_energy_is_the_slow_work() {
+        for (felt, law) in laws() {
+            let (depth, n) = (0.02, 2000);
+            let force = |i: i32| at(&law, depth * f64::from(i) / f64::from(n), 0.0).force;
+            let inner: f64 = (1..n).map(|i| if i % 2 == 1 { 4.0 * force(i) } else { 2.0 * force(i) }).sum();
+            let work = (force(0) + inner + force(n)) * depth / f64::from(n) / 3.0;
+            assert!((felt.stored(depth) - work).abs() < 1e-6 * work, "{felt:?}");
+        }
+    }
+
+    /// Where a law's rate of opening does not depend on the compression, its force vanishes just there.
+    #[test]
+    fn a_felt_that_opens_so_fast_pushes_no_more() {
+        for (felt, law) in laws().filter(|(felt, law)| law.square || matches!(felt.loss, Loss::HuntCrossley(_))) {
+            for gap in [1e-4, 1e-3, 0.02] {
+                assert!(at(&law, gap, -0.999 * law.opening).force > 0.0, "{felt:?}");
+                assert_eq!(at(&law, gap, -1.001 * law.opening).force, 0.0, "{felt:?}");
+            }
+        }
+    }
+
+    /// The curvature bound is one: second derivatives by differences of the first ones, over compressions and rates up to its limit. It is
+    /// met where the law is a square (nothing is lost), and by no more than an order of magnitude anywhere.
+    #[test]
+    fn the_curvature_bound_holds() {
+        for (felt, law) in laws().filter(|(felt, _)| !matches!(felt.exponent, Exponent::Other(_))) {
+            let bound = felt.curvature_bound();
+            for depth in [1e-5, 1e-4, 1e-3, 0.999 * LARGEST_DEPTH] {
+                for v in [-0.9, 0.0, 0.3, 5.0] {
+                    let e = 1e-6 * depth;
+                    let (up, down) =
+                        (law.at(&law.elastic(depth + e), depth + e, v), law.at(&law.elastic(depth - e), depth - e, v));
+                    let by_gap = 0.5 * (up.stiffness - down.stiffness).abs() / (2.0 * e);
+                    let mixed = (up.damping - down.damping).abs() / (2.0 * e);
+                    let rounding = 1.0 + 1e-8;
+                    let most = bound.stiffness + bound.stiffness_by_depth * depth + bound.damping * v.abs();
+                    assert!(by_gap <= most * rounding, "{felt:?} {depth} {v}: {by_gap} {most}");
+                    assert!(mixed <= 2.0 * bound.damping * depth * rounding, "{felt:?} {depth} {v}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! What a caller may ask of a model at a pose: gaps, rows, the driven point.
+
+use crate::description::GROUND;
+use crate::model::Model;
+use crate::pose::Pose;
+use crate::real::Scalar;
+use crate::support::Support;
+use crate::vector::{Vector, dot};
+
+impl<T: Scalar, const B: usize> Pose<T, B> {
+    /// The pose of a model at given absolute angles, rad.
+    pub fn of<const Z: usize>(model: &Model<T, B, Z>, angle: &[T; B]) -> Self {
+        let mut pose = Pose::new();
+        pose.place(&model.tree, model.first_moments(), angle);
+        pose
+    }
+
+    /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame, m. On the ground, or a body
+    /// that is not there, all zero.
+    pub fn velocity_row<const Z: usize>(
+        &self,
+        model: &Model<T, B, Z>,
+        body: usize,
+        point: Vector<T>,
+        n: Vector<T>,
+    ) -> [T; B] {
+        let support = Support::of_point(&model.tree, body, point);
+        let mut row = [T::ZERO; B];
+        self.turning_row(&support, self.point(body, point), n, &mut row);
+        let mut dense = [T::ZERO; B];
+        support.spread(&row, T::ONE, &mut dense);
+        model.tree.row_to_angles(&mut dense);
+        dense
+    }
+
+    /// Compression of a zone at this pose, m; negative apart.
+    pub fn gap<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
+        model.compiled[zone].gap(self)
+    }
+
+    /// The row G of a zone at this pose for absolute angular velocities, m: dg/dt = G v, whether the zone touches or not.
+    pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
+        let mut row = model.compiled[zone].gap_row(&model.supports[zone], self);
+        model.tree.row_to_angles(&mut row);
+        row
+    }
+}
+
+impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
+    /// World coordinate of the driven point along the site's direction, m; zero without a site.
+    pub fn site_position(&self, angle: &[T; B]) -> T {
+        self.site.as_ref().map_or(T::ZERO, |s| dot(s.direction, Pose::of(self, angle).point(s.body, s.point)))
+    }
+}
+
+const _: () = assert!(GROUND > 1 << 16, "the ground's index lies beyond any body's");

@@ -1,0 +1,87 @@
+//! The narrow phase: which of the zones near contact are touched during the step, and what their felts do.
+
+use crate::contact::ContactState;
+use crate::curvature::Margins;
+use crate::model::Model;
+use crate::real::{Mask, Real};
+use crate::timing::Timing;
+use crate::workspace::{Contacts, Kinematics, Workspace};
+
+/// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its slip row when it
+/// first touches, once in a step.
+///
+/// It runs before anything else that needs the pose, because the rest of the linearisation does not wait for its results.
+#[inline(always)]
+pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    near: &[usize],
+    first: bool,
+    workspace: &mut Workspace<T, B, Z, N>,
+) {
+    let Workspace { kinematics, contacts, .. } = workspace;
+    let (mut margins, mut count) = (Margins::new(), 0);
+    for &z in near {
+        // The compiler knows a row's length in each case, so the row stays in registers.
+        let touches = match model.supports[z].count() {
+            1 => examine::<T, B, Z, 1>(model, timing, z, first, &mut margins, kinematics, contacts),
+            2 => examine::<T, B, Z, 2>(model, timing, z, first, &mut margins, kinematics, contacts),
+            3 => examine::<T, B, Z, 3>(model, timing, z, first, &mut margins, kinematics, contacts),
+            _ => examine::<T, B, Z, B>(model, timing, z, first, &mut margins, kinematics, contacts),
+        };
+        contacts.touched[count] = z;
+        count += usize::from(touches);
+    }
+    contacts.touched_count = count;
+    contacts.margins = margins;
+}
+
+/// Looks at a zone whose row has K entries. Says whether it is touched.
+#[inline(always)]
+fn examine<T: Real, const B: usize, const Z: usize, const K: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    z: usize,
+    first: bool,
+    margins: &mut Margins<T>,
+    kinematics: &Kinematics<T, B>,
+    contacts: &mut Contacts<T, B, Z>,
+) -> bool {
+    let Contacts { states, active, slip_row, has_slip_row, .. } = contacts;
+    let Kinematics { pose, joint_velocity, .. } = kinematics;
+    let (zone, support, contact) = (&model.compiled[z], &model.supports[z], &mut states[z]);
+    // Newton moves the pose by far less than a zone's reach. What was out of reach at the prediction stays so.
+    let candidates = if first { T::Mask::splat(true) } else { contact.in_reach };
+    let proximity = contact.evaluate::<K>(zone, support, pose, joint_velocity, timing, candidates, margins);
+    let touched = proximity.touched;
+    active[z] = touched;
+    if zone.slides {
+        let known = if first { T::Mask::splat(false) } else { has_slip_row[z] };
+        let fresh = touched.and(known.not());
+        if fresh.any() {
+            ContactState::slip_row(&proximity, zone, support, pose, fresh, &mut slip_row[z]);
+        }
+        has_slip_row[z] = known.or(touched);
+    }
+    touched.any()
+}
+
+/// The felts of the touched zones, and their part of A w1 = b.
+///
+/// A pass of its own: the chains of operations of several zones then run side by side.
+#[inline(always)]
+pub(crate) fn add_felts<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    w: &[T; B],
+    workspace: &mut Workspace<T, B, Z, N>,
+) {
+    let Contacts { states, active, touched, touched_count, margins, .. } = &mut workspace.contacts;
+    let system = &mut workspace.problem.system;
+    for &z in &touched[..*touched_count] {
+        let (support, contact) = (&model.supports[z], &mut states[z]);
+        contact.press(&model.compiled[z], timing, active[z], margins);
+        let impulse = -(timing.step * contact.force);
+        support.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, impulse, w);
+    }
+}

@@ -1,0 +1,227 @@
+//! Working memory of a step, grouped by stage. Each group says which stage writes it and which ones read it; the stages are those of the
+//! README's table, in call order.
+
+use crate::contact::{Contact, ContactState};
+use crate::curvature::Margins;
+use crate::description::ModelError;
+use crate::model::Model;
+use crate::osnsp::active_set::Condensed;
+use crate::osnsp::{Guess, Impulses, System};
+use crate::pose::Pose;
+use crate::real::{Mask, Real};
+use crate::settings::Settings;
+use crate::timing::Timing;
+
+/// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
+///
+/// A step's result does not depend on what it held before, so that several mechanisms may share one.
+#[derive(Debug, Clone)]
+pub struct Workspace<T: Real, const B: usize, const Z: usize, const N: usize> {
+    pub(crate) kinematics: Kinematics<T, B>,
+    pub(crate) contacts: Contacts<T, B, Z>,
+    pub(crate) inertia: Inertia<T, B>,
+    pub(crate) drive: Drive<T, B>,
+    pub(crate) problem: Problem<T, B, N>,
+    pub(crate) turning: Turning<T, Z>,
+    pub(crate) forces: Forces<T, B, Z>,
+    /// The last Newton correction of the relative velocities. Written by `iterate` after the solver, read by `linearisation_holds` and by
+    /// whoever asks for a contact after the step.
+    pub(crate) correction: [T; B],
+}
+
+/// Where everything is and how fast it moves at the theta point.
+///
+/// Written by `theta_point` and `Pose::place` at the start of every Newton iteration. Read by all later stages.
+#[derive(Debug, Clone)]
+pub(crate) struct Kinematics<T, const B: usize> {
+    pub pose: Pose<T, B>,
+    /// Absolute angular velocities, before the iteration's correction.
+    pub velocity: [T; B],
+    /// Relative ones.
+    pub joint_velocity: [T; B],
+}
+
+/// The zones near contact.
+///
+/// `narrow_phase` writes geometry and slip rows, `add_felts` the forces, tangents and margins. `assemble_laws` reads forces and rows,
+/// `linearisation_holds` reads all of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
+    pub states: [ContactState<T, B>; Z],
+    /// The lanes in which a zone is touched, for the zones that were looked at; for others it says nothing (see `touched_in`).
+    pub active: [T::Mask; Z],
+    /// The zones that are touched in any lane, in the order in which they come.
+    pub touched: [usize; Z],
+    pub touched_count: usize,
+    /// How far the felts are from their kinks.
+    pub margins: Margins<T>,
+    /// Rows of the slip velocity, of zones with friction: written when such a zone first touches in a step, and kept.
+    pub slip_row: [[T; B]; Z],
+    pub has_slip_row: [T::Mask; Z],
+}
+
+/// Inertia at the predicted pose q_*.
+///
+/// Written by `joint_momentum` once per step, read by `linearise` in every iteration.
+#[derive(Debug, Clone)]
+pub(crate) struct Inertia<T, const B: usize> {
+    /// Couplings of M(q_*) in absolute velocities, to the parent and to ancestors beyond it.
+    pub coupling: [T; B],
+    pub deep_coupling: [[T; B]; B],
+    /// M w0.
+    pub momentum: [T; B],
+}
+
+/// The drive.
+///
+/// `joint_momentum` writes the row once per step, `linearise` the force and tangent, `store_forces` the force of a rigid drive.
+/// `linearisation_holds` reads an elastic drive's force and carries it along with the correction.
+#[derive(Debug, Clone)]
+pub(crate) struct Drive<T, const B: usize> {
+    pub site_row: [T; B],
+    /// Force on the mechanism, N.
+    pub force: T,
+    /// Force of an elastic drive before its clamp at zero, N, and h dF/d(site velocity).
+    pub pull: T,
+    pub tangent: T,
+}
+
+/// The one-step non-smooth problem and its solution.
+///
+/// `linearise` and `add_felts` write A and b, `warm_start_pivots` and `assemble_laws` the bounds, laws, impulses and guess. The solver
+/// reads the system and corrects impulses and guess; `store_forces` and `keep_forces` read those.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem<T: Real, const B: usize, const N: usize> {
+    pub system: System<T, B, N>,
+    pub impulses: Impulses<T, B, N>,
+    pub guess: Guess<T, B, N>,
+    /// The active-set solver's own.
+    pub condensed: Condensed<T, B, N>,
+    /// What each sliding law stands for.
+    pub sources: [LawSource; N],
+}
+
+/// What a sliding law of the one-step problem stands for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum LawSource {
+    /// Coulomb friction of a zone.
+    Zone(usize),
+    /// The rigid drive.
+    Drive,
+}
+
+/// How fast each slip row turns, for steps that allow for it (README, "Sticking contacts").
+///
+/// `controlled_step` writes `slip_before` and `span` before the step; at fixed steps the span is zero, and nothing is allowed for.
+/// `assemble_laws` reads them and writes `turn`.
+#[derive(Debug, Clone)]
+pub(crate) struct Turning<T, const Z: usize> {
+    /// The slip velocity at the step's start along the last step's row, m/s.
+    pub slip_before: [T; Z],
+    /// The time from where that row was taken to the step's start, s. Zero: not known.
+    pub span: T,
+    /// What the row's turning until the step's end adds to each slip velocity, m/s, where the span is known.
+    pub turn: [T; Z],
+}
+
+/// Forces and sides of the set-valued laws, kept from iteration to iteration.
+///
+/// Written by `store_forces` (and `regularised_friction`), read by `assemble_laws` in the next iteration and by `keep_forces`, which
+/// hands them to the state's contact cache.
+#[derive(Debug, Clone)]
+pub(crate) struct Forces<T, const B: usize, const Z: usize> {
+    /// Torques of the pivots where their friction is regularised, N m.
+    pub pivot_friction: [T; B],
+    pub tangential: [T; Z],
+    pub side: [T; Z],
+    pub rigid_force: T,
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z, N> {
+    /// Fresh working memory. Where its room is not known to be enough, [`Workspace::for_model`] checks it.
+    pub fn new() -> Self {
+        let z = T::ZERO;
+        let no = T::Mask::splat(false);
+        Workspace {
+            kinematics: Kinematics { pose: Pose::new(), velocity: [z; B], joint_velocity: [z; B] },
+            contacts: Contacts {
+                states: [ContactState::apart(); Z],
+                active: [no; Z],
+                touched: [0; Z],
+                touched_count: 0,
+                margins: Margins::new(),
+                slip_row: [[z; B]; Z],
+                has_slip_row: [no; Z],
+            },
+            inertia: Inertia { coupling: [z; B], deep_coupling: [[z; B]; B], momentum: [z; B] },
+            drive: Drive { site_row: [z; B], force: z, pull: z, tangent: z },
+            problem: Problem {
+                system: System::new(),
+                impulses: Impulses::new(),
+                guess: Guess::new(),
+                condensed: Condensed::new(),
+                sources: [LawSource::Drive; N],
+            },
+            turning: Turning { slip_before: [z; Z], span: z, turn: [z; Z] },
+            forces: Forces { pivot_friction: [z; B], tangential: [z; Z], side: [z; Z], rigid_force: z },
+            correction: [z; B],
+        }
+    }
+
+    /// Fresh working memory that has room for a model's laws.
+    ///
+    /// # Errors
+    /// [`ModelError::TooManyLaws`] if the model has more than N.
+    pub fn for_model(model: &Model<T, B, Z>) -> Result<Self, ModelError> {
+        if model.laws() > N {
+            return Err(ModelError::TooManyLaws { found: model.laws(), room: N });
+        }
+        Ok(Workspace::new())
+    }
+
+    /// The pose at which the last Newton iteration evaluated the forces.
+    pub fn pose(&self) -> &Pose<T, B> {
+        &self.kinematics.pose
+    }
+
+    /// Force of the drive on the mechanism during the last step, N, along the site's direction.
+    pub fn drive_force(&self) -> T {
+        self.drive.force
+    }
+
+    /// A zone as it acted during the last step; `None` if it was not touched.
+    pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T>> {
+        let touched = self.touched_in(zone);
+        if !touched.any() {
+            return None;
+        }
+        let (compiled, support) = (&model.compiled[zone], &model.supports[zone]);
+        let timing = Timing::new(settings.step, settings.theta);
+        let state = &self.contacts.states[zone];
+        Some(state.contact(compiled, support, self.pose(), &self.correction, &timing, touched))
+    }
+
+    /// The lanes in which a zone was touched during the last step.
+    pub(crate) fn touched_in(&self, zone: usize) -> T::Mask {
+        let contacts = &self.contacts;
+        let anywhere = contacts.touched[..contacts.touched_count].contains(&zone);
+        if anywhere { contacts.active[zone] } else { T::Mask::splat(false) }
+    }
+
+    /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative velocities, m/s; zero if
+    /// it was not touched.
+    pub(crate) fn slip(&self, model: &Model<T, B, Z>, zone: usize, joints: &[[T; B]; 2]) -> [T; 2] {
+        if !(self.touched_in(zone).any() && model.compiled[zone].slides) {
+            return [T::ZERO; 2];
+        }
+        let [u0, u1] = joints.each_ref().map(|w| model.supports[zone].product(&self.contacts.slip_row[zone], w));
+        let turn = T::only(T::ZERO.lt(self.turning.span), self.turning.turn[zone]);
+        [u0 - turn, u1 + turn]
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Default for Workspace<T, B, Z, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
