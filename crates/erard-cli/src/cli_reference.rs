@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use clap::{Arg, CommandFactory};
+use clap::Arg;
 
 /// The page in Markdown: every command and option that `--help` tells of, in the same order and words.
 pub fn markdown() -> String {
-    let mut program = crate::command::Command::command();
+    let mut program = crate::command::definition();
     program.build();
     let mut page = String::from(
         "# Command-line reference\n\n\

@@ -1,15 +1,16 @@
 //! What can go wrong, said once and clearly on stderr.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use crate::inputs::shown;
+use crate::{signals, tell};
 use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
 use erard_lab::compare::CompareError;
 use erard_lab::reproduce::ReproduceError;
-use erard_workshop::distances::DistanceError;
 use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
@@ -60,42 +61,52 @@ pub enum Failure {
     #[error("{0}")]
     Usage(String),
     /// A file or folder cannot be written.
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {source}", shown(path))]
     Write {
         /// Where.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
+    /// What was to be said on standard output cannot be written.
+    #[error("standard output cannot be written: {0}")]
+    Said(std::io::Error),
     /// Not the user's fault.
     #[error("{0}")]
     Internal(String),
 }
 
 impl Failure {
-    /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 130 for an
-    /// interruption, 1 otherwise: goals that were not met although everything went well, or a fault of the program.
+    /// A file or folder that cannot be written.
+    pub fn write(path: &Path, source: std::io::Error) -> Self {
+        Failure::Write { path: path.to_path_buf(), source }
+    }
+
+    /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 1
+    /// otherwise: goals that were not met although everything went well, or a fault of the program.
     pub fn report(&self) -> ExitCode {
-        match self {
-            Failure::Instrument(error) if !error.text.is_empty() => {
-                eprintln!("error: {error}");
-                eprintln!("{}", underlined(error));
-            }
-            _ => eprintln!("error: {self}"),
+        signals::yield_to_the_end();
+        tell!("error: {self}");
+        if let Failure::Instrument(error) = self
+            && can_be_underlined(error)
+        {
+            tell!("{}", underlined(error));
         }
         ExitCode::from(match self {
             Failure::Internal(_) | Failure::Unmet(_) => 1,
-            Failure::Simulation(SimulationError::Interrupted)
-            | Failure::Regulate(RegulateError::Measure(DistanceError::Interrupted))
-            | Failure::Compare(CompareError::Simulation(SimulationError::Interrupted))
-            | Failure::Reproduce(
-                ReproduceError::Simulation(SimulationError::Interrupted)
-                | ReproduceError::Compare(CompareError::Simulation(SimulationError::Interrupted)),
-            ) => 130,
-            Failure::Measure { error, .. } if error.is_interruption() => 130,
             _ => 2,
         })
     }
+}
+
+/// Longest line that is shown with something underlined in it, bytes: more would bury the message.
+const LONGEST_LINE: usize = 400;
+
+/// Whether there is a text, and in lines that a terminal can show.
+fn can_be_underlined(error: &FileError) -> bool {
+    let around = error.line.saturating_sub(2)..error.line + 2;
+    let mut lines = error.text.lines().enumerate().filter(|(number, _)| around.contains(number));
+    !error.text.is_empty() && lines.all(|(_, line)| line.len() <= LONGEST_LINE)
 }
 
 /// The wrong place in the file, underlined.

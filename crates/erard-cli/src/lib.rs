@@ -3,11 +3,16 @@
 //! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
 //! write them down.
 
-#![deny(clippy::print_stdout, reason = "`say!` does not panic when the reader has gone away")]
+#![deny(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "`say!` and `tell!` neither panic nor let names steer a terminal"
+)]
 
 pub mod cli_reference;
 pub mod command;
 pub mod failure;
+pub mod inputs;
 pub mod keyboard;
 pub mod kinematics;
 pub mod measure;
@@ -15,6 +20,8 @@ pub mod output;
 pub mod progress;
 pub mod regulate;
 pub mod report;
+pub mod say;
+pub mod signals;
 pub mod study;
 pub mod summary;
 pub mod table;

@@ -1,24 +1,23 @@
-//! Work that takes long enough to be waited for: a bar on stderr, and an end on request.
+//! Work that takes long enough to be waited for: a bar on stderr.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::signals;
+
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_millis(400);
 
-/// Whether the user has asked for an end (control-C).
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// The bar that is shown, for who ends the process.
+static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// From now on the first control-C lets the work end by itself and clean up; a second one ends the process at once.
-pub fn listen_for_interrupts() {
-    // Where no handler can be set, control-C ends the process, as it does by default.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
+/// Takes the bar away.
+pub fn clear() {
+    if let Some(bar) = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        bar.finish_and_clear();
+    }
 }
 
 /// A bar that appears only when the work turns out to be long, and only on a terminal.
@@ -47,16 +46,18 @@ impl Progress {
 
     /// Shows the share that is done; false if the work should end.
     pub fn tell(&mut self, share: f64) -> bool {
-        if self.bar.is_hidden() && self.start.elapsed() > PATIENCE {
+        if self.bar.is_hidden() && self.start.elapsed() > PATIENCE && !signals::ending() {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.bar.clone());
         }
         self.bar.set_position((share * 1000.0) as u64);
-        !INTERRUPTED.load(Ordering::Relaxed)
+        !signals::ending()
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
+        clear();
         self.bar.finish_and_clear();
     }
 }

@@ -1,4 +1,4 @@
-//! What `regulate` is asked and answers: values with units, the table, and `regulate.json`.
+//! What `regulate` is asked and answers: values with units, the table, and the report.
 
 use std::fmt;
 use std::io::Write;
@@ -122,7 +122,7 @@ impl fmt::Display for Shown<'_> {
     }
 }
 
-/// `regulate.json`.
+/// The report beside the new instrument file.
 #[derive(Debug, Serialize)]
 pub struct Report {
     instrument: String,

@@ -38,7 +38,8 @@ fn with_no_argument_the_grand_plays() {
         .unwrap()
         .map(|e| e.unwrap().file_name().into_string().unwrap())
         .collect();
-    assert_eq!(out, FILES.map(String::from).into(), "all of it, and nothing half done");
+    let mark = ".erard.json".to_owned();
+    assert_eq!(out, FILES.map(String::from).into_iter().chain([mark]).collect(), "all of it, and nothing half done");
 
     let table = folder.read("erard-out/run.csv");
     let (header, rows) = table.split_once('\n').unwrap();
@@ -144,7 +145,7 @@ fn a_measured_stroke_beside_the_models() {
     folder.file("measured.csv", &table);
     let printed = folder.good(&["compare", "measured.csv"]);
     assert!(printed.contains("force driven: the action explains"), "{printed}");
-    let report = json(&folder, "erard-out/compare.json");
+    let report = json(&folder, "erard-out-compare/compare.json");
     let findings = report["findings"].as_array().unwrap();
     let of = |drive: &str, model: &str, quantity: &str| {
         let found = findings.iter().find(|f| f["drive"] == drive && f["model"] == model && f["quantity"] == quantity);
@@ -153,7 +154,7 @@ fn a_measured_stroke_beside_the_models() {
     assert!(of("force", "action", "position").unwrap() > 0.999, "{printed}");
     assert!(of("force", "action", "hammer").unwrap() > 0.999, "{printed}");
     assert_eq!(of("force", "one-dof", "hammer"), None);
-    let header = folder.read("erard-out/compare.csv").lines().next().unwrap().to_owned();
+    let header = folder.read("erard-out-compare/compare.csv").lines().next().unwrap().to_owned();
     assert!(header.contains("measured_hammer_head_m") && header.contains("force_action_hammer_head_m"), "{header}");
     for (columns, kept) in [("force only", [0, 1]), ("position only", [0, 2])] {
         let rows: Vec<String> = table.lines().map(|l| kept.map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
@@ -195,9 +196,9 @@ fn one_pose() {
     let folder = Folder::new("pose");
     let printed = folder.good(&["draw", "--at", "60", "--forces", "--labels"]);
     assert!(printed.contains("action.svg") && printed.contains("action.png"));
-    let svg = folder.read("erard-out/action.svg");
+    let svg = folder.read("erard-out-draw/action.svg");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-    let png = std::fs::read(folder.0.join("erard-out/action.png")).unwrap();
+    let png = std::fs::read(folder.0.join("erard-out-draw/action.png")).unwrap();
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
 }
 

@@ -71,7 +71,7 @@ fn the_known_numbers() {
     folder.file("c7f.toml", C7F);
     for levers in ["c7f-like", "c7f.toml"] {
         folder.good(&[levers, "--from", "0.75", "--to", "7.75", "--steps", "7"]);
-        let out = folder.0.join("erard-out");
+        let out = folder.0.join("erard-out-kinematics");
         let unmoved = &rows(&out)["unmoved"];
         let [key, head, leverage] = ["key_mm", "hammer_mm", "leverage"].map(|name| values(unmoved, name));
         for (step, expected) in [(0, 6.27), (2, 5.61), (4, 5.13), (6, 4.75)] {
@@ -120,7 +120,7 @@ fn three_cases() {
     ] {
         let printed = folder.good(&[levers, &MOVES].concat());
         assert!(printed.contains("as it is") && printed.contains("capstan −10 mm"), "{printed}");
-        let out = folder.0.join("erard-out");
+        let out = folder.0.join("erard-out-kinematics");
         let cases = rows(&out);
         let names: Vec<&str> = cases.keys().map(String::as_str).collect();
         assert_eq!(names, ["capstan=-10mm", "knuckle=-3mm", "unmoved"]);
@@ -151,14 +151,14 @@ fn regulation() {
     let folder = Folder::for_command("kinematics", "regulation");
     let rest = |arguments: &[&str]| {
         folder.good(arguments);
-        let cases = rows(&folder.0.join("erard-out"));
+        let cases = rows(&folder.0.join("erard-out-kinematics"));
         ["unmoved", "knuckle=-3mm"].map(|case| cases[case][0][column("hammer_rad")])
     };
     let [unmoved, moved] = rest(&["c7f-like", "--move", "knuckle=-3mm"]);
     assert!((unmoved - moved).abs() < 1e-12);
     let [unmoved, moved] = rest(&["c7f-like", "--move", "knuckle=-3mm", "--no-regulate"]);
     assert!(moved < unmoved - 0.05);
-    assert_eq!(summary(&folder.0.join("erard-out"))["regulated"], false);
+    assert_eq!(summary(&folder.0.join("erard-out-kinematics"))["regulated"], false);
 }
 
 /// The slow press of the same instrument's dynamic model agrees within 2 %, from half a millimetre of key travel to the
@@ -192,7 +192,7 @@ fn equations() {
     assert!(instrument.contains("C1 cos k - C2 sin k") && !instrument.contains(paper[0]), "{instrument}");
     let latex = folder.good(&["c7f-like", "--equations", "--latex"]);
     assert!(latex.starts_with("\\begin{align}") && latex.contains("L_{2} \\cos k"), "{latex}");
-    assert!(!folder.0.join("erard-out").exists());
+    assert!(!folder.0.join("erard-out-kinematics").exists());
 }
 
 /// Pressed farther than the levers reach, the command names the key position, keeps what it has and ends with code 2.
@@ -204,7 +204,7 @@ fn unreachable() {
     assert_eq!(output.status.code(), Some(2));
     assert!(told.contains("unmoved: the levers stop at key 41.636 mm of 60 mm"), "{told}");
     assert!(told.contains("capstan=-10mm: the levers stop at key 50.9"), "{told}");
-    let out = folder.0.join("erard-out");
+    let out = folder.0.join("erard-out-kinematics");
     let cases = rows(&out);
     assert_eq!((cases["unmoved"].len(), cases["capstan=-10mm"].len()), (42, 51));
     assert!(out.join("leverage.png").exists());

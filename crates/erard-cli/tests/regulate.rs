@@ -50,7 +50,7 @@ fn a_mis_set_file_is_put_right() {
     }
     assert!((d.spring_m_s.unwrap() / 0.3 - 1.0).abs() < 0.02);
 
-    let report: Value = serde_json::from_str(&folder.read("regulate.json")).unwrap();
+    let report: Value = serde_json::from_str(&folder.read("right.json")).unwrap();
     assert_eq!(report["all_met"], true);
     let goals = report["goals"].as_array().unwrap();
     assert_eq!(goals.len(), 9);
@@ -115,6 +115,8 @@ fn wrong_arguments_write_nothing() {
 fn force_replaces_an_old_output() {
     let folder = folder("force");
     folder.file("out.toml", "old");
+    folder.file("other.json", "a report");
+    assert!(folder.bad(&["--dip", "9.8", "--out", "other.toml"]).contains("other.json: exists"));
     folder.good(&["--dip", "9.8", "--out", "out.toml", "--force"]);
     let name = Instrument::load(&folder.0.join("out.toml")).unwrap().name;
     assert_eq!(name, "Concert grand, C4");
@@ -130,7 +132,7 @@ fn what_cannot_be_met_is_said_and_the_nearest_written() {
     assert!(message.contains("dip 3 mm is not met: the nearest is") && message.contains("front_punching"), "{message}");
     let flat = Instrument::load(&folder.0.join("flat.toml")).unwrap();
     let dip_m = measure(&flat, &Protocol::default(), &mut || true).unwrap().dip_m.unwrap();
-    let report: Value = serde_json::from_str(&folder.read("regulate.json")).unwrap();
+    let report: Value = serde_json::from_str(&folder.read("flat.json")).unwrap();
     assert_eq!((&report["all_met"], &report["goals"][0]["met"]), (&false.into(), &false.into()));
     assert!((report["goals"][0]["after"].as_f64().unwrap() - dip_m * 1e3).abs() < 1e-6);
 }
@@ -143,8 +145,8 @@ fn interrupted_it_leaves_nothing() {
     // A goal that takes long to be found out of reach.
     let goals = ["--norms", "--repetition-rise", "20mm", "--out", "new/grand.toml"];
     let mut child = folder.command(&goals).stdout(std::process::Stdio::piped()).spawn().unwrap();
-    // The folder is made after the interrupt is listened for.
-    while !folder.0.join("new").exists() {
+    // A folder to write in is made after the interrupt is listened for.
+    while folder.names().is_empty() {
         assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
         std::thread::sleep(std::time::Duration::from_millis(2));
     }

@@ -38,7 +38,7 @@ fn a_study_is_many_presses() {
         "0.2",
     ]);
     assert!(printed.contains("6 strokes") && printed.contains("0 failed"), "{printed}");
-    let study = "erard-out/study.csv";
+    let study = "erard-out-study/study.csv";
     let varied: Vec<_> = ["let_off_mm", "body.hammer.mass_factor"].map(|name| column(&folder, study, name)).into();
     assert_eq!(varied[0], [-0.5, -0.5, 0.0, 0.0, 0.5, 0.5].map(Some));
     assert_eq!(varied[1], [0.9, 1.0, 0.9, 1.0, 0.9, 1.0].map(Some));
@@ -57,13 +57,13 @@ fn a_study_is_many_presses() {
     let speeds = column(&folder, study, "hammer_speed_m_per_s");
     assert!(speeds.chunks(2).all(|pair| pair[0] > pair[1]), "{speeds:?}");
 
-    let parquet = std::fs::File::open(folder.0.join("erard-out/study.parquet")).unwrap();
+    let parquet = std::fs::File::open(folder.0.join("erard-out-study/study.parquet")).unwrap();
     let reader = SerializedFileReader::new(parquet).unwrap();
     let metadata = reader.metadata().file_metadata();
     let names: Vec<&str> = metadata.schema_descr().columns().iter().map(|column| column.name()).collect();
     assert_eq!(names, columns(&folder, study).iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
     assert_eq!(metadata.num_rows(), 6);
-    assert!(folder.read("erard-out/study.svg").ends_with("</svg>\n"));
+    assert!(folder.read("erard-out-study/study.svg").ends_with("</svg>\n"));
 }
 
 /// In single precision the same strokes, right to what it is good for; where the processor has no lanes, the same numbers.

@@ -7,6 +7,7 @@ pub mod assembly;
 pub mod course;
 pub mod equilibrium;
 pub mod events;
+pub mod files;
 pub mod grand;
 pub mod instrument;
 pub mod keyboard;

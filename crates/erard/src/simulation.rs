@@ -15,6 +15,8 @@ pub const SMALLEST_STEP_S: f64 = 1e-8;
 pub const LARGEST_STEP_S: f64 = 1e-3;
 /// Most rows that a run keeps unless told otherwise; longer runs keep every n-th step.
 pub const MOST_ROWS: u64 = 200_000;
+/// Most rows that a run keeps when told how many. The concert grand's hold 600 bytes each.
+pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// What drives the key. Times in s from the stroke's start; forces in N, positions in m from the key front's rest, both
@@ -74,6 +76,18 @@ pub enum SimulationError {
         found: f64,
         /// s.
         longest: f64,
+    },
+    /// More rows than can be held.
+    #[error(
+        "a row every {every} steps makes {found} rows; expected a number of steps from {least}, for at most {MOST_ROWS_ASKED} rows"
+    )]
+    Rows {
+        /// Steps from row to row.
+        every: u64,
+        /// How many rows that makes.
+        found: u64,
+        /// Steps from row to row that would do.
+        least: u64,
     },
     /// The start is no sane instant.
     #[error("the stroke starts at {found} s; expected a number below 1e9 s")]
@@ -138,7 +152,14 @@ impl Setup {
         if !(self.duration_s > 0.0 && self.duration_s <= longest) {
             return Err(SimulationError::Duration { found: self.duration_s, longest });
         }
-        Ok((self.duration_s / step).round().max(1.0) as u64)
+        let steps = (self.duration_s / step).round().max(1.0) as u64;
+        if let Some(every) = self.record_every.map(|every| every.max(1))
+            && steps / every > MOST_ROWS_ASKED
+        {
+            let least = steps.div_ceil(MOST_ROWS_ASKED);
+            return Err(SimulationError::Rows { every, found: steps / every, least });
+        }
+        Ok(steps)
     }
 }
 

@@ -143,3 +143,29 @@ fn ten_million_rows_are_refused_without_reading_them_all() {
     assert!(rows.next < MAX_ROWS as u64 + 20_000, "stopped reading at row {}", rows.next);
     assert!(start.elapsed() < Duration::from_secs(30), "took {:?}", start.elapsed());
 }
+
+/// Columns that mean a known one in another unit or by another name are refused where it is missing, and never ignored.
+#[test]
+fn columns_in_other_units_are_not_ignored() {
+    for (given, known) in [
+        ("force_lbf", "`force_N`"),
+        ("Force (kgf)", "`force_N`"),
+        ("load_N", "`force_N`"),
+        ("position_inch", "`position_m`"),
+        ("travel_mm", "`position_m`"),
+        ("Key travel [in]", "`position_m`"),
+        ("depth", "`position_m`"),
+        ("positionmm", "`position_m`"),
+        ("hammer_head_mm", "`hammer_head_m`"),
+        ("t_ms", "`time_s`"),
+    ] {
+        let others: Vec<&str> =
+            ["time_s", "force_N", "position_m"].into_iter().filter(|name| known != format!("`{name}`")).collect();
+        let error = Series::parse(&format!("{},{given}\n0,0,0\n1,1,1\n", others.join(",")), "test").unwrap_err();
+        assert_eq!((error.column.as_str(), error.expected.as_str()), (given, known), "{error}");
+    }
+    // What a run writes, and what means something else, stands beside.
+    let beside = "time_s,force_N,key_m,key_rad,hammer_rad,hammer_m,tail_m,load_cell_V,note,depth_of_field\n";
+    let series = Series::parse(&format!("{beside}0,0,0,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0,0,0\n"), "test").unwrap();
+    assert!(series.position.is_none() && series.hammer_head.is_none());
+}

@@ -1,13 +1,15 @@
 //! `erard check`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
 use erard::stroke::Series;
+use erard_lab::compare::LONGEST_S;
 
 use crate::failure::Failure;
+use crate::inputs::{self, shown};
 use crate::say;
 
 /// Checks an instrument or keyboard (TOML) or stroke (CSV) file and says what it holds.
@@ -23,20 +25,26 @@ impl Check {
     pub fn run(&self) -> Result<(), Failure> {
         let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
-            "toml" if self.is_keyboard() => self.keyboard(),
-            "toml" => self.instrument(),
+            "toml" => {
+                let (name, bytes) = inputs::bytes(&self.file)?;
+                if is_keyboard(&String::from_utf8_lossy(&bytes)) {
+                    self.keyboard(&name, &bytes)
+                } else {
+                    Self::instrument(&name, &bytes)
+                }
+            }
             "csv" => self.stroke(),
             _ => Err(Failure::Usage(format!(
                 "{}: cannot tell what this is from its name: an instrument or keyboard ends in .toml, a stroke in .csv",
-                self.file.display()
+                shown(&self.file)
             ))),
         }
     }
 
-    fn instrument(&self) -> Result<(), Failure> {
-        let file = InstrumentFile::load(&self.file)?;
+    fn instrument(name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        let file = InstrumentFile::parse_bytes(bytes, name)?;
         let i: &Instrument = &file.instrument;
-        say!("{}: an instrument, \"{}\"", self.file.display(), i.name);
+        say!("{name}: an instrument, \"{}\"", i.name);
         say!();
         for body in &i.bodies {
             let on = body.parent.map_or("the ground", |p| &i.bodies[p].name);
@@ -88,15 +96,11 @@ impl Check {
         Ok(())
     }
 
-    fn is_keyboard(&self) -> bool {
-        std::fs::read_to_string(&self.file).is_ok_and(|text| is_keyboard(&text))
-    }
-
     /// Every key's instrument is read, so that a file that is called sound has none that is not.
-    fn keyboard(&self) -> Result<(), Failure> {
-        let keyboard = Keyboard::load(&self.file)?;
+    fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
         keyboard.instruments()?;
-        say!("{}: a keyboard, \"{}\", around key {}", self.file.display(), keyboard.name, keyboard.base_key);
+        say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
         say!();
         let points = || keyboard.gradings.iter().flat_map(|grading| &grading.curve.points);
         for Grading { name, graded, curve } in &keyboard.gradings {
@@ -119,13 +123,19 @@ impl Check {
     }
 
     fn stroke(&self) -> Result<(), Failure> {
-        let series = Series::load(&self.file)?;
+        let name = shown(&self.file);
+        let series = Series::read_opened(inputs::open(&self.file), &name)?;
         let times = series.times_s();
-        say!("{}: a stroke of {} rows, {} to {} s", self.file.display(), times.len(), series.start_s(), series.end_s());
+        say!("{name}: a stroke of {} rows, {} to {} s", times.len(), series.start_s(), series.end_s());
         say!();
         let steps = times.windows(2).map(|t| t[1] - t[0]);
         let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
         say!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
+        if series.end_s() - series.start_s() > LONGEST_S {
+            say!(
+                "            too long for `compare` as a whole: `--duration {LONGEST_S}` compares its first {LONGEST_S} s"
+            );
+        }
         let range =
             |values: &[f64]| values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
         if let Some(force) = &series.force {

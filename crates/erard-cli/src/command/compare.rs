@@ -7,12 +7,13 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::simulation::Setup;
 use erard::stroke::Series;
-use erard_lab::compare::{Comparison, DRIVES, Driven, Errors, Trial, Which, compare};
+use erard_lab::compare::{Comparison, DRIVES, Driven, Errors, LONGEST_S, Trial, Which, compare};
 use serde::Serialize;
 
 use super::options::{StepOptions, check, load_instrument};
+use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::inputs::{self, shown};
 use crate::progress::Progress;
 use crate::say;
 use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg};
@@ -28,25 +29,28 @@ pub struct Compare {
     instrument: String,
     #[command(flatten)]
     step: StepOptions,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    /// Compare only the first S seconds
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    duration: Option<f64>,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 impl Compare {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
-        let series = Series::load(&self.file)?;
+        let title = shown(&self.file);
+        let series = Series::read_opened(inputs::open(&self.file), &title)?;
+        let series = self.begun(series)?;
         let instrument = load_instrument(&self.instrument)?;
         let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None };
         check(&setup)?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare("compare", &["compare.csv", "compare.json", "compare.svg", "compare.png"])?;
         let mut progress = Progress::new("comparing");
         let comparison = compare(&instrument, &series, &setup, &mut |share| progress.tell(share))?;
         drop(progress);
 
-        let title = self.file.display().to_string();
         let svg = figure_svg(&figure(&comparison, &title, &instrument.name));
         let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
         output.stage("compare.csv", |w| write_csv(&comparison, w))?;
@@ -65,8 +69,29 @@ impl Compare {
             say!("{verdict}");
         }
         say!();
-        say!("Written to {}: compare.csv, compare.json, compare.svg, compare.png", self.out.display());
+        say!("Written to {}: compare.csv, compare.json, compare.svg, compare.png", shown(self.out.folder()));
         Ok(())
+    }
+}
+
+impl Compare {
+    /// As much of a series as was asked for, and can be compared.
+    fn begun(&self, series: Series) -> Result<Series, Failure> {
+        let lasts_s = series.end_s() - series.start_s();
+        let series = match self.duration {
+            None => series,
+            Some(s) if s > 0.0 && s.is_finite() => {
+                series.first(s).map_err(|error| Failure::Usage(format!("--duration {s}: {error}")))?
+            }
+            Some(s) => return Err(Failure::Usage(format!("--duration {s}: expected a positive number of seconds"))),
+        };
+        if series.end_s() - series.start_s() > LONGEST_S {
+            return Err(Failure::Usage(format!(
+                "{}: lasts {lasts_s} s; at most {LONGEST_S} s are compared: --duration {LONGEST_S} compares its first",
+                shown(&self.file)
+            )));
+        }
+        Ok(series)
     }
 }
 

@@ -1,16 +1,15 @@
 //! `erard draw`.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 use erard::run::{Events, Run};
 use erard::simulation::Setup;
 use moreau::Settings;
 
 use super::options::{InstrumentOption, StrokeOptions};
+use super::out::OutOptions;
 use super::press::play;
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::inputs::shown;
 use crate::say;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
 use erard_figures::figure::png_from_svg;
@@ -32,9 +31,8 @@ pub struct Draw {
     /// Show contact forces as arrows
     #[arg(long)]
     forces: bool,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 /// Which instant.
@@ -110,7 +108,7 @@ impl Draw {
             record_every: None,
             tolerance: None,
         };
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
         let run = play(&instrument, &stroke, &setup)?;
         let row = self.row(&run)?;
         let options = PoseOptions {
@@ -133,7 +131,7 @@ impl Draw {
         output.stage("action.svg", |w| w.write_all(svg.as_bytes()))?;
         output.stage("action.png", |w| w.write_all(&png))?;
         for path in output.commit()? {
-            say!("{}", path.display());
+            say!("{}", shown(&path));
         }
         Ok(())
     }

@@ -1,18 +1,18 @@
 //! `erard keyboard`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::keyboard::KEYS;
 use erard_workshop::weighing::weigh;
 
 use super::options::{KeyboardKey, load_keyboard};
+use super::out::OutOptions;
 use crate::failure::Failure;
+use crate::inputs::shown;
 use crate::keyboard::{figure_svg, text, write_csv};
-use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
+use crate::say::verbatim;
 use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
@@ -29,14 +29,13 @@ pub struct Keyboard {
     #[arg(value_name = "KEYBOARD", default_value = "concert-grand")]
     keyboard: String,
     /// Weigh every so many keys, from the first to the last
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), conflicts_with = "key")]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), allow_negative_numbers = true, conflicts_with = "key")]
     every: u8,
     /// Only print the instrument file of this key, 1 (A0) to 88 (C8), on standard output
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true, conflicts_with_all = ["out", "force"])]
     key: Option<u8>,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out", conflicts_with = "key")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 impl Keyboard {
@@ -45,7 +44,7 @@ impl Keyboard {
         let keyboard = load_keyboard(&self.keyboard)?;
         if let Some(key) = self.key {
             let one = KeyboardKey { keyboard, key: usize::from(key) };
-            say!("{}", one.text()?.trim_end_matches('\n'));
+            verbatim(&format!("{}\n", one.text()?.trim_end_matches('\n')));
             return Ok(());
         }
         let mut numbers: Vec<usize> = (1..=KEYS).step_by(usize::from(self.every)).collect();
@@ -54,7 +53,7 @@ impl Keyboard {
         }
         let keys: Vec<(usize, Instrument)> =
             numbers.into_iter().map(|key| Ok((key, keyboard.key(key)?))).collect::<Result<_, Failure>>()?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare("keyboard", &["keyboard.csv", "keyboard.svg", "keyboard.png"])?;
         let mut progress = Progress::new("weighing");
         let weighed = weigh(&keys, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
@@ -70,7 +69,7 @@ impl Keyboard {
         say!("{}", text(&weighed).trim_end_matches('\n'));
         say!();
         for path in written {
-            say!("{}", path.display());
+            say!("{}", shown(&path));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! `erard kinematics`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use erard::instrument::Instrument;
@@ -9,12 +9,14 @@ use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation};
 use moreau_linkage::{Linkage, latex_align};
 
 use super::options::load_instrument;
+use super::out::OutOptions;
 use crate::failure::Failure;
+use crate::inputs::{self, shown};
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::summary::Summary;
 use crate::kinematics::{Shown, figures, table};
 use crate::output::Output;
-use crate::say;
+use crate::{say, tell};
 use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
@@ -55,22 +57,23 @@ pub struct Kinematics {
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true)]
     steps: i64,
     /// Print the closure equations, and do nothing else
-    #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from", "to", "steps", "out"])]
+    #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from", "to", "steps", "out", "force"])]
     equations: bool,
     /// Print them as LaTeX
     #[arg(long, requires = "equations")]
     latex: bool,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 /// Key travel to end at where nothing says where let-off is, m: a usual dip.
 const USUAL_DIP_M: f64 = 0.010;
 /// Largest key travel that makes sense, mm.
 const FARTHEST_MM: f64 = 1000.0;
-/// Most steps: more than a figure shows, and a table of a gigabyte.
+/// Most steps: more than a figure shows.
 const MOST_STEPS: i64 = 1_000_000;
+/// Most poses of all cases together: they are held in memory.
+const MOST_POSES: i64 = 2_000_000;
 
 /// What was asked about.
 struct Subject {
@@ -83,7 +86,10 @@ impl Subject {
     fn linkage(file_or_name: &str) -> Result<Self, Failure> {
         let path = Path::new(file_or_name);
         let file = if path.exists() || path.extension().is_some() || path.components().count() > 1 {
-            LinkageFile::load(path)?
+            {
+                let (name, bytes) = inputs::bytes(path)?;
+                LinkageFile::parse_bytes(&bytes, &name)?
+            }
         } else {
             LinkageFile::builtin(file_or_name).ok_or_else(|| {
                 let names: Vec<&str> = LinkageFile::builtin_names().collect();
@@ -127,8 +133,14 @@ impl Kinematics {
             return self.print_equations();
         }
         let subject = self.subject()?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare(
+            "kinematics",
+            &["kinematics.csv", "summary.json", "sliding.svg", "sliding.png", "leverage.svg", "leverage.png"],
+        )?;
         let Cases { shown: cases, range, unreached } = self.cases(&subject.design)?;
+        if cases.iter().all(|case| case.stroke.poses.is_empty()) {
+            return Err(Failure::Reach(unreached.join("\nerror: ")));
+        }
         let unmoved = &cases[0];
         let press = subject.instrument.as_ref().and_then(|(instrument, derived)| press(instrument, derived, unmoved));
         let agreement = press.as_ref().and_then(|press| press.1.as_ref());
@@ -151,7 +163,7 @@ impl Kinematics {
         say!("{summary}");
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", self.out.display(), names.join(", "));
+        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
         if unreached.is_empty() { Ok(()) } else { Err(Failure::Reach(unreached.join("\nerror: "))) }
     }
 
@@ -175,6 +187,14 @@ impl Kinematics {
         }
         if !(1..=MOST_STEPS).contains(&self.steps) {
             return usage(format!("--steps {}: expected a number from 1 to {MOST_STEPS}", self.steps));
+        }
+        let cases = self.moves.len() as i64 + 1;
+        if self.steps.saturating_mul(cases) > MOST_POSES {
+            return usage(format!(
+                "--steps {}: {cases} cases would have more than {MOST_POSES} poses; expected at most {}",
+                self.steps,
+                MOST_POSES / cases
+            ));
         }
         for (i, one) in self.moves.iter().enumerate() {
             if self.moves[..i].iter().any(|other| other.name == one.name) {
@@ -207,13 +227,13 @@ impl Kinematics {
             };
             let stroke = case.stroke(from, to, self.steps as usize);
             if let Some(stop) = &stroke.stop {
-                unreached.push(format!(
-                    "{name}: the levers stop at key {:.3} mm of {} mm ({}); the {} poses up to there are written",
-                    stop.key * 1e3,
-                    short(to),
-                    stop.stop,
-                    stroke.poses.len()
-                ));
+                let poses = match stroke.poses.len() {
+                    0 => "no pose is reached".to_owned(),
+                    count => format!("the {count} poses up to there are written"),
+                };
+                let (at, to) = (stop.key * 1e3, short(to));
+                unreached
+                    .push(format!("{name}: the levers stop at key {at:.3} mm of {to} mm ({}); {poses}", stop.stop));
             }
             let digest = case.digest();
             shown.push(Shown { name: name.to_owned(), label: label.to_owned(), case, digest, stroke });
@@ -273,7 +293,7 @@ fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<
             Some((press, agreement))
         }
         Err(error) => {
-            eprintln!("warning: the geometry could not be checked by a slow press: {error}");
+            tell!("warning: the geometry could not be checked by a slow press: {error}");
             None
         }
     }

@@ -1,7 +1,5 @@
 //! `erard measure`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::simulation::{Drive, Setup, simulate};
@@ -9,10 +7,11 @@ use erard_workshop::measure::{Sheet, measure};
 use moreau::Settings;
 
 use super::options::load_instrument;
+use super::out::OutOptions;
 use crate::failure::Failure;
+use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};
 use crate::measure::{Measured, page, table};
-use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
@@ -36,9 +35,8 @@ pub struct Measure {
     /// One more instrument; may be repeated
     #[arg(long = "instrument", value_name = "FILE-OR-NAME")]
     more: Vec<String>,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 /// Most instruments side by side: more columns than a page is wide.
@@ -48,7 +46,7 @@ impl Measure {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let named = self.load()?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare("measure", &["measure.json", "measure.html"])?;
         let mut progress = Progress::new("measuring");
         let count = named.len() as f64;
         let mut measured = Vec::new();
@@ -88,7 +86,7 @@ impl Measure {
         say!();
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", self.out.display(), names.join(", "));
+        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
         Ok(())
     }
 

@@ -8,17 +8,21 @@ mod keyboard;
 mod kinematics;
 mod measure;
 mod options;
+mod out;
 mod press;
 mod regulate;
 mod reproduce;
 mod study;
 mod validate;
 
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use erard::files::steers;
 
-use crate::progress::listen_for_interrupts;
+use crate::failure::Failure;
+use crate::{say, signals};
 
 /// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
 #[derive(Debug, Parser)]
@@ -59,8 +63,11 @@ enum Sub {
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
 /// (goals of `regulate` that cannot be met, among it).
 pub fn run() -> ExitCode {
-    let command = Command::parse();
-    listen_for_interrupts();
+    signals::listen();
+    let command = match definition().try_get_matches().and_then(|matches| Command::from_arg_matches(&matches)) {
+        Ok(command) => command,
+        Err(error) => return usage(&error),
+    };
     let result = match command.subcommand {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
@@ -75,8 +82,29 @@ pub fn run() -> ExitCode {
         Sub::Reproduce(reproduce) => reproduce.run(),
         Sub::Bench(bench) => bench.run(),
     };
-    match result {
+    // A failure is worth more than words that did not arrive.
+    match result.and_then(|()| say::finish()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
+}
+
+/// The program's arguments, as they are read, told by `--help`, and listed in the book.
+pub fn definition() -> clap::Command {
+    out::with_default_folders(Command::command())
+}
+
+/// Help, the version, or what is wrong with the arguments.
+fn usage(error: &clap::Error) -> ExitCode {
+    let text = error.to_string();
+    if error.use_stderr() && text.contains(|c: char| steers(c)) {
+        // In colours it would steer the terminal as the arguments will.
+        say::aside(text.trim_end().to_owned());
+    } else if let Err(fault) = error.print()
+        && !error.use_stderr()
+        && fault.kind() != ErrorKind::BrokenPipe
+    {
+        return Failure::Said(fault).report();
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }

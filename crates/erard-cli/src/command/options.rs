@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, utf8};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::simulation::{Setup, SimulationError};
@@ -11,6 +11,7 @@ use erard::stroke::{ForceSeries, PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings, Solver};
 
 use crate::failure::Failure;
+use crate::inputs;
 
 /// Which instrument.
 #[derive(Debug, Args)]
@@ -59,18 +60,19 @@ pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
         return Ok(one.keyboard.key(one.key)?);
     }
     match instrument_path(asked) {
-        Some(path) => Ok(load_file(path)?),
+        Some(path) => Ok(load_file(path)?.0),
         None => Ok(builtin_instrument(asked)?.0),
     }
 }
 
-fn load_file(path: &Path) -> Result<Instrument, Failure> {
-    // What cannot be read is told by the instrument's reader.
-    if std::fs::read_to_string(path).is_ok_and(|text| is_keyboard(&text)) {
-        let path = path.display();
-        return Err(Failure::Usage(format!("{path}: this is a keyboard; name one of its keys, as in {path}{KEY}40")));
+/// An instrument and the text that it was read from.
+fn load_file(path: &Path) -> Result<(Instrument, String), Failure> {
+    let (name, bytes) = inputs::bytes(path)?;
+    let text = utf8(&bytes, &name)?;
+    if is_keyboard(text) {
+        return Err(Failure::Usage(format!("{name}: this is a keyboard; name one of its keys, as in {name}{KEY}40")));
     }
-    Ok(Instrument::load(path)?)
+    Ok((Instrument::parse(text, &name)?, text.to_owned()))
 }
 
 /// The same, with the text it was read from.
@@ -82,11 +84,7 @@ pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Fai
         let (instrument, text) = builtin_instrument(asked)?;
         return Ok((instrument, text.to_owned()));
     };
-    let instrument = load_file(path)?;
-    // It has just been read as UTF-8.
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", path.display())))?;
-    Ok((instrument, text))
+    load_file(path)
 }
 
 /// The path of an instrument file; `None` where a name is meant.
@@ -137,7 +135,10 @@ impl KeyboardKey {
 /// A keyboard by file or by name.
 pub fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
     if let Some(path) = instrument_path(file_or_name) {
-        return Ok(Keyboard::load(path)?);
+        let (name, bytes) = inputs::bytes(path)?;
+        let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
+        keyboard.base_path().into_iter().for_each(inputs::remember);
+        return Ok(keyboard);
     }
     Keyboard::builtin(file_or_name).ok_or_else(|| {
         let names: Vec<&str> = Keyboard::builtin_names().collect();
@@ -242,7 +243,10 @@ impl StrokeOptions {
             return Ok(Stroke::constant(format!("{force_n} N"), force_n));
         }
         let (series, title, after) = match &self.file {
-            Some(path) => (Series::load(path)?, path.display().to_string(), AFTERWARDS_S),
+            Some(path) => {
+                let name = inputs::shown(path);
+                (Series::read_opened(inputs::open(path), &name)?, name, AFTERWARDS_S)
+            }
             None => {
                 let nuance = self.stroke.as_deref().unwrap_or("mf");
                 let touch = match self.touch {
@@ -313,7 +317,7 @@ pub struct StepOptions {
     #[arg(long, value_enum, default_value_t = FrictionName::SetValued)]
     friction: FrictionName,
     /// Width of the regularised law at the pivots, rad/s (at sliding contacts a tenth of it, m/s)
-    #[arg(long, value_name = "RAD/S", default_value_t = 0.1)]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, allow_negative_numbers = true)]
     friction_width: f64,
 }
 
@@ -341,6 +345,7 @@ pub fn check(setup: &Setup) -> Result<(), Failure> {
         SimulationError::Theta { .. } => "--theta",
         SimulationError::Tolerance { .. } => "--tolerance",
         SimulationError::Duration { .. } => "--duration",
+        SimulationError::Rows { .. } => "--record-every",
         _ => return Err(error.into()),
     };
     Err(Failure::Usage(format!("{option}: {error}")))

@@ -1,15 +1,14 @@
 //! `erard press`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::simulation::{Drive, Setup, simulate};
 
 use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::say;
 use crate::summary::Summary;
@@ -30,15 +29,19 @@ pub struct Press {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Keep a row every so many steps [default: every step, in long runs fewer]
-    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "STEPS", value_parser = steps, allow_negative_numbers = true)]
     record_every: Option<u64>,
     /// Control the error: steps between two rows are as long as the error of each may be, relative to 1 rad/s + |velocity|, 1e-9 to 0.1
     /// [default: all steps are as long as --dt says]
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
+}
+
+/// A number of steps.
+fn steps(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|steps| *steps > 0).ok_or_else(|| "expected a whole number of steps, from 1".to_owned())
 }
 
 impl Press {
@@ -55,7 +58,8 @@ impl Press {
             tolerance: self.tolerance,
         };
         check(&setup)?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output =
+            self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
         let run = play(&instrument, &stroke, &setup)?;
         let summary =
             Summary::new(&run, &setup, self.instrument.model.name(), stroke.drive.name(), self.step.solver_name());
@@ -76,7 +80,7 @@ impl Press {
         say!("{summary}");
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", self.out.display(), names.join(", "));
+        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
         Ok(())
     }
 }

@@ -7,8 +7,9 @@ use clap::Args;
 use erard_workshop::distances::Protocol;
 use erard_workshop::regulate::{Goal, Regulated, Specification, Status, regulate};
 
-use super::options::{instrument_path, load_instrument_and_text};
+use super::options::load_instrument_and_text;
 use crate::failure::Failure;
+use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::regulate::{Report, Shown, parse_value};
@@ -24,8 +25,8 @@ damper; a blow of 4 N for the check distance, and then the key let up until the 
 largest speed of the hammer's rise). A goal counts as met within 0.05 mm, 2 % of the spring, 1 % of the dip; lever height
 within 0.02 mm.
 
-Writes the new instrument file, the same text but for the settings of its screws, and regulate.json beside it. An existing
-file is not replaced without --force, and the instrument itself never. Goals that the geometry cannot meet are named with
+Writes the new instrument file, the same text but for the settings of its screws, and beside it a report of the same name that
+ends in .json. Neither replaces an existing file without --force, and the instrument itself is never replaced. Goals that the geometry cannot meet are named with
 the nearest that can be: the nearest is written, and the exit code is 1.";
 
 /// Turns an instrument's screws until its action meets a specification.
@@ -46,7 +47,7 @@ pub struct Regulate {
     /// The new instrument file [default: INSTRUMENT-regulated.toml in this folder]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace FILE if it exists
+    /// Replace FILE, and the report beside it, if they exist
     #[arg(long)]
     force: bool,
 }
@@ -112,9 +113,10 @@ impl Regulate {
         let file = self.file()?;
         let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let Some(name) = file.file_name().map(|n| n.to_string_lossy().into_owned()) else {
-            return Err(Failure::Usage(format!("--out {}: expected the name of a file", file.display())));
+            return Err(Failure::Usage(format!("--out {}: expected the name of a file", shown(&file))));
         };
-        let mut output = Output::prepare(folder)?;
+        let report_name = file.with_extension("json").file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut output = Output::files(folder, self.force, &[&name, &report_name])?;
 
         let mut progress = Progress::new("measuring");
         let mut tell = |status: &Status| {
@@ -134,7 +136,7 @@ impl Regulate {
             regulated.instrument.rewrite(&text, &title, &note).map_err(|e| Failure::Internal(e.to_string()))?;
         let report = Report::new(&regulated, &self.instrument, &name, elapsed);
         output.stage(&name, |w| w.write_all(new_text.as_bytes()))?;
-        output.stage("regulate.json", |w| report.write_json(w))?;
+        output.stage(&report_name, |w| report.write_json(w))?;
         output.commit()?;
 
         say!(
@@ -147,7 +149,7 @@ impl Regulate {
         );
         say!();
         say!("{}", Shown(&regulated));
-        say!("Written to {}: {name}, regulate.json", folder.display());
+        say!("Written to {}: {name}, {report_name}", shown(folder));
         match report.misses() {
             misses if misses.is_empty() => Ok(()),
             misses => Err(Failure::Unmet(misses.join("\n       "))),
@@ -172,22 +174,20 @@ impl Regulate {
 
     /// Where the new instrument goes: a file that may be written.
     fn file(&self) -> Result<PathBuf, Failure> {
-        let input = instrument_path(&self.instrument);
         let file = self.out.clone().unwrap_or_else(|| {
             let stem = Path::new(&self.instrument).file_stem().unwrap_or_default().to_string_lossy();
             // A key of a keyboard, `concert-grand:key=88`, is named by signs that file names do without.
             let stem = stem.replace([':', '='], "-");
             PathBuf::from(format!("{stem}-regulated.toml"))
         });
-        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", file.display())));
+        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
         if file.is_dir() {
             return wrong("is a folder; --out takes the name of the new instrument file");
         }
         if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
             return wrong("an instrument file's name ends in .toml");
         }
-        let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if input.is_some_and(|input| same(input, &file)) {
+        if inputs::is_one(&file) {
             return wrong("is the instrument itself, which is never replaced; give another name with --out");
         }
         if file.exists() && !self.force {

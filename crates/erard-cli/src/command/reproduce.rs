@@ -1,13 +1,12 @@
 //! `erard reproduce`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use erard_lab::reproduce::{Subject, subjects};
 
 use super::options::load_instrument;
+use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::{Reproduced, chart_svg, page};
 use crate::say;
@@ -22,14 +21,13 @@ pub struct Reproduce {
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// List the subjects, and do nothing else
-    #[arg(long, conflicts_with_all = ["only", "figures", "out"])]
+    #[arg(long, conflicts_with_all = ["only", "figures", "out", "force"])]
     list: bool,
     /// Write every figure as a file of its own too, NAME-0.svg and so on
     #[arg(long)]
     figures: bool,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 impl Reproduce {
@@ -43,7 +41,7 @@ impl Reproduce {
         }
         let chosen = self.chosen()?;
         let instrument = load_instrument(&self.instrument)?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare("reproduce", &["report.html"])?;
         let all: f64 = chosen.iter().map(|s| s.weight).sum();
         let mut done = 0.0;
         let mut reproduced = Vec::new();
@@ -77,7 +75,7 @@ impl Reproduce {
         let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
         say!();
         say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
-        say!("Written to {}: {}", self.out.display(), written.join(", "));
+        say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
         Ok(())
     }
 

@@ -1,15 +1,14 @@
 //! `erard study`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::simulation::Setup;
 use erard_workshop::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
 
 use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::chart_svg;
 use crate::say;
@@ -47,9 +46,8 @@ pub struct Study {
     /// Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4
     #[arg(long)]
     single: bool,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 /// Most strokes: their rows are held in memory.
@@ -70,7 +68,7 @@ impl Study {
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None };
         check(&setup)?;
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
         let rows = play(&instrument, &axes, &stroke, &setup, workers)?;
 
@@ -96,7 +94,7 @@ impl Study {
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
         say!("{} strokes; {failed} failed", rows.len());
-        say!("Written to {}: {}", self.out.display(), written.join(", "));
+        say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
         Ok(())
     }
 

@@ -1,15 +1,14 @@
 //! `erard validate`.
 
-use std::io::Write;
-use std::path::PathBuf;
-
 use clap::Args;
 use erard_lab::validate::{PressedBlow, Published, Row, Validation, Verdict, validate};
 use serde::Serialize;
+use std::io::Write;
 
 use super::options::load_instrument;
+use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::say;
 use crate::table::three;
@@ -30,9 +29,8 @@ pub struct Validate {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
-    /// Output folder
-    #[arg(long, value_name = "DIR", default_value = "erard-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutOptions,
 }
 
 impl Validate {
@@ -40,7 +38,9 @@ impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
         let instrument = load_instrument(&self.instrument)?;
         let published = Published::builtin();
-        let mut output = Output::prepare(&self.out)?;
+        let mut output = self
+            .out
+            .prepare("validate", &["validate.json", "validate.csv", "order-of-events.svg", "order-of-events.png"])?;
         let mut progress = Progress::new("validating");
         let validation = validate(&instrument, &published, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: self.instrument.clone(), error })?;
@@ -71,7 +71,7 @@ impl Validate {
         say!();
         say!(
             "Written to {}: validate.json, validate.csv, order-of-events.svg, order-of-events.png",
-            self.out.display()
+            shown(self.out.folder())
         );
         Ok(())
     }

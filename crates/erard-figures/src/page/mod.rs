@@ -57,7 +57,7 @@ pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)
          script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n"
     );
-    out.push_str(&BODY.replace("{title}", &title).replace("{summary}", &rows).replace("{picture}", &picture));
+    out.push_str(&filled(BODY, &[("{title}", &title), ("{summary}", &rows), ("{picture}", &picture)]));
     let _ = write!(out, "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n", inline(&data));
     out.push_str("\"use strict\";\n(() => {\n");
     for script in SCRIPTS {
@@ -65,6 +65,18 @@ pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)
     }
     out.push_str("})();\n</script>\n</body>\n</html>\n");
     out
+}
+
+/// A template with its marks replaced. What replaces them is not looked at again: a name may hold a mark.
+fn filled(template: &str, marks: &[(&str, &str)]) -> String {
+    let (mut out, mut rest) = (String::new(), template);
+    let first = |rest: &str| marks.iter().filter_map(|(mark, by)| Some((rest.find(mark)?, *mark, *by))).min();
+    while let Some((at, mark, by)) = first(rest) {
+        out.push_str(&rest[..at]);
+        out.push_str(by);
+        rest = &rest[at + mark.len()..];
+    }
+    out + rest
 }
 
 /// JSON that cannot end the script element it stands in: `<` occurs within strings only, where it may be written so.
@@ -104,6 +116,19 @@ mod tests {
         assert!(!page.contains("speed <i>") && page.contains("1 &amp; 2 m/s"));
         assert_eq!(page.matches("<script").count(), 2);
         assert_eq!(page.matches("</script>").count(), 2);
+    }
+
+    /// A name is no template, whatever it holds.
+    #[test]
+    fn names_are_not_filled_in() {
+        let mut run = two_levers_run(200);
+        run.instrument = "A {picture} {summary} {title}".into();
+        let page = page_html(&two_levers(), &run, &summary());
+        assert_eq!(page.matches("id=\"action\"").count(), 1);
+        assert_eq!(page.matches("1 &amp; 2 m/s").count(), 1);
+        assert!(page.contains("<title>A {picture} {summary} {title}</title>"));
+        let shown = page.split("<body").nth(1).unwrap();
+        assert!(shown.contains("A {picture} {summary} {title}"));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::simulation::{Drive, MOST_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionSeries, Series};
 
 /// Rate of the common time axis, Hz: twice what the highest band needs.
@@ -97,6 +97,9 @@ pub struct Comparison {
     pub trials: Vec<Trial>,
 }
 
+/// Longest series that is compared, s: a million instants of the common axis.
+pub const LONGEST_S: f64 = 250.0;
+
 /// Why a comparison cannot be made.
 #[derive(Debug, Error)]
 pub enum CompareError {
@@ -107,6 +110,12 @@ pub enum CompareError {
         found_s: f64,
         /// s.
         least_s: f64,
+    },
+    /// The measured series would not fit into memory beside what the models make of it.
+    #[error("the measured series lasts {found_s} s; at most {LONGEST_S} s are compared")]
+    TooLong {
+        /// s.
+        found_s: f64,
     },
     /// A model does not run.
     #[error(transparent)]
@@ -136,6 +145,9 @@ pub fn compare(
     if duration_s < SHORTEST_S {
         return Err(CompareError::TooShort { found_s: duration_s, least_s: SHORTEST_S });
     }
+    if duration_s > LONGEST_S {
+        return Err(CompareError::TooLong { found_s: duration_s });
+    }
     let reduced = reduce(instrument)?.instrument;
     let time_s: Vec<f64> =
         (0..=(duration_s * RATE_HZ).floor() as usize).map(|n| start_s + n as f64 / RATE_HZ).collect();
@@ -149,7 +161,9 @@ pub fn compare(
     let measured_position_m = series.position.as_ref().map(path);
     let measured_hammer_m = series.hammer_head.as_ref().map(path);
 
-    let setup = Setup { start_s, duration_s: duration_s + 2.0 * setup.settings.step, record_every: Some(1), ..*setup };
+    let mut setup = Setup { start_s, duration_s: duration_s + 2.0 * setup.settings.step, record_every: None, ..*setup };
+    // Every step as long as memory allows; then fewer, but none farther apart than the common axis needs.
+    setup.record_every = Some(setup.check()?.div_ceil(MOST_ROWS_ASKED).max(1));
     let mut plan = Vec::new();
     for driven in DRIVES {
         let has = match driven {

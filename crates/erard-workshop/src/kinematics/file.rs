@@ -11,7 +11,7 @@ use erard::instrument::error::Fault;
 use erard::instrument::file::{check_size, read_bytes, utf8};
 use erard::instrument::locate::dress;
 use erard::instrument::quantity::{Kind, Num};
-use erard::instrument::reader::{LENGTH_MM, Limits, MM_PER_M, Reader};
+use erard::instrument::reader::{LENGTH_MM, Limits, MM_PER_M, Reader, title};
 use erard::instrument::schema::schema_of;
 use erard::instrument::serde_fault::serde_fault;
 
@@ -158,8 +158,8 @@ fn convert(file: &LinkageToml, file_name: &str) -> Result<LinkageFile, Fault> {
             ));
         }
     }
-    let name = file.name.as_deref().map(str::trim).filter(|name| !name.is_empty()).unwrap_or(file_name);
-    Ok(LinkageFile { name: name.to_owned(), levers, blow_m, let_off_m })
+    let name = file.name.as_ref().map_or_else(|| Ok(file_name.to_owned()), |name| title(name, "a linkage"))?;
+    Ok(LinkageFile { name, levers, blow_m, let_off_m })
 }
 
 fn value_span<T: Kind>(number: &Num<T>) -> std::ops::Range<usize> {

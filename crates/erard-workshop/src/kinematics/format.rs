@@ -24,7 +24,7 @@ pub(crate) struct LinkageToml {
     #[schemars(extend("const" = KIND))]
     pub kind: At<String>,
     /// Name shown in summaries and figures.
-    pub name: Option<String>,
+    pub name: Option<At<String>>,
     /// What instrument this is, for people.
     #[serde(rename = "description")]
     pub _description: Option<String>,

@@ -9,7 +9,7 @@ use super::format::{
 };
 use super::quantity::{At, Num, Real};
 use super::reader::{
-    G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name,
+    G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title,
 };
 use super::{
     Body, Curve, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
@@ -24,9 +24,6 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     if file.format.as_str() != FORMAT {
         return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
     }
-    if file.name.trim().is_empty() {
-        return Err(Fault::at(file.name.span(), "an instrument needs a name", "a name"));
-    }
     at_most(&file.body, MAX_BODIES, "bodies")?;
     at_most(&file.spring, MAX_SPRINGS, "springs")?;
     at_most(&file.zone, MAX_ZONES, "zones")?;
@@ -35,7 +32,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
 
     let mut reader = Reader::new(&file.sources);
     let mut instrument = Instrument {
-        name: file.name.trim().to_owned(),
+        name: title(&file.name, "an instrument")?,
         gravity_m_s2: reader.scalar(&file.gravity_m_s2, Limits::up_to(1e3, "m/s2"))?,
         bodies: Vec::new(),
         springs: Vec::new(),
@@ -186,6 +183,11 @@ fn read_spring(table: &At<SpringToml>, reader: &mut Reader<'_>, instrument: &Ins
     })
 }
 
+/// What people call it; in absence the name's words.
+fn label(label: Option<&At<String>>, what: &str, name: &str) -> Result<String, Fault> {
+    label.map_or_else(|| Ok(name.replace('_', " ")), |label| title(label, what))
+}
+
 fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Zone, Fault> {
     let name = new_name(&table.name, "zone", instrument.zones.iter().map(|zone| zone.name.as_str()))?;
     // The run's columns are `<zone>_N` and `<zone>_tangential_N`, beside the finger's `force_N`.
@@ -196,7 +198,7 @@ fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrum
             "another name",
         ));
     }
-    let label = table.label.clone().unwrap_or_else(|| name.replace('_', " "));
+    let label = label(table.label.as_ref(), "a zone", &name)?;
     let (disc_body, disc_center_m, disc_radius_m) = read_disc(&table.disc, reader, instrument)?;
     let (curve_body, curve, curve_body_span) = read_curve(table, reader, instrument)?;
     if disc_body == curve_body {
@@ -347,7 +349,7 @@ fn zone_indices(names: &[At<String>], instrument: &Instrument) -> Result<Vec<usi
 /// Reads a screw and turns it: the zone or spring it acts on is changed by its setting.
 fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<Screw, Fault> {
     let name = new_name(&table.name, "screw", instrument.screws.iter().map(|screw| screw.name.as_str()))?;
-    let label = table.label.clone().unwrap_or_else(|| name.replace('_', " "));
+    let label = label(table.label.as_ref(), "a screw", &name)?;
     let (action, setting, setting_span) = match (&table.zone, &table.spring) {
         (Some(zone), None) => {
             if let Some(setting) = &table.setting_n_m {
@@ -463,5 +465,5 @@ fn read_part(table: &At<PartToml>, reader: &mut Reader<'_>, instrument: &Instrum
     };
     let values = outline.iter().flat_map(|corner| corner.0).collect();
     reader.numbers.push(ReadNumber { span: outline.span(), values, citation });
-    Ok(Part { name: table.name.to_string(), body, material: table.material, outline_m, smooth: table.smooth })
+    Ok(Part { name: title(&table.name, "a part")?, body, material: table.material, outline_m, smooth: table.smooth })
 }

@@ -1,6 +1,6 @@
 //! Reading instrument files: from text, from disk, or built in.
 
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use super::format::InstrumentToml;
 use super::locate::{KeyMap, dress, line_column};
 use super::provenance::{CitedNumber, Provenance};
 use super::serde_fault::serde_fault;
+use crate::files::{read_at_most, shown};
 
 /// Largest instrument file that is read, bytes: a grand with all its outlines needs a fiftieth of it.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
@@ -121,7 +122,7 @@ impl Instrument {
 /// Refuses text that is too long or empty; `expected` is what it should hold.
 pub fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box<FileError>> {
     if text.len() > MAX_FILE_BYTES {
-        return Err(whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), ""));
+        return Err(too_large(file_name));
     }
     if text.trim().is_empty() {
         return Err(whole_file(file_name, "the file is empty", expected));
@@ -130,10 +131,13 @@ pub fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box
 }
 
 /// The bytes of a file as text.
+///
+/// # Errors
+/// Where they are not UTF-8, with the line.
 pub fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileError>> {
     std::str::from_utf8(bytes).map_err(|error| {
         if bytes.len() > MAX_FILE_BYTES {
-            return whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), "");
+            return too_large(file_name);
         }
         let start = error.valid_up_to();
         let text = String::from_utf8_lossy(bytes);
@@ -144,15 +148,26 @@ pub fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileErr
     })
 }
 
-/// A file's name as errors show it, and its bytes: not more of them than tell that it is too large.
+/// A file's name as errors show it, and its bytes.
 pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
-    let name = path.display().to_string();
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        // One byte more than the limit is enough to know; a device that never ends is not read to its end.
-        .and_then(|file| file.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|error| whole_file(&name, format!("cannot be read: {error}"), ""))?;
+    let name = shown(path);
+    let bytes = file_bytes(std::fs::File::open(path), &name)?;
     Ok((name, bytes))
+}
+
+/// The bytes of an opened instrument, keyboard or linkage file: not more of them than [`MAX_FILE_BYTES`] and one, which tells that it is too
+/// large. A device that never ends is not read to its end. `file_name` appears in errors only.
+///
+/// # Errors
+/// When it could not be opened, cannot be read, or is too large.
+pub fn file_bytes(file: io::Result<impl Read>, file_name: &str) -> Result<Vec<u8>, Box<FileError>> {
+    let bytes = file.and_then(|file| read_at_most(file, MAX_FILE_BYTES));
+    let bytes = bytes.map_err(|error| whole_file(file_name, format!("cannot be read: {error}"), ""))?;
+    bytes.ok_or_else(|| too_large(file_name))
+}
+
+fn too_large(file_name: &str) -> Box<FileError> {
+    whole_file(file_name, format!("larger than {} MiB", MAX_FILE_BYTES >> 20), "")
 }
 
 /// An error about a file as a whole.

@@ -121,7 +121,7 @@ pub(crate) struct ZoneToml {
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// A line for people, e.g. `jack toe - let-off button`; the name when absent.
-    pub label: Option<String>,
+    pub label: Option<At<String>>,
     /// Side A.
     pub disc: At<DiscToml>,
     /// Side B, a half plane of wood.
@@ -255,7 +255,7 @@ pub(crate) struct ScrewToml {
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// What a positive setting does, for people.
-    pub label: Option<String>,
+    pub label: Option<At<String>>,
     /// The zone of which it moves one side.
     pub zone: Option<At<String>>,
     /// The side that it moves.

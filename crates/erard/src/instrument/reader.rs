@@ -7,6 +7,7 @@ use super::error::Fault;
 use super::provenance::{Certainty, Citation, Source, Spread};
 use super::quantity::{At, Kind, Num, Quantity};
 use super::{Instrument, Vec2};
+use crate::files::steers;
 
 /// Millimetres in a metre. Dividing by it rounds correctly: 142.23 mm is the same bits as 0.14223 m.
 pub const MM_PER_M: f64 = 1000.0;
@@ -190,6 +191,28 @@ pub fn new_name<'n>(name: &At<String>, what: &str, taken: impl IntoIterator<Item
         return Err(Fault::at(name.span(), format!("there are two {}", plural(what)), "a name of its own"));
     }
     Ok(name.to_string())
+}
+
+/// Longest name or label for people, characters: it stands on one line of a figure.
+pub const LONGEST_TITLE: usize = 120;
+
+/// A name or label for people: without the blanks around it, on one line, not empty.
+pub fn title(name: &At<String>, what: &str) -> Result<String, Fault> {
+    let trimmed = name.trim();
+    let wrong = |message: String, expected: String| Err(Fault::at(name.span(), message, expected));
+    if trimmed.is_empty() {
+        return wrong(format!("{what} needs a name"), "a name".to_owned());
+    }
+    if trimmed.chars().count() > LONGEST_TITLE {
+        return wrong("too long for a name".to_owned(), format!("at most {LONGEST_TITLE} characters"));
+    }
+    if trimmed.chars().any(|c| c.is_control() || steers(c)) {
+        return wrong(
+            "a name holds a control character".to_owned(),
+            "letters, digits and signs on one line".to_owned(),
+        );
+    }
+    Ok(trimmed.to_owned())
 }
 
 fn plural(what: &str) -> String {

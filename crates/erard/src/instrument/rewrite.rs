@@ -30,7 +30,8 @@ impl Instrument {
     /// # Errors
     /// See [`RewriteError`].
     pub fn rewrite(&self, text: &str, title: &str, note: &str) -> Result<String, RewriteError> {
-        let mut document: DocumentMut = text.parse()?;
+        let form = Form::of(text);
+        let mut document: DocumentMut = form.plain(text).parse()?;
         let source = source_name(&document, SOURCE, AUTHOR);
         let mut changed = false;
         for screw in &self.screws {
@@ -52,7 +53,31 @@ impl Instrument {
         if changed {
             cite(&mut document, &source, title, AUTHOR);
         }
-        Ok(document.to_string())
+        Ok(form.dressed(&document.to_string()))
+    }
+}
+
+/// What a text has that the editor of documents drops.
+#[derive(Debug, Clone, Copy)]
+struct Form {
+    byte_order_mark: bool,
+    /// Lines end with carriage return and line feed: those of most lines, where they differ.
+    crlf: bool,
+}
+
+impl Form {
+    fn of(text: &str) -> Self {
+        let (all, crlf) = (text.matches('\n').count(), text.matches("\r\n").count());
+        Form { byte_order_mark: text.starts_with('\u{feff}'), crlf: 2 * crlf > all }
+    }
+
+    fn plain(self, text: &str) -> String {
+        text.trim_start_matches('\u{feff}').replace("\r\n", "\n")
+    }
+
+    fn dressed(self, plain: &str) -> String {
+        let text = if self.crlf { plain.replace('\n', "\r\n") } else { plain.to_owned() };
+        if self.byte_order_mark { format!("\u{feff}{text}") } else { text }
     }
 }
 
@@ -112,6 +137,16 @@ mod tests {
         // Once more: the same source, one title.
         let again = instrument.rewrite(&new, "another title", "a note").unwrap();
         assert_eq!(again, new, "nothing to change, nothing changed");
+    }
+
+    /// Line ends and byte order mark of another system stay.
+    #[test]
+    fn written_elsewhere() {
+        let unix = Instrument::builtin_text("concert-grand").unwrap();
+        let windows = format!("\u{feff}{}", unix.replace('\n', "\r\n"));
+        let turns = [("let_off", 0.2834 / 1e3)];
+        let ((_, plain), (_, new)) = (turned(unix, &turns), turned(&windows, &turns));
+        assert_eq!(new, format!("\u{feff}{}", plain.replace('\n', "\r\n")));
     }
 
     /// Bare numbers, comments behind them, inline tables, a source of the same name by somebody else.

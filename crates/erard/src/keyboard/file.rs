@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use toml::de::DeTable;
 use toml_edit::DocumentMut;
 
 use super::format::{AddedMassToml, FORMAT, FactorToml, KeyboardToml, PointToml, ShiftToml};
@@ -13,7 +14,7 @@ use crate::instrument::error::Fault;
 use crate::instrument::file::{check_size, read_bytes, utf8, whole_file};
 use crate::instrument::locate::dress;
 use crate::instrument::quantity::{At, Kind};
-use crate::instrument::reader::{LENGTH_MM, Reader};
+use crate::instrument::reader::{LENGTH_MM, Reader, title};
 use crate::instrument::schema::schema_of;
 use crate::instrument::serde_fault::serde_fault;
 use crate::instrument::{FileError, Instrument, InstrumentFile};
@@ -32,19 +33,27 @@ impl Keyboard {
         let file: KeyboardToml =
             toml::from_str(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))?;
         let base = file.instrument.as_str();
-        let (base_name, base_text) = match Instrument::builtin_text(base) {
-            Some(text) => (base.to_owned(), text.to_owned()),
+        let wrong = |message: String| dress(file_name, text, Fault::at(file.instrument.span(), message, instruments()));
+        let (base_path, base_name, base_text) = match Instrument::builtin_text(base) {
+            Some(text) => (None, base.to_owned(), text.to_owned()),
             None => {
-                let (name, bytes) = read_bytes(&folder.join(base)).map_err(|error| {
-                    let fault = Fault::at(file.instrument.span(), error.message.clone(), instruments());
-                    dress(file_name, text, fault)
-                })?;
-                let text = utf8(&bytes, &name)?.to_owned();
-                (name, text)
+                let path = folder.join(base);
+                let (name, bytes) = read_bytes(&path).map_err(|error| wrong(error.message.clone()))?;
+                // A base that is no instrument is that file's own fault. But what a keyboard file points to outside its folder may be
+                // anything, and nobody asked to see it: not a word of that is shown.
+                let foreign = !is_within(&path, folder);
+                let hidden = |error: Box<FileError>| match foreign {
+                    false => error,
+                    true => wrong(format!(
+                        "no instrument: `erard check` says of that file what is wrong (line {})",
+                        error.line
+                    )),
+                };
+                let text = utf8(&bytes, &name).map_err(hidden)?.to_owned();
+                InstrumentFile::parse(&text, &name).map_err(hidden)?;
+                (Some(path), name, text)
             }
         };
-        // A base that is no instrument is that file's own fault.
-        InstrumentFile::parse(&base_text, &base_name)?;
         let mut base: DocumentMut =
             base_text.parse().map_err(|error| whole_file(&base_name, format!("cannot be edited: {error}"), ""))?;
         let (base_key, gradings) = convert(&file, &mut base).map_err(|fault| dress(file_name, text, fault))?;
@@ -53,6 +62,7 @@ impl Keyboard {
             description: file.description.unwrap_or_default(),
             file_name: file_name.to_owned(),
             base_text,
+            base_path,
             base_key,
             gradings,
             sources: file.sources,
@@ -97,7 +107,9 @@ pub fn is_keyboard(text: &str) -> bool {
 }
 
 fn format_of(text: &str) -> Option<String> {
-    text.parse::<DocumentMut>().ok().and_then(|d| Some(d.get("format")?.as_str()?.to_owned()))
+    // Without a document to edit, which takes several times the memory of what is read.
+    let document = DeTable::parse(text).ok()?;
+    document.get_ref().get("format")?.get_ref().as_str().map(str::to_owned)
 }
 
 /// What serde says, in the words of a keyboard file.
@@ -115,6 +127,12 @@ pub fn json_schema() -> String {
     schema_of::<KeyboardToml>()
 }
 
+/// Whether a path leads to a file in a folder or below it, by whatever links.
+fn is_within(path: &Path, folder: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    matches!((path.canonicalize(), folder.canonicalize()), (Ok(path), Ok(folder)) if path.starts_with(&folder))
+}
+
 fn instruments() -> String {
     let names: Vec<&str> = Instrument::builtin_names().collect();
     format!("an instrument file beside this one, or one of {}", names.join(", "))
@@ -125,9 +143,7 @@ fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Gr
     if file.format.as_str() != FORMAT {
         return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
     }
-    if file.name.trim().is_empty() {
-        return Err(Fault::at(file.name.span(), "a keyboard needs a name", "a name"));
-    }
+    title(&file.name, "a keyboard")?;
     let base_key = key_number(&file.instrument_key)?;
     let mut reader = Reader::new(&file.sources);
     let mut gradings = Vec::new();
@@ -156,28 +172,24 @@ fn added_mass(
     }
     let at_mm = reader.pair(&file.at_mm, LENGTH_MM)?;
     let curve = curve(&file.mass_g, reader, base_key, 0.0, Between::Linear)?;
-    Ok(Grading { name: name(&file.name)?, graded: Graded::AddedMass { body: file.body.to_string(), at_mm }, curve })
+    Ok(Grading {
+        name: title(&file.name, "a grading")?,
+        graded: Graded::AddedMass { body: file.body.to_string(), at_mm },
+        curve,
+    })
 }
 
 fn factor(file: &FactorToml, reader: &Reader, base: &mut DocumentMut, base_key: usize) -> Result<Grading, Fault> {
     let numbers = file.numbers.iter().map(|path| path_of(path, base, 1)).collect::<Result<_, _>>()?;
     let curve = curve(&file.factor, reader, base_key, 1.0, Between::Logarithmic)?;
-    Ok(Grading { name: name(&file.name)?, graded: Graded::Factor { numbers }, curve })
+    Ok(Grading { name: title(&file.name, "a grading")?, graded: Graded::Factor { numbers }, curve })
 }
 
 fn shift(file: &ShiftToml, reader: &mut Reader, base: &mut DocumentMut, base_key: usize) -> Result<Grading, Fault> {
     let points = file.points.iter().map(|path| path_of(path, base, 2)).collect::<Result<_, _>>()?;
     let direction = reader.direction(&file.direction)?;
     let curve = curve(&file.by_mm, reader, base_key, 0.0, Between::Linear)?;
-    Ok(Grading { name: name(&file.name)?, graded: Graded::Shift { points, direction }, curve })
-}
-
-fn name(name: &At<String>) -> Result<String, Fault> {
-    let trimmed = name.trim();
-    if trimmed.is_empty() {
-        return Err(Fault::at(name.span(), "a grading needs a name", "a name"));
-    }
-    Ok(trimmed.to_owned())
+    Ok(Grading { name: title(&file.name, "a grading")?, graded: Graded::Shift { points, direction }, curve })
 }
 
 /// A path in the instrument at which so many numbers stand.

@@ -12,6 +12,7 @@ mod keys;
 pub mod tremolo;
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 pub use file::{is_keyboard, json_schema};
 pub use grading::{Graded, Grading};
@@ -38,9 +39,16 @@ pub struct Keyboard {
     pub sources: BTreeMap<String, Source>,
     file_name: String,
     base_text: String,
+    base_path: Option<PathBuf>,
 }
 
 impl Keyboard {
+    /// The file of the base instrument; `None` for a built-in one.
+    #[must_use]
+    pub fn base_path(&self) -> Option<&Path> {
+        self.base_path.as_deref()
+    }
+
     /// The text of a key's instrument file: the base instrument's with its gradings, every graded number cited. Its name is the
     /// keyboard's with number and note of the key.
     #[must_use]

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::rows::{Place, Row, Rows, excerpt};
 use super::{ForceSeries, PositionSeries, SHORTEST_STEP_S, SampleError, Series, StrokeError};
+use crate::files::shown;
 
 /// Most rows that are read: more than an hour at 1 kHz.
 pub const MAX_ROWS: usize = 5_000_000;
@@ -22,8 +23,9 @@ const MAX_TIME_S: f64 = 86_400.0;
 /// A column that means something here.
 struct Column {
     name: &'static str,
-    /// How a column begins that means the same in another unit, or in none.
-    stem: &'static str,
+    /// What the quantity is called too, in columns of another unit or of none.
+    stems: &'static [&'static str],
+    units: &'static [&'static str],
     largest: f64,
     /// What is expected of a number that is larger.
     hint: &'static str,
@@ -31,15 +33,44 @@ struct Column {
 
 const TIME: Column = Column {
     name: "time_s",
-    stem: "time",
+    stems: &["time", "t"],
+    units: TIMES,
     largest: MAX_TIME_S,
     hint: "seconds from the start of the stroke, at most 86400 (milliseconds?)",
 };
-const FORCE: Column =
-    Column { name: "force_N", stem: "force", largest: MAX_FORCE_N, hint: "newtons, at most 10000 (another unit?)" };
-const POSITION: Column =
-    Column { name: "position_m", stem: "position", largest: MAX_POSITION_M, hint: "metres, at most 1 (millimetres?)" };
-const HAMMER: Column = Column { name: "hammer_head_m", stem: "hammer_head", ..POSITION };
+const FORCE: Column = Column {
+    name: "force_N",
+    stems: &["force", "f", "load", "finger_force", "key_force"],
+    units: FORCES,
+    largest: MAX_FORCE_N,
+    hint: "newtons, at most 10000 (another unit?)",
+};
+const POSITION: Column = Column {
+    name: "position_m",
+    stems: &[
+        "position",
+        "pos",
+        "travel",
+        "displacement",
+        "depth",
+        "dip",
+        "key_position",
+        "key_travel",
+        "key_displacement",
+        "key_depth",
+        "key_dip",
+        "finger_position",
+        "finger_travel",
+    ],
+    units: LENGTHS,
+    largest: MAX_POSITION_M,
+    hint: "metres, at most 1 (millimetres?)",
+};
+const HAMMER: Column = Column {
+    name: "hammer_head_m",
+    stems: &["hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"],
+    ..POSITION
+};
 
 impl Series {
     /// Reads a stroke file from disk.
@@ -47,10 +78,19 @@ impl Series {
     /// # Errors
     /// The first thing that is wrong, with line and column; also when the file cannot be read.
     pub fn load(path: &Path) -> Result<Self, Box<StrokeError>> {
-        let name = path.display().to_string();
-        match File::open(path) {
-            Ok(file) => Self::read(file, &name),
-            Err(error) => Err(Place { file: name, line: 0 }.whole_file(format!("cannot be read: {error}"), "")),
+        Self::read_opened(File::open(path), &shown(path))
+    }
+
+    /// Reads a stroke file that has been opened, or says why it could not be; `file_name` appears in errors only.
+    ///
+    /// # Errors
+    /// As [`Series::load`].
+    pub fn read_opened(file: std::io::Result<impl Read>, file_name: &str) -> Result<Self, Box<StrokeError>> {
+        match file {
+            Ok(file) => Self::read(file, file_name),
+            Err(error) => {
+                Err(Place { file: file_name.to_owned(), line: 0 }.whole_file(format!("cannot be read: {error}"), ""))
+            }
         }
     }
 
@@ -160,7 +200,7 @@ impl Header {
                 },
             }
         };
-        let (time, force, position, hammer) = (find(&TIME)?, find(&FORCE)?, find(&POSITION)?, find(&HAMMER)?);
+        let (time, force, position) = (find(&TIME)?, find(&FORCE)?, find(&POSITION)?);
         let Some(time) = time else {
             return Err(row.place.fault(TIME.name, "this column is missing", all_names(), "a header with `time_s`"));
         };
@@ -168,16 +208,76 @@ impl Header {
             let expected = "`force_N`, `position_m` or both beside `time_s`";
             return Err(row.place.fault(FORCE.name, "there is neither force nor position", all_names(), expected));
         }
+        let hammer = find(&HAMMER)?;
         Ok(Self { time, force, position, hammer, width: names.len() })
     }
 }
 
-/// Whether a title means a known column but has another unit, none, or other capitals.
+/// Units as people write them, capitals aside; the empty one is a title without a unit.
+const TIMES: &[&str] = &[
+    "",
+    "s",
+    "sec",
+    "secs",
+    "second",
+    "seconds",
+    "ms",
+    "msec",
+    "millisecond",
+    "milliseconds",
+    "us",
+    "\u{b5}s",
+    "\u{3bc}s",
+    "microseconds",
+    "ns",
+    "min",
+    "minutes",
+    "h",
+    "samples",
+];
+const FORCES: &[&str] = &[
+    "", "n", "newton", "newtons", "kn", "mn", "cn", "dan", "gf", "kgf", "g", "kg", "gram", "grams", "lbf", "lb", "lbs",
+    "ozf", "oz", "dyn", "p", "pond",
+];
+const LENGTHS: &[&str] = &[
+    "",
+    "m",
+    "meter",
+    "meters",
+    "metre",
+    "metres",
+    "mm",
+    "millimeter",
+    "millimeters",
+    "millimetre",
+    "millimetres",
+    "cm",
+    "dm",
+    "um",
+    "\u{b5}m",
+    "\u{3bc}m",
+    "in",
+    "inch",
+    "inches",
+    "mil",
+    "mils",
+    "ft",
+];
+
+/// Whether a title means a known column but has another name, another unit, none, or other capitals.
 fn is_nearly(name: &str, column: &Column) -> bool {
-    const UNITS: [&str; 15] = ["", "s", "ms", "us", "min", "m", "mm", "cm", "um", "in", "n", "kn", "mn", "gf", "g"];
+    // `Force (lbf)`, `force.lbf` and `force-lbf` are `force_lbf`.
     let name = name.to_lowercase();
-    name.strip_prefix(column.stem)
-        .is_some_and(|rest| UNITS.contains(&rest.trim_matches(['_', ' ', '(', ')', '[', ']'])))
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let (last, before) = match words.split_last() {
+        Some((last, before)) => (*last, before.join("_")),
+        None => return false,
+    };
+    column.stems.contains(&words.join("_").as_str())
+        || (column.stems.contains(&before.as_str()) && column.units.contains(&last))
+        // Without anything between them, as in `forceN`; a stem of one letter says nothing then.
+        || (before.is_empty()
+            && column.stems.iter().any(|stem| stem.len() > 2 && last.strip_prefix(stem).is_some_and(|unit| column.units.contains(&unit))))
 }
 
 /// The number in a cell, finite and of sane size.

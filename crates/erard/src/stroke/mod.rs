@@ -31,6 +31,32 @@ pub struct Series {
 }
 
 impl Series {
+    /// Its first so many seconds: the samples before that instant, and one at it.
+    ///
+    /// # Errors
+    /// [`SampleError`] where that is no time at all.
+    pub fn first(&self, duration_s: f64) -> Result<Self, SampleError> {
+        let end_s = self.start_s() + duration_s;
+        if end_s >= self.end_s() {
+            return Ok(self.clone());
+        }
+        let mut times = self.times_s().to_vec();
+        times.truncate(times.partition_point(|&t| t < end_s - SHORTEST_STEP_S));
+        let count = times.len();
+        times.push(end_s);
+        let begun = |values: &[f64], last: f64| [&values[..count], &[last]].concat();
+        let path = |series: &Option<PositionSeries>| {
+            let path = |s: &PositionSeries| {
+                PositionSeries::new(times.clone(), begun(s.positions_m(), s.at(end_s, &mut Cursor::default()).0))
+            };
+            series.as_ref().map(path).transpose()
+        };
+        let (position, hammer_head) = (path(&self.position)?, path(&self.hammer_head)?);
+        let force =
+            |s: &ForceSeries| ForceSeries::new(times.clone(), begun(s.forces_n(), s.at(end_s, &mut Cursor::default())));
+        Ok(Self { force: self.force.as_ref().map(force).transpose()?, position, hammer_head })
+    }
+
     /// The stroke's first instant, s.
     pub fn start_s(&self) -> f64 {
         self.times_s().first().copied().unwrap_or(0.0)
@@ -122,3 +148,25 @@ fn check_samples(times_s: &[f64], values: &[f64]) -> Result<(), SampleError> {
 
 /// Shortest time between two samples, s.
 pub(crate) const SHORTEST_STEP_S: f64 = 1e-12;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The beginning of a stroke is the stroke there, and nothing after it.
+    #[test]
+    fn a_beginning() {
+        let text =
+            "time_s,force_N,position_m,hammer_head_m\n1,0,0,0\n2,4,0.001,0.01\n3,8,0.002,0.02\n11,8,0.002,0.02\n";
+        let whole = Series::parse(text, "test").unwrap();
+        let first = whole.first(1.5).unwrap();
+        assert_eq!(first.times_s(), [1.0, 2.0, 2.5]);
+        let at = |s: &Series| s.force.as_ref().unwrap().at(2.5, &mut Cursor::default());
+        assert_eq!(at(&first), at(&whole));
+        assert_eq!(first.hammer_head.unwrap().positions_m()[..2], [0.0, 0.01]);
+        assert_eq!(whole.first(10.0).unwrap(), whole);
+        assert_eq!(whole.first(1e-13), Err(SampleError::TooFew));
+        let two = Series::parse("time_s,force_N\n0,0\n10000,1\n", "test").unwrap().first(250.0).unwrap();
+        assert_eq!(two.times_s(), [0.0, 250.0]);
+    }
+}

@@ -1,0 +1,58 @@
+//! What this process reads: every file is opened once, so that a pipe can be one, and remembered, so that it is never replaced.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+pub use erard::files::shown;
+use erard::instrument::{FileError, file_bytes};
+use same_file::Handle;
+
+/// Files that have been opened for reading.
+static READ: Mutex<Vec<Handle>> = Mutex::new(Vec::new());
+
+/// Opens a file to be read, once.
+///
+/// # Errors
+/// Of the file system.
+pub fn open(path: &Path) -> io::Result<File> {
+    let file = File::open(path)?;
+    read().push(Handle::from_file(file.try_clone()?)?);
+    Ok(file)
+}
+
+/// The bytes of a text file (instrument, keyboard, linkage), and its name as messages show it.
+///
+/// # Errors
+/// Where it cannot be read, or is longer than any such file; then no more of it is read.
+pub fn bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
+    let name = shown(path);
+    let bytes = file_bytes(open(path), &name)?;
+    Ok((name, bytes))
+}
+
+/// Remembers a file that somebody else reads for this process.
+pub fn remember(path: &Path) {
+    if let Ok(handle) = handle(path) {
+        read().push(handle);
+    }
+}
+
+/// Whether a path leads, by whatever links, to a file that this process reads.
+#[must_use]
+pub fn is_one(path: &Path) -> bool {
+    handle(path).is_ok_and(|handle| read().contains(&handle))
+}
+
+fn handle(path: &Path) -> io::Result<Handle> {
+    // To open a pipe would be to wait for it.
+    if !path.metadata()?.is_file() {
+        return Err(io::ErrorKind::InvalidInput.into());
+    }
+    Handle::from_path(path)
+}
+
+fn read() -> MutexGuard<'static, Vec<Handle>> {
+    READ.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,201 @@
+//! What a command leaves behind: files in a folder, all of them or none.
+//!
+//! One rule for all commands: **a result belongs to the command that wrote it.** A small file in the folder, [`Mark`], says which results
+//! are whose. A command replaces its own, and takes away those that it no longer makes. What another command wrote, or nobody that is
+//! known, is replaced with `--force` only; what a command reads is never replaced.
+//!
+//! Files are written in a [`Stage`], a folder of an unpredictable name beside the results. When all are whole they appear: a folder that
+//! Erard made and that holds nothing else changes places with the stage in one operation of the file system; in any other the files are
+//! renamed one by one, under a [`journal`] that lets the next command finish what a killed one began.
+
+mod exchange;
+mod journal;
+mod mark;
+mod stage;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::inputs;
+use crate::signals;
+pub use mark::Mark;
+use stage::Stage;
+pub use stage::clear as clear_stages;
+
+/// Files that a command collects for a folder. Nothing stands there under its own name before [`Output::commit`].
+#[derive(Debug)]
+pub struct Output {
+    /// As the user named it.
+    folder: PathBuf,
+    /// Whose results these are; `None` for files that belong to the user at once, which are never replaced without `force`.
+    command: Option<&'static str>,
+    force: bool,
+    names: Vec<String>,
+    stage: Stage,
+}
+
+impl Output {
+    /// Results of a command. Makes sure, before any long work, that the folder can be written to and that nothing stands in the way of
+    /// the files that are certain to come.
+    ///
+    /// # Errors
+    /// [`Failure::Write`]; [`Failure::Usage`] where something stands in the way.
+    pub fn results(folder: &Path, command: &'static str, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+        Self::prepare(folder, Some(command), force, certain)
+    }
+
+    /// Files for the user to keep, among others of theirs.
+    ///
+    /// # Errors
+    /// As [`Output::results`].
+    pub fn files(folder: &Path, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+        Self::prepare(folder, None, force, certain)
+    }
+
+    fn prepare(folder: &Path, command: Option<&'static str>, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+        let refused = |source| Failure::write(folder, source);
+        stage::recover(folder).map_err(refused)?;
+        if folder.exists() && !folder.is_dir() {
+            return Err(refused(std::io::Error::other("this is a file")));
+        }
+        let place = Place { folder, command, force };
+        place.check(&certain.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())?;
+        let stage = if place.is_whole() || !folder.exists() {
+            // Where nothing can be made beside the folder, there may be room within it.
+            match Stage::beside(folder) {
+                Err(_) if folder.exists() => Stage::within(folder),
+                stage => stage,
+            }
+        } else {
+            Stage::within(folder)
+        };
+        Ok(Output { folder: folder.to_path_buf(), command, force, names: Vec::new(), stage: stage.map_err(refused)? })
+    }
+
+    /// Writes a file, to appear under this name.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub fn stage(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<(), Failure> {
+        let refused = |source| Failure::write(&self.folder.join(name), source);
+        let file = fs::File::create_new(self.stage.results().join(name)).map_err(refused)?;
+        let mut writer = std::io::BufWriter::new(file);
+        write(&mut writer).and_then(|()| writer.flush()).map_err(refused)?;
+        // Some file systems find out that they are full no earlier.
+        writer.get_ref().sync_all().map_err(refused)?;
+        self.names.push(name.to_owned());
+        Ok(())
+    }
+
+    /// Gives all files their names; returns them.
+    ///
+    /// # Errors
+    /// [`Failure::Write`]; [`Failure::Usage`] where something has come to stand in the way. Either leaves the folder as it was.
+    pub fn commit(mut self) -> Result<Vec<PathBuf>, Failure> {
+        // Whoever wants to end the program now waits until this is done.
+        let _undisturbed = signals::hold();
+        let folder = self.folder.clone();
+        let refused = |source| Failure::write(&folder, source);
+        let place = Place { folder: &folder, command: self.command, force: self.force };
+        place.check(&self.names)?;
+        let whole = self.stage.is_beside() && (place.is_whole() || !folder.exists());
+        if let Some(command) = self.command {
+            let before = Mark::read(&folder);
+            let made_folder = whole || before.as_ref().is_some_and(|mark| mark.made_folder);
+            let mark = Mark::with(before, made_folder, command, &self.names);
+            mark.write(&self.stage.results().join(mark::NAME)).map_err(refused)?;
+        }
+        if whole {
+            self.stage.take_the_place_of(&folder).map_err(refused)?;
+        } else {
+            if self.stage.is_beside() {
+                // Something of the user's has come into the folder since.
+                self.stage = Stage::moved_into(&folder, &self.stage).map_err(refused)?;
+            }
+            let mut install = self.names.clone();
+            install.extend(self.command.map(|_| mark::NAME.to_owned()));
+            let remove = place.stale(&self.names);
+            journal::publish(self.stage.path(), &folder, &install, &remove)
+                .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
+        }
+        self.stage.keep_parents();
+        Ok(self.names.iter().map(|name| folder.join(name)).collect())
+    }
+}
+
+/// A folder and who wants to write into it.
+struct Place<'a> {
+    folder: &'a Path,
+    command: Option<&'static str>,
+    force: bool,
+}
+
+impl Place<'_> {
+    /// Refuses where a file of these names would replace what it must not.
+    fn check(&self, names: &[String]) -> Result<(), Failure> {
+        let mark = Mark::read(self.folder);
+        let wrong = |path: &Path, why: &str| Err(Failure::Usage(format!("{}: {why}", inputs::shown(path))));
+        for name in names.iter().chain(&self.stale(names)) {
+            let path = self.folder.join(name);
+            if inputs::is_one(&path) {
+                return wrong(&path, "is what this command reads, which is never replaced; give another --out");
+            }
+        }
+        for name in names {
+            let path = self.folder.join(name);
+            let Ok(found) = path.symlink_metadata() else { continue };
+            if found.is_dir() {
+                return wrong(&path, "is a folder, and a file of this name is to be written; give another --out");
+            }
+            let owner = mark.as_ref().and_then(|mark| mark.owner(name));
+            if !(self.force || self.command.is_some() && owner == self.command) {
+                let whose = match (self.command, owner) {
+                    (None, _) => "exists".to_owned(),
+                    (Some(_), Some(owner)) => format!("is a result of `erard {owner}`"),
+                    (Some(command), None) => format!("is there and was not written by `erard {command}`"),
+                };
+                return wrong(&path, &format!("{whose}; give another name with --out, or --force to replace it"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Results that stand here and would be those of another run than the files of these names.
+    fn stale(&self, names: &[String]) -> Vec<String> {
+        let (Some(command), Some(mark)) = (self.command, Mark::read(self.folder)) else { return Vec::new() };
+        let there = |name: &String| self.folder.join(name).symlink_metadata().is_ok_and(|found| !found.is_dir());
+        mark.of(command).iter().filter(|name| !names.contains(name) && there(name)).cloned().collect()
+    }
+
+    /// Whether the command made the folder and knows all that stands in it, so that it can be exchanged. Not where somebody who stands in it
+    /// would be left in a folder that is gone.
+    fn is_whole(&self) -> bool {
+        let (Some(command), Some(mark)) = (self.command, Mark::read(self.folder)) else { return false };
+        let link = self.folder.symlink_metadata().is_ok_and(|found| found.is_symlink());
+        let inside = match (std::env::current_dir(), self.folder.canonicalize()) {
+            (Ok(here), Ok(folder)) => here.starts_with(folder),
+            _ => true,
+        };
+        if !mark.made_folder || !mark.is_only(command) || link || inside {
+            return false;
+        }
+        let known: BTreeSet<&str> = mark.of(command).iter().map(String::as_str).chain([mark::NAME]).collect();
+        let Ok(mut entries) = fs::read_dir(self.folder) else { return false };
+        entries.all(|entry| {
+            entry.is_ok_and(|entry| {
+                entry.file_type().is_ok_and(|kind| kind.is_file())
+                    && entry.file_name().to_str().is_some_and(|name| known.contains(name))
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,226 @@
+//! A folder of an unpredictable name in which files are written before they appear.
+//!
+//! ```text
+//! .NAME.XXXXXX.part/      beside the folder NAME, or .erard.XXXXXX.part/ within it
+//!     lock                held while its process lives: who can take it may clear the stage away
+//!     results/            what is to appear
+//!     old/                what was there before
+//!     journal.json        there while files are renamed one by one
+//! ```
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use tempfile::TempDir;
+
+use super::exchange::exchange;
+use super::journal;
+
+const END: &str = ".part";
+/// How a stage within a folder begins.
+const WITHIN: &str = ".erard.";
+const LOCK: &str = "lock";
+const RESULTS: &str = "results";
+/// What was there before.
+pub const OLD: &str = "old";
+
+/// Stages of this process, and the folders made for them: for who ends the process from outside.
+static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A stage of this process; gone when dropped, with what is in it.
+#[derive(Debug)]
+pub struct Stage {
+    folder: TempDir,
+    /// Held open for its lock.
+    _lock: File,
+    beside: bool,
+    /// Folders that did not exist before, outermost first: taken away again if nothing comes of it.
+    made: Vec<PathBuf>,
+}
+
+impl Stage {
+    /// Beside a folder, which need not exist yet.
+    pub fn beside(folder: &Path) -> io::Result<Self> {
+        let parent = parent(folder);
+        let mut made: Vec<PathBuf> = parent
+            .ancestors()
+            .take_while(|f| !f.as_os_str().is_empty() && !f.exists())
+            .map(Path::to_path_buf)
+            .collect();
+        made.reverse();
+        open().extend(made.iter().cloned());
+        let stage = fs::create_dir_all(&parent).and_then(|()| Self::new(&prefix(folder), &parent));
+        let mut stage = stage.inspect_err(|_| remove_empty(&made))?;
+        stage.beside = true;
+        stage.made = made;
+        if let Ok(found) = fs::metadata(folder) {
+            fs::set_permissions(stage.results(), found.permissions())?;
+        }
+        Ok(stage)
+    }
+
+    /// Within a folder that exists.
+    pub fn within(folder: &Path) -> io::Result<Self> {
+        Self::new(WITHIN, folder)
+    }
+
+    /// What a stage beside a folder holds, within it.
+    pub fn moved_into(folder: &Path, other: &Stage) -> io::Result<Self> {
+        let stage = Self::within(folder)?;
+        fs::remove_dir(stage.results())?;
+        fs::rename(other.results(), stage.results())?;
+        Ok(stage)
+    }
+
+    fn new(prefix: &str, parent: &Path) -> io::Result<Self> {
+        loop {
+            let folder = tempfile::Builder::new().prefix(prefix).suffix(END).tempdir_in(parent)?;
+            let path = folder.path().join(LOCK);
+            // Somebody who clears up may take it for one that a killed process left, until it is locked.
+            let Ok(lock) = File::create_new(&path) else {
+                if folder.path().exists() {
+                    return Err(io::Error::other("a temporary folder cannot be written to"));
+                }
+                continue;
+            };
+            // Where files cannot be locked, nobody clears up either.
+            let _ = lock.lock();
+            if !path.exists() {
+                continue;
+            }
+            open().push(folder.path().to_path_buf());
+            // Made by the usual rules, whatever those for temporary folders are: it is to stay.
+            fs::create_dir(folder.path().join(RESULTS))?;
+            return Ok(Stage { folder, _lock: lock, beside: false, made: Vec::new() });
+        }
+    }
+
+    /// The stage's own folder.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Where files are written.
+    pub fn results(&self) -> PathBuf {
+        self.folder.path().join(RESULTS)
+    }
+
+    /// Whether it stands beside the folder.
+    pub fn is_beside(&self) -> bool {
+        self.beside
+    }
+
+    /// The results become the folder; what it held before goes into the stage.
+    pub fn take_the_place_of(&self, folder: &Path) -> io::Result<()> {
+        let results = self.results();
+        if !folder.exists() {
+            return fs::rename(results, folder);
+        }
+        if exchange(&results, folder)? {
+            return Ok(());
+        }
+        let old = self.folder.path().join(OLD);
+        fs::rename(folder, &old)?;
+        fs::rename(&results, folder).inspect_err(|_| {
+            let _ = fs::rename(&old, folder);
+        })
+    }
+
+    /// Something has come of it.
+    pub fn keep_parents(&mut self) {
+        let made = std::mem::take(&mut self.made);
+        open().retain(|folder| !made.contains(folder));
+    }
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        // What cannot be removed now, the next command clears away.
+        let _ = fs::remove_dir_all(self.folder.path());
+        remove_empty(&self.made);
+        open().retain(|folder| folder != self.folder.path() && !self.made.contains(folder));
+    }
+}
+
+/// Clears what this process has begun to write. For its end: whoever still writes then finds that there is no folder.
+pub fn clear() {
+    let folders = std::mem::take(&mut *open());
+    let (stages, made): (Vec<_>, Vec<_>) = folders.into_iter().partition(|folder| folder.join(LOCK).exists());
+    for stage in stages {
+        // A file that is created meanwhile is in the way once or twice.
+        for _ in 0..20 {
+            if fs::remove_dir_all(&stage).is_ok() || !stage.exists() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+    }
+    remove_empty(&made);
+}
+
+/// Clears up after processes that were killed while they wrote results for a folder: finishes what they had decided, and removes the rest.
+///
+/// # Errors
+/// Of the file system, where a decided exchange can be neither finished nor undone.
+pub fn recover(folder: &Path) -> io::Result<()> {
+    for stage in stages(&parent(folder), &prefix(folder)) {
+        let Some(_lock) = take_over(&stage) else { continue };
+        let old = stage.join(OLD);
+        if old.exists() && !folder.exists() {
+            fs::rename(&old, folder)?;
+        }
+        fs::remove_dir_all(&stage)?;
+    }
+    for stage in stages(folder, WITHIN) {
+        let Some(_lock) = take_over(&stage) else { continue };
+        journal::recover(&stage, folder)?;
+        fs::remove_dir_all(&stage)?;
+    }
+    Ok(())
+}
+
+/// The lock of a stage whose process lives no more; `None` where it lives, or where nobody can tell.
+fn take_over(stage: &Path) -> Option<Option<File>> {
+    match File::open(stage.join(LOCK)) {
+        Ok(lock) => match lock.try_lock() {
+            Ok(()) => Some(Some(lock)),
+            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => None,
+        },
+        // Its process died before it locked it, or is about to find that it must try another name.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Some(None),
+        Err(_) => None,
+    }
+}
+
+fn stages(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let named = entries.filter_map(Result::ok).filter(|entry| {
+        let name = entry.file_name();
+        let random = name.to_str().and_then(|name| name.strip_prefix(prefix)?.strip_suffix(END));
+        random.is_some_and(|random| random.len() == 6 && random.chars().all(|c| c.is_ascii_alphanumeric()))
+            && entry.file_type().is_ok_and(|kind| kind.is_dir())
+    });
+    named.map(|entry| entry.path()).collect()
+}
+
+/// How the stages beside a folder begin.
+fn prefix(folder: &Path) -> String {
+    format!(".{}.", folder.file_name().unwrap_or_default().to_string_lossy())
+}
+
+fn parent(folder: &Path) -> PathBuf {
+    folder.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_path_buf()
+}
+
+/// Only empty folders can be removed so.
+fn remove_empty(made: &[PathBuf]) {
+    for folder in made.iter().rev() {
+        let _ = fs::remove_dir(folder);
+    }
+}
+
+fn open() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
+    OPEN.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

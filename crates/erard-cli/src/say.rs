@@ -1,0 +1,62 @@
+//! Words for people: results on standard output, what goes wrong on standard error.
+//!
+//! Names and paths come from files and strangers. What could steer a terminal is shown by its code instead.
+
+use std::io::{self, ErrorKind, Write};
+use std::sync::{Mutex, PoisonError};
+
+use erard::files::printable;
+
+use crate::failure::Failure;
+
+/// The first thing that went wrong on standard output.
+static FAULT: Mutex<Option<io::Error>> = Mutex::new(None);
+
+/// Prints a line on standard output.
+#[macro_export]
+macro_rules! say {
+    () => { $crate::say::line(String::new()) };
+    ($($text:tt)*) => { $crate::say::line(format!($($text)*)) };
+}
+
+/// Prints a line on standard error.
+#[macro_export]
+macro_rules! tell {
+    ($($text:tt)*) => { $crate::say::aside(format!($($text)*)) };
+}
+
+/// A line on standard output. What goes wrong is told by [`finish`].
+pub fn line(text: String) {
+    keep(writeln!(io::stdout(), "{}", printable(&text)));
+}
+
+/// Bytes on standard output as they are: a file, not words.
+pub fn verbatim(text: &str) {
+    keep(io::stdout().write_all(text.as_bytes()));
+}
+
+/// A line on standard error. Where even that cannot be written, nobody is left to tell.
+pub fn aside(text: String) {
+    let _ = writeln!(io::stderr(), "{}", printable(&text));
+}
+
+/// Keeps the first fault. A reader that has gone away, as in `erard check FILE | head -1`, has read enough: that is none.
+fn keep(result: io::Result<()>) {
+    if let Err(error) = result
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        FAULT.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+}
+
+/// Whether all that was said has arrived.
+///
+/// # Errors
+/// [`Failure::Said`].
+pub fn finish() -> Result<(), Failure> {
+    keep(io::stdout().flush());
+    match FAULT.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        Some(source) => Err(Failure::Said(source)),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,61 @@
+//! Files, and their names, of which nobody vouches for what is in them.
+
+use std::borrow::Cow;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// A path as messages show it: on one line, with nothing that steers a terminal.
+#[must_use]
+pub fn shown(path: &Path) -> String {
+    printable(&path.to_string_lossy()).replace('\n', "\\n").replace('\t', "\\t")
+}
+
+/// Text in which every character that would steer a terminal, or turn the order in which it is read, is shown by its code. Ends of lines
+/// and tabulators stay.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(steers) {
+        return text.into();
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if steers(c) { shown.extend(c.escape_unicode()) } else { shown.push(c) }
+    }
+    shown.into()
+}
+
+/// Control characters, and the marks by which right-to-left text is embedded.
+#[must_use]
+pub fn steers(c: char) -> bool {
+    (c.is_control() && !matches!(c, '\n' | '\t'))
+        || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// What a reader holds; `None` where that is more than so many bytes, of which no more are read than tell.
+///
+/// # Errors
+/// Of the reader.
+pub fn read_at_most(reader: impl Read, bytes: usize) -> io::Result<Option<Vec<u8>>> {
+    let mut held = Vec::new();
+    reader.take(bytes as u64 + 1).read_to_end(&mut held)?;
+    Ok((held.len() <= bytes).then_some(held))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_steers() {
+        assert_eq!(printable("a\n\tb é"), "a\n\tb é");
+        assert_eq!(printable("\u{1b}[31mred\u{202e}"), "\\u{1b}[31mred\\u{202e}");
+        assert_eq!(shown(Path::new("a\nb\u{7}.toml")), "a\\nb\\u{7}.toml");
+    }
+
+    #[test]
+    fn endless_readers_end() {
+        assert_eq!(read_at_most(&b"abc"[..], 3).unwrap(), Some(b"abc".to_vec()));
+        assert_eq!(read_at_most(&b"abcd"[..], 3).unwrap(), None);
+        assert_eq!(read_at_most(io::repeat(0), 1 << 20).unwrap(), None);
+    }
+}
