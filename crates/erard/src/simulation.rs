@@ -15,7 +15,7 @@ pub const SMALLEST_STEP_S: f64 = 1e-8;
 pub const LARGEST_STEP_S: f64 = 1e-3;
 /// Most rows that a run keeps unless told otherwise; longer runs keep every n-th step.
 pub const MOST_ROWS: u64 = 200_000;
-/// Most rows that a run keeps when told how many. The concert grand's hold 600 bytes each.
+/// Most rows that a run keeps when told how many. The concert grand's hold some 500 bytes each.
 pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
