@@ -5,6 +5,7 @@ use std::io::Write;
 
 use erard::run::Run;
 use erard::simulation::Setup;
+use moreau::Ledger;
 use serde::Serialize;
 
 /// The numbers of a run. `None` (JSON `null`) is what did not happen.
@@ -111,9 +112,12 @@ pub struct StrikeReport {
 }
 
 impl Summary {
-    /// The numbers of a run.
-    pub fn new(run: &Run, setup: &Setup, model: &str, drive: &str, solver: &str) -> Self {
-        let (e, l, w) = (&run.events, &run.ledger, &run.work);
+    /// The numbers of a run that took so long by the clock, s; `names`: of the model, of the drive and of the solver.
+    pub fn new(run: &Run, setup: &Setup, names: [&str; 3], elapsed_s: f64) -> Self {
+        let [model, drive, solver] = names;
+        let (e, w) = (&run.events, &run.work);
+        let ledger = run.ledger.as_ref();
+        let booked = |of: fn(&Ledger) -> f64| ledger.map_or(f64::NAN, of);
         let control = setup.tolerance.zip(w.control).map(|(tolerance, c)| Control {
             tolerance,
             accepted_steps: c.accepted,
@@ -136,7 +140,7 @@ impl Summary {
             unconverged_steps: w.unconverged_steps,
             control,
             newton_iterations_per_step: w.newton_iterations as f64 / control.map_or(w.steps, |c| c.inner_steps) as f64,
-            real_time_factor: w.real_time_factor,
+            real_time_factor: setup.duration_s / elapsed_s.max(1e-9),
             hammer_speed_m_s: e.hammer_speed_m_s,
             key_start_s: e.key_start_s,
             toe_contact_s: e.toe_contact_s,
@@ -146,15 +150,15 @@ impl Summary {
             check_s: e.check_s,
             free_flight_s: e.free_flight_s(),
             peak_force_N: run.peak_force_n,
-            energy_residual_relative: l.residual_relative(),
-            drive_work_J: l.drive_work,
+            energy_residual_relative: ledger.map_or(f64::NAN, Ledger::residual_relative),
+            drive_work_J: booked(|l| l.drive_work),
             dissipated_J: Dissipated {
-                pivot_dry: l.pivot_dry,
-                pivot_viscous: l.pivot_viscous,
-                felt: l.felt_damping,
-                coulomb: l.coulomb,
+                pivot_dry: booked(|l| l.pivot_dry),
+                pivot_viscous: booked(|l| l.pivot_viscous),
+                felt: booked(|l| l.felt_damping),
+                coulomb: booked(|l| l.coulomb),
             },
-            smallest_dissipation_J: l.smallest_term,
+            smallest_dissipation_J: booked(|l| l.smallest_term),
             final_pivot_friction_N_m: run.final_pivot_friction_n_m.clone(),
             strikes: e.strikes.iter().map(|s| StrikeReport { time_s: s.time_s, speed_m_s: s.speed_m_s }).collect(),
         }

@@ -1,7 +1,8 @@
 //! Comparison with a series whose errors are known: a finer run of the same instrument, with sensor noise added.
 
 use erard::instrument::Instrument;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player;
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{ForceSeries, PositionSeries, Series};
 use erard_lab::compare::{Driven, Which, compare};
 use moreau::Settings;
@@ -18,9 +19,15 @@ fn force(t: f64) -> f64 {
 const BEFORE_THE_STOPS_S: f64 = 0.046;
 
 fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
-    let setup =
-        Setup { settings: Settings::new(5e-6), start_s: 0.0, duration_s, record_every: Some(100), tolerance: None };
-    let run = simulate(grand, &Drive::Force(&force), &setup, &mut |_| true).unwrap();
+    let setup = Setup {
+        settings: Settings::new(5e-6),
+        start_s: 0.0,
+        duration_s,
+        record_every: Some(100),
+        tolerance: None,
+        ledger: true,
+    };
+    let run = simulate(grand, &player::force(&force), &setup, &mut |_| true).unwrap();
     let mut x = 1u64;
     let mut noise = || {
         x = x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -36,7 +43,14 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
 }
 
 fn setup() -> Setup {
-    Setup { settings: Settings::new(50e-6), start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None }
+    Setup {
+        settings: Settings::new(50e-6),
+        start_s: 0.0,
+        duration_s: 1.0,
+        record_every: None,
+        tolerance: None,
+        ledger: true,
+    }
 }
 
 /// Force driven, the only error of the action is the noise (its standard deviation within a tenth: 300 samples, and the

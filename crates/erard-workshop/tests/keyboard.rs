@@ -10,7 +10,8 @@ use common::{USUAL_STEP_S, grand};
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Certainty, Instrument};
 use erard::keyboard::{KEYS, Keyboard, note_name};
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player;
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 use erard_workshop::distances::{Protocol, measure};
 use erard_workshop::measure::weights;
@@ -82,10 +83,11 @@ fn every_key_escapes_checks_and_repeats() {
         duration_s: 0.36,
         record_every: Some(u64::MAX),
         tolerance: None,
+        ledger: true,
     };
     let mut before = 0.0;
     for instrument in &concert_grand().1 {
-        let run = simulate(instrument, &Drive::Force(&twice), &setup, &mut |_| true).expect("runs");
+        let run = simulate(instrument, &player::force(&twice), &setup, &mut |_| true).expect("runs");
         let (name, events) = (&instrument.name, &run.events);
         let strikes: Vec<f64> = events.strikes.iter().map(|s| s.time_s).collect();
         assert!(strikes.len() == 2 && strikes[0] < 0.12 && strikes[1] > 0.22, "{name} repeats: {strikes:?}");
@@ -170,8 +172,9 @@ fn the_top_keys_have_no_damper() {
             duration_s: 0.4,
             record_every: None,
             tolerance: None,
+            ledger: true,
         };
-        let run = simulate(instrument, &Drive::Force(&|_| 5.0), &setup, &mut |_| true).expect("runs");
+        let run = simulate(instrument, &player::force(|_| 5.0), &setup, &mut |_| true).expect("runs");
         let moved = common::largest(run.bodies[damper].angle_rad.iter().map(|q| q - run.bodies[damper].angle_rad[0]));
         assert_eq!(moved > 0.0, key == 68, "key {key}: {moved}");
     }

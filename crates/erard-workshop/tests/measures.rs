@@ -8,19 +8,18 @@ mod common;
 use std::sync::OnceLock;
 
 use common::{body, grand};
-use erard::equilibrium;
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Curve, Instrument, Vec2};
-use erard::mechanism::mechanism;
 use erard::one_dof;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player::{self, Action};
+use erard::simulation::{Setup, simulate};
 use erard_workshop::measure::inertia::inertia;
 use erard_workshop::measure::norms::lines;
 use erard_workshop::measure::range::{Softest, softest};
 use erard_workshop::measure::repetition::repetition;
 use erard_workshop::measure::weights::{HOME_M, Weights, weigh};
 use erard_workshop::measure::{measure, slow_loop};
-use moreau::{Input, Settings};
+use moreau::Settings;
 
 /// Two weights are searched to a fiftieth of a gram each, and a key that is caught at a millimetre per second is carried over a tenth
 /// of a gram for a sixth of a millimetre: g.
@@ -89,9 +88,7 @@ fn add_mass(instrument: &mut Instrument, name: &str, mass_kg: f64, at: Vec2) {
 
 /// Absolute angle of the hammer at rest, rad.
 fn hammer_at_rest(instrument: &Instrument) -> f64 {
-    let mut m = mechanism(instrument, Settings::new(equilibrium::STEP_S)).unwrap();
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || true).unwrap();
-    m.angles()[body(instrument, "hammer")]
+    Action::new(instrument).unwrap().angles()[body(instrument, "hammer")]
 }
 
 /// Screws the capstan until the hammer rests where it rests in `model`: the blow is kept.
@@ -342,8 +339,9 @@ fn inertia_is_what_a_force_accelerates() {
         duration_s: 0.12,
         record_every: Some(1),
         tolerance: None,
+        ledger: true,
     };
-    let run = simulate(&lifted, &Drive::Force(&force), &setup, &mut |_| true).unwrap();
+    let run = simulate(&lifted, &player::force(&force), &setup, &mut |_| true).unwrap();
     let work = |key: &[f64], force: &[f64], to: f64| -> f64 {
         let ways = key.windows(2).zip(force.windows(2)).take_while(|(key, _)| key[1] <= to);
         ways.map(|(key, f)| 0.5 * (f[0] + f[1]) * (key[1] - key[0])).sum()
@@ -373,9 +371,7 @@ fn lower_let_off(instrument: &mut Instrument, by_m: f64) {
 fn let_off_distance(instrument: &Instrument) -> f64 {
     let press = slow_loop(instrument, 10e-3, &go).unwrap();
     let string = instrument.roles.string.unwrap();
-    let mut m = mechanism(instrument, Settings::new(equilibrium::STEP_S)).unwrap();
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || true).unwrap();
-    -m.gap(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
+    -Action::new(instrument).unwrap().gap(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
 
 /// From twice as far the hammer flies longer, and has to be let go faster, to reach the string at all: v = sqrt(2 a d), with a

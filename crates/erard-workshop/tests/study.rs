@@ -8,8 +8,9 @@ use std::f64::consts::PI;
 use common::{grand, tremolo};
 use erard::instrument::Instrument;
 use erard::one_dof;
+use erard::player;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::simulation::{Setup, SimulationError, simulate};
 use erard_workshop::study::{Job, JobResult, Lanes, Played, Stroke, Workers, play_all};
 use moreau::Settings;
 
@@ -37,10 +38,10 @@ fn instruments() -> Vec<Instrument> {
 /// A stroke made anew each time, for a study takes it away: forces, a finger's motion from rest and from half-way, an imposed motion.
 fn stroke(kind: usize, strength: f64) -> Stroke<'static> {
     match kind {
-        0 => Stroke::Force(Box::new(move |t| if t < 0.15 { strength } else { 0.0 })),
-        1 => Stroke::Motion(Box::new(move |t| tremolo(0.0, 0.009, strength, t))),
-        2 => Stroke::Motion(Box::new(move |t| tremolo(0.004, 0.009, strength, t))),
-        _ => Stroke::Rigid(Box::new(move |t| {
+        0 => Box::new(player::force(move |t| if t < 0.15 { strength } else { 0.0 })),
+        1 => Box::new(player::motion(move |t| tremolo(0.0, 0.009, strength, t))),
+        2 => Box::new(player::motion(move |t| tremolo(0.004, 0.009, strength, t))),
+        _ => Box::new(player::rigid(move |t| {
             let w = PI * strength;
             [0.004 * (1.0 - (w * t).cos()), 0.004 * w * (w * t).sin()]
         })),
@@ -67,6 +68,7 @@ const SETUP: fn() -> Setup = || Setup {
     duration_s: 0.25,
     record_every: Some(u64::MAX),
     tolerance: None,
+    ledger: true,
 };
 
 fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {
@@ -110,14 +112,8 @@ fn in_single_precision_the_same_to_its_rounding() {
 /// One job by `simulate`.
 fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
     let own = stroke(kind, strength);
-    let drive = match &own {
-        Stroke::Free => Drive::Free,
-        Stroke::Force(force) => Drive::Force(force.as_ref()),
-        Stroke::Motion(position) => Drive::Motion(position.as_ref()),
-        Stroke::Rigid(position) => Drive::Rigid(position.as_ref()),
-    };
     let setup = Setup { record_every: Some(1), ..SETUP() };
-    simulate(instrument, &drive, &setup, &mut |_| true).expect("plays")
+    simulate(instrument, own.as_ref(), &setup, &mut |_| true).expect("plays")
 }
 
 /// Largest differences between a study's strokes and the same ones alone: of instants, of hammer speeds (relative), of rises.
@@ -192,7 +188,7 @@ fn a_job_that_fails_fails_alone() {
     let mut explosive = grand();
     explosive.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300);
     instruments.push(explosive);
-    let job = |instrument, force: fn(f64) -> f64| Job { instrument, stroke: Stroke::Force(Box::new(force)) };
+    let job = |instrument, force: fn(f64) -> f64| Job { instrument, stroke: Box::new(player::force(force)) };
     let go = |jobs| play_all(&instruments, jobs, &SETUP(), threads(2), &mut |_| true).expect("nobody interrupts");
     let good = go(vec![job(0, |_| 4.0), job(1, |_| 5.0), job(2, |_| 6.0)]);
     let some =

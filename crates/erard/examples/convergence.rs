@@ -76,7 +76,7 @@ fn tolerances(grand: &Instrument) {
                     step * 1e6,
                     (b.speed / best.speed - 1.0).abs(),
                     (b.contact - best.contact).abs() * 1e6,
-                    run.ledger.residual_relative(),
+                    run.ledger.as_ref().expect("kept").residual_relative(),
                     b.newton,
                     run.work.solver_iterations as f64 / run.work.steps as f64
                 );

@@ -29,7 +29,7 @@ fn main() {
             ms(e.let_off_s, e.hammer_contact_s),
             ms(e.hammer_contact_s, e.check_s),
             e.strikes.len(),
-            run.ledger.residual_relative()
+            run.ledger.as_ref().expect("kept").residual_relative()
         );
     }
 }

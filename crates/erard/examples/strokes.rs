@@ -8,8 +8,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use erard::instrument::Instrument;
+use erard::player;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 use moreau::Settings;
 
 /// Name, force that is reached (N), time in which it is reached when pressed (s), duration of the blow when struck (s).
@@ -53,8 +54,9 @@ fn run(grand: &Instrument, force: &dyn Fn(f64) -> f64) -> Run {
         duration_s: END_S,
         record_every: Some(50),
         tolerance: None,
+        ledger: true,
     };
-    simulate(grand, &Drive::Force(force), &setup, &mut |_| true).expect("the concert grand runs")
+    simulate(grand, &player::force(force), &setup, &mut |_| true).expect("the concert grand runs")
 }
 
 /// The force that gives the blow the wanted hammer speed, by bisection.

@@ -1,6 +1,7 @@
 //! From the instrument to the engine's model.
 
-use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Loss, Model, ModelError, Scalar, Site, Spring, Zone};
+use moreau::{Body, Curve, Exponent, Felt, GROUND, Loss, Model, ModelError, Scalar, Site, Spring, Zone};
+use moreau_sizes::{Marks, OwnedDescription};
 
 use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};
@@ -12,6 +13,17 @@ use crate::instrument::{self, Instrument};
 pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
     instrument: &Instrument,
 ) -> Result<Model<T, B, Z>, ModelError> {
+    describe(instrument).model()
+}
+
+/// What is looked at after every step: the hammer's strike point and the string.
+pub fn marks(instrument: &Instrument) -> Marks {
+    let roles = &instrument.roles;
+    Marks { point: roles.hammer.map(|hammer| (hammer, roles.hammer_head_m)), zone: roles.string }
+}
+
+/// An instrument as the engine's mechanism, in single or double precision.
+pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
     let (t, vector) = (T::from_f64, |v: [f64; 2]| v.map(T::from_f64));
     let ground = |body: Option<usize>| body.unwrap_or(GROUND);
     let bodies: Vec<Body<T>> = instrument
@@ -61,8 +73,8 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
         stiffness: t(instrument.finger.stiffness_n_per_m),
         damping: t(instrument.finger.damping_n_s_per_m),
     });
-    let gravity = t(instrument.gravity_m_s2);
-    Description { bodies: &bodies, springs: &springs, zones: &zones, site, gravity }.compile()
+    let angles = instrument.bodies.iter().map(|b| t(b.angle_rad)).collect();
+    OwnedDescription { bodies, springs, zones, site, gravity: t(instrument.gravity_m_s2), angles }
 }
 
 /// The engine's felt law.

@@ -1,10 +1,10 @@
 //! Rest, friction included: where a run starts.
 
-use moreau::{FrictionLaw, Input, ModelError, Outcome, Settings};
+use moreau::{FrictionLaw, Input, ModelError, Settings};
 use thiserror::Error;
 
 use crate::instrument::Instrument;
-use crate::mechanism::Mechanism;
+use crate::player::{Action, PlayError};
 
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
 pub const STEP_S: f64 = 50e-6;
@@ -71,56 +71,56 @@ impl Settling {
     }
 }
 
-/// How often the caller is asked whether to go on, steps: well below a tenth of a second.
-const ASK_EVERY: u64 = 512;
-
-/// Lets a mechanism come to rest under a constant input, with true dry friction whatever its settings say; they are
-/// restored, and the velocities are zero, at the end. `instrument` is what it was assembled from. `going` is asked now and then, and
-/// ends the search by returning false. Returns the simulated time it took, s.
+/// Lets an action come to rest under a constant input, with true dry friction whatever its settings say; they are restored, and the
+/// velocities are zero, at the end. `instrument` is what it was assembled from. Returns the simulated time it took, s.
 ///
 /// # Errors
 /// See [`EquilibriumError`].
-pub fn settle(
-    mechanism: &mut dyn Mechanism,
+pub(crate) fn settle(
+    action: &mut Action,
     instrument: &Instrument,
     input: &Input<f64>,
     going: &mut dyn FnMut() -> bool,
 ) -> Result<f64, EquilibriumError> {
-    let own = *mechanism.settings();
-    mechanism.set_settings(settings());
-    let (mut settling, mut energy, mut steps) = (Settling::default(), 0.0_f64, 0_u64);
-    let result = loop {
-        if steps.is_multiple_of(ASK_EVERY) && !going() {
-            break Err(EquilibriumError::Interrupted);
+    let own = *action.settings();
+    action.set_settings(settings());
+    let (mut settling, mut energy, mut result) = (Settling::default(), 0.0_f64, None);
+    let played = action.play_engine(going, &mut |action, last| {
+        if last.is_none() {
+            return Some(*input);
         }
-        steps += 1;
-        if mechanism.step(input).outcome == Outcome::NonFinite {
-            break Err(EquilibriumError::NonFinite);
-        }
-        if settling.rests(mechanism.velocities()) {
-            break Ok(settling.time_s);
+        let velocities = action.velocities();
+        if settling.rests(velocities) {
+            result = Some(Ok(settling.time_s));
+            return None;
         }
         if settling.time_s > LIMIT_S {
-            let fastest = mechanism.velocities().iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let fastest = velocities.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
             let body = fastest.and_then(|(body, _)| instrument.bodies.get(body));
-            break Err(EquilibriumError::NoRest {
+            result = Some(Err(EquilibriumError::NoRest {
                 instrument: instrument.name.clone(),
                 body: body.map_or_else(String::new, |body| body.name.clone()),
                 speed: settling.speed,
-            });
+            }));
+            return None;
         }
         if settling.time_s > PATIENCE_S {
             // Kinetic damping (dynamic relaxation): at every peak of the kinetic energy, start again from standstill.
-            let kinetic = mechanism.energies_at(mechanism.velocities()).kinetic;
+            let kinetic = action.mechanism().energies_at(velocities).kinetic;
             if kinetic < energy {
-                mechanism.stop();
+                action.stop();
                 energy = 0.0;
             } else {
                 energy = kinetic;
             }
         }
-    };
-    mechanism.stop();
-    mechanism.set_settings(own);
-    result
+        Some(*input)
+    });
+    action.stop();
+    action.set_settings(own);
+    match (played, result) {
+        (Err(PlayError::Interrupted), _) | (Ok(()), None) => Err(EquilibriumError::Interrupted),
+        (Err(PlayError::NonFinite { .. }), _) => Err(EquilibriumError::NonFinite),
+        (Ok(()), Some(result)) => result,
+    }
 }

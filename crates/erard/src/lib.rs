@@ -3,8 +3,6 @@
 //! Data flows one way: instrument file and stroke -> assembled mechanism -> steps -> run (series and events).
 
 pub mod assembly;
-#[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
-pub mod course;
 pub mod equilibrium;
 pub mod events;
 pub mod files;
@@ -13,7 +11,7 @@ pub mod instrument;
 pub mod keyboard;
 pub mod mechanism;
 pub mod one_dof;
-mod recorder;
+pub mod player;
 pub mod run;
 pub mod sight;
 pub mod simulation;
@@ -23,3 +21,7 @@ pub mod stroke;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+pub use instrument::Instrument;
+pub use moreau::{Outcome, Settings};
+pub use player::{Action, ActionError, Drive, Input, Reading, Snapshot};

@@ -13,9 +13,9 @@
 use moreau::Settings;
 use thiserror::Error;
 
-use crate::equilibrium::{self, EquilibriumError};
+use crate::equilibrium;
 use crate::instrument::{Body, Instrument, Part, Roles, Screw, Spring, Zone};
-use crate::mechanism::mechanism;
+use crate::player::{Action, ActionError};
 
 /// Why no one-degree-of-freedom model follows from an instrument.
 #[derive(Debug, Error)]
@@ -35,7 +35,7 @@ pub enum OneDofError {
     },
     /// No equilibrium to linearise about.
     #[error(transparent)]
-    Equilibrium(#[from] EquilibriumError),
+    Action(#[from] ActionError),
 }
 
 /// The reduced model and what it was reduced with.
@@ -58,8 +58,8 @@ pub struct OneDof {
 pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     let key = full.roles.key.ok_or(OneDofError::NoKey)?;
     let settings = Settings::new(equilibrium::STEP_S);
-    let mut rest = mechanism(full, settings).map_err(EquilibriumError::from)?;
-    equilibrium::settle(rest.as_mut(), full, &moreau::Input::Free, &mut || true)?;
+    let action = Action::with(full, settings)?;
+    let rest = action.mechanism();
 
     let rows: Vec<Vec<f64>> = full.roles.transmits.iter().map(|&z| rest.gap_row(z)).collect();
     let ratios = ratios(&rows, key, full.bodies.len()).ok_or_else(|| undetermined(full, &rows, key))?;

@@ -28,8 +28,8 @@ pub struct Run {
     pub peak_force_n: f64,
     /// Dry friction torque of every pivot at the end, N m.
     pub final_pivot_friction_n_m: Vec<f64>,
-    /// The energy ledger at the end.
-    pub ledger: Ledger,
+    /// The energy ledger at the end, where it was kept.
+    pub ledger: Option<Ledger>,
     /// Steps and iterations.
     pub work: Work,
 }
@@ -99,6 +99,12 @@ pub struct Strike {
     pub speed_m_s: f64,
 }
 
+impl From<moreau_sizes::Meeting> for Strike {
+    fn from(met: moreau_sizes::Meeting) -> Self {
+        Strike { time_s: met.time_s, speed_m_s: met.speed_m_s }
+    }
+}
+
 /// How a run was made and what it cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Work {
@@ -110,8 +116,6 @@ pub struct Work {
     pub newton_iterations: u64,
     /// Sweeps or active sets likewise.
     pub solver_iterations: u64,
-    /// Simulated over elapsed time.
-    pub real_time_factor: f64,
     /// Every how many steps of the settings a row was recorded.
     pub record_every: u64,
     /// What the control of the error did, where there was one.

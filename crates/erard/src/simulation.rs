@@ -1,12 +1,12 @@
 //! One key press: from rest, driven, to the end of its duration.
 
-use moreau::{Input, ModelError, Settings};
+use moreau::{ModelError, Settings};
 use thiserror::Error;
 
-use crate::course::{Course, Rest};
-use crate::equilibrium::{self, EquilibriumError};
+use crate::equilibrium::EquilibriumError;
 use crate::instrument::Instrument;
-use crate::mechanism::mechanism;
+use crate::player::course::Course;
+use crate::player::{Action, ActionError, Drive, Input};
 use crate::run::Run;
 
 /// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
@@ -19,19 +19,6 @@ pub const MOST_ROWS: u64 = 200_000;
 pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
-/// What drives the key. Times in s from the stroke's start; forces in N, positions in m from the key front's rest, both
-/// positive downward.
-pub enum Drive<'a> {
-    /// Nothing.
-    Free,
-    /// A force on the key front.
-    Force(&'a dyn Fn(f64) -> f64),
-    /// Position and velocity of the finger, which is soft and only pushes.
-    Motion(&'a dyn Fn(f64) -> [f64; 2]),
-    /// Position and velocity of the key front itself, imposed.
-    Rigid(&'a dyn Fn(f64) -> [f64; 2]),
-}
-
 /// How to run.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
@@ -46,6 +33,8 @@ pub struct Setup {
     /// Error that a step may have (see [`moreau::Accuracy::tolerance`]); `None`: all steps are as long as the settings say. With a tolerance,
     /// rows stand where they would without, and steps between two of them are as long as their error allows.
     pub tolerance: Option<f64>,
+    /// Whether the energy ledger is kept.
+    pub ledger: bool,
 }
 
 /// Why a run could not be made.
@@ -127,7 +116,24 @@ impl SimulationError {
     }
 }
 
+impl From<ActionError> for SimulationError {
+    fn from(error: ActionError) -> Self {
+        match error {
+            ActionError::Step { found } => SimulationError::Step { found },
+            ActionError::Model(error) => error.into(),
+            ActionError::Equilibrium(error) => SimulationError::settling(error),
+        }
+    }
+}
+
 impl Setup {
+    /// A run of so many seconds from the stroke's start at 0: steps of 50 us with the usual settings, every step a row (or so many that
+    /// [`MOST_ROWS`] are not exceeded), with the ledger.
+    pub fn new(duration_s: f64) -> Self {
+        let settings = Settings::new(crate::equilibrium::STEP_S);
+        Setup { settings, start_s: 0.0, duration_s, record_every: None, tolerance: None, ledger: true }
+    }
+
     /// Checks the numbers, and says how many steps they make.
     ///
     /// # Errors
@@ -177,28 +183,22 @@ pub fn simulate(
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Run, SimulationError> {
     let steps = setup.check()?;
-    if instrument.roles.key.is_none() && !matches!(drive, Drive::Free) {
+    if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
         return Err(SimulationError::NoKey);
     }
-    let mut m = mechanism(instrument, setup.settings)?;
-    let settled = equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || progress(0.0));
-    settled.map_err(SimulationError::settling)?;
-    let rest = Rest::of(instrument, m.as_ref());
-    if let Drive::Motion(position) | Drive::Rigid(position) = drive {
-        let at = position(setup.start_s)[0];
-        if at > 0.0 {
-            let input = Input::Motion { position: rest.site_m + at, velocity: 0.0 };
-            let settled = equilibrium::settle(m.as_mut(), instrument, &input, &mut || progress(0.0));
-            settled.map_err(SimulationError::settling)?;
-        }
+    let mut action = Action::asking(instrument, setup.settings, &mut || progress(0.0))?;
+    if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)
+        && position_m > 0.0
+    {
+        let finger = Input::Motion { position_m, velocity_m_s: 0.0 };
+        action.settle(instrument, finger, &mut || progress(0.0)).map_err(SimulationError::settling)?;
     }
-    m.open_ledger();
 
-    let mut course = Course::new(instrument, drive, setup, steps, rest, m);
+    let mut course = Course::new(instrument, drive, setup, steps, action);
     match setup.tolerance {
         None => course.fixed(progress)?,
         Some(tolerance) => course.controlled(tolerance, progress)?,
     }
     progress(1.0);
-    Ok(course.finish())
+    Ok(course.finish(instrument))
 }

@@ -4,9 +4,11 @@
 
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use erard_lab::benchmarks::{GrandGroup, grand};
+use erard_lab::benchmarks::grand;
 use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
 use moreau_lanes::Lanes;
+
+type GrandGroup = moreau_lanes::Group<6, 14, 10>;
 
 /// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step occurs.
 fn input(n: u64) -> Input<f64> {
@@ -83,7 +85,7 @@ fn a_controlled_step_never_allocates() {
     let mut rejected = 0;
     let mut play = |steps: u64| {
         for n in 0..steps {
-            let report = m.controlled_step(&accuracy, 1e-3, &mut |_, _, _| input(n), &mut |_, _| {});
+            let report = m.controlled_step(&accuracy, 1e-3, &|after| after, &mut |_, _, _| input(n), &mut |_| {});
             rejected += report.rejected;
         }
     };

@@ -11,7 +11,7 @@ use moreau::Settings;
 
 /// FNV-1a over the bits of all series that the mechanics produce, and of the ledger.
 fn digest(run: &Run) -> u64 {
-    let l = &run.ledger;
+    let l = run.ledger.as_ref().expect("it is kept");
     let totals = [l.now.total(), l.drive_work, l.pivot_dry, l.pivot_viscous, l.felt_damping, l.coulomb];
     let angles = run.bodies.iter().flat_map(|b| b.angle_rad.iter().chain(&b.rate_rad_per_s));
     let forces = run.zones.iter().flat_map(|z| z.normal_n.iter().chain(&z.tangential_n));

@@ -8,7 +8,8 @@ use common::USUAL_STEP_S;
 use erard::instrument::Instrument;
 use erard::keyboard::tremolo::{STROKES, TEN, Tremolo};
 use erard::keyboard::{KEYS, Keyboard, Keys};
-use moreau::{Input, Settings};
+use erard::player::Input;
+use moreau::Settings;
 
 /// The keys of the built-in keyboard, assembled and at rest. Its instruments are read once.
 fn keys() -> Keys {
@@ -22,7 +23,7 @@ fn keys() -> Keys {
 
 /// What an observer of the tremolo sees in a tick.
 fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
-    let blows = tremolo.keys().blows().iter().map(|b| (b.key, b.speed_m_s.to_bits()));
+    let blows = tremolo.keys().strikes().iter().map(|b| (b.key, b.strike.speed_m_s.to_bits()));
     let mut blows: Vec<_> = blows.collect();
     blows.sort_unstable();
     (blows, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
@@ -40,8 +41,8 @@ fn ten_fingers_play_all_keys() {
         let tick = tremolo.tick();
         assert_eq!((tick.unconverged, tick.non_finite), (0, 0));
         most_awake = most_awake.max(tick.stepped);
-        for blow in tremolo.keys().blows() {
-            speeds[blow.key].push(blow.speed_m_s);
+        for blow in tremolo.keys().strikes() {
+            speeds[blow.key].push(blow.strike.speed_m_s);
         }
     }
     let all = || speeds.iter().flatten().copied();
@@ -63,7 +64,7 @@ fn ten_fingers_play_all_keys() {
     let mut ticks = 0;
     while tremolo.keys().awake() > 0 {
         // Whoever was played is let go.
-        (1..=KEYS).for_each(|key| tremolo.keys_mut().drive(key, &Input::Force(0.0)));
+        (1..=KEYS).for_each(|key| tremolo.keys_mut().drive(key, Input::Force(0.0)));
         tremolo.keys_mut().step();
         ticks += 1;
         assert!(ticks < 20_000, "a second after the last stroke {} keys are awake", tremolo.keys().awake());
@@ -78,7 +79,11 @@ fn sleep_changes_no_bit() {
     stepped.keys_mut().let_sleep(false);
     let same = |a: &Tremolo, b: &Tremolo, n| {
         for key in 1..=KEYS {
-            assert_eq!(a.keys().bits(key), b.keys().bits(key), "key {key} after {n} ticks");
+            assert_eq!(
+                format!("{:?}", a.keys().save(key)),
+                format!("{:?}", b.keys().save(key)),
+                "key {key} after {n} ticks"
+            );
         }
     };
     let mut skipped = 0;
@@ -96,7 +101,7 @@ fn sleep_changes_no_bit() {
     for n in 0..12_000 {
         for tremolo in [&mut sleeping, &mut stepped] {
             for key in (1..=KEYS).step_by(2) {
-                tremolo.keys_mut().drive(key, &Input::Force(10.0));
+                tremolo.keys_mut().drive(key, Input::Force(10.0));
             }
             skipped += KEYS as u32 - tremolo.keys_mut().step().stepped;
         }
@@ -115,11 +120,11 @@ fn sleep_changes_no_bit() {
 fn a_key_wakes_at_any_change() {
     let mut keys = keys();
     assert_eq!(keys.awake(), 0, "at rest all sleep");
-    keys.drive(40, &Input::Free);
+    keys.drive(40, Input::Free);
     assert_eq!(keys.awake(), 0, "as it was driven before");
-    let half_way = Input::Motion { position: keys.key_front(40) + 0.005, velocity: 0.0 };
+    let half_way = Input::Motion { position_m: 0.005, velocity_m_s: 0.0 };
     for input in [Input::Force(0.0), Input::Force(-0.0), Input::Force(5e-324), half_way, Input::Force(10.0)] {
-        keys.drive(40, &input);
+        keys.drive(40, input);
         assert_eq!(keys.awake(), 1, "{input:?}");
         let mut ticks = 0;
         while keys.awake() > 0 {
@@ -139,7 +144,6 @@ fn a_key_wakes_at_any_change() {
 #[test]
 fn every_key_comes_to_rest() {
     let mut keys = keys();
-    let rest: Vec<f64> = (1..=KEYS).map(|key| keys.key_front(key)).collect();
     // Shares that are spread evenly and differ from key to key: multiples of the golden section.
     let share = |round: usize, key: usize| (0.618_033_988_749_895 * (round * KEYS + key) as f64).fract();
     let (mut left, mut restless) = (0, 0);
@@ -149,10 +153,10 @@ fn every_key_comes_to_rest() {
             let held = match round % 4 {
                 0 => Input::Force(40.0 * x),
                 1 => Input::Force(0.0),
-                2 => Input::Motion { position: rest[key - 1] + 0.014 * x, velocity: 0.0 },
+                2 => Input::Motion { position_m: 0.014 * x, velocity_m_s: 0.0 },
                 _ => Input::Free,
             };
-            keys.drive(key, &held);
+            keys.drive(key, held);
             left += 1;
         }
         let mut ticks = 0;

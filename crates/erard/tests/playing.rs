@@ -5,12 +5,12 @@
 mod common;
 
 use common::{Play, USUAL_STEP_S, grand, largest};
-use erard::equilibrium;
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
+use erard::player;
+use erard::player::Action;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
-use moreau::{Input, Settings};
+use erard::simulation::{Setup, simulate};
+use moreau::Settings;
 
 /// How long a key is held, and how long is waited for rest, s.
 const HELD_S: f64 = 0.5;
@@ -115,8 +115,7 @@ fn the_order_of_events_reverses() {
 #[test]
 fn let_go_everything_comes_to_rest() {
     let grand = grand();
-    let mut rest = mechanism(&grand, Settings::new(USUAL_STEP_S)).unwrap();
-    equilibrium::settle(rest.as_mut(), &grand, &Input::Free, &mut || true).unwrap();
+    let rest = Action::with(&grand, Settings::new(USUAL_STEP_S)).unwrap();
     let jack = grand.zones.iter().position(|z| z.name == "jack_knuckle").unwrap();
     let sink = (50e-6 - rest.gap(jack)) * 138.6 / 14.4;
     assert!(sink < 2e-3, "the lever holds the hammer less than 2 mm above the jack: {sink}");
@@ -199,8 +198,9 @@ fn a_second_press_from_half_way_sounds() {
             duration_s,
             record_every: None,
             tolerance: None,
+            ledger: true,
         };
-        let run = simulate(&grand, &Drive::Motion(&motion), &setup, &mut |_| true).unwrap();
+        let run = simulate(&grand, &player::motion(&motion), &setup, &mut |_| true).unwrap();
         let blows = &run.events.strikes;
         assert_eq!(blows.len(), 2, "{wait}: {blows:?}");
         assert!(blows[1].time_s > 0.26 + wait && blows[1].speed_m_s > 0.8, "{wait}: {blows:?}");

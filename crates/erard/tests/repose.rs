@@ -1,8 +1,10 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_lab::benchmarks::{GrandGroup, GrandWorkspace, grand};
+use erard_lab::benchmarks::{GrandWorkspace, grand};
 use moreau::{Input, Outcome, Settings, Sleep, step};
 use moreau_lanes::Lanes;
+
+type GrandGroup = moreau_lanes::Group<6, 14, 10>;
 
 /// Struck, held in check, held harder, let go: each for a while.
 fn input(n: usize) -> Input<f64> {

@@ -5,13 +5,14 @@
 mod common;
 
 use common::{Play, USUAL_STEP_S, body, grand, largest, regularised};
-use erard::equilibrium::{EquilibriumError, settle};
+use erard::equilibrium::EquilibriumError;
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
+use erard::player;
+use erard::player::{Action, ActionError};
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::simulation::{Setup, SimulationError, simulate};
 use erard::stroke::Touch;
-use moreau::{FrictionLaw, Input, Settings};
+use moreau::{FrictionLaw, Settings};
 
 /// Widths of the regularised law, rad/s: a tenth of the velocities of a soft blow, and a hundredth and a thousandth of that.
 const WIDTHS: [f64; 3] = [0.1, 0.01, 0.001];
@@ -156,19 +157,19 @@ const RESTLESS: &str = "format = \"erard-instrument/1\"\nname = \"A mill\"\ngrav
 #[test]
 fn a_search_for_a_rest_that_does_not_end_well() {
     let mill = Instrument::parse(RESTLESS, "mill").unwrap();
-    let search = |going: &mut dyn FnMut() -> bool| {
-        let mut m = mechanism(&mill, Settings::new(USUAL_STEP_S)).unwrap();
-        settle(m.as_mut(), &mill, &Input::Free, going)
+    let search = |going: &mut dyn FnMut() -> bool| match Action::asking(&mill, Settings::new(USUAL_STEP_S), going) {
+        Err(ActionError::Equilibrium(error)) => error,
+        other => panic!("{:?}", other.map(|action| action.reading())),
     };
-    let (mut asked, error) = (0, search(&mut || true).unwrap_err().to_string());
+    let (mut asked, error) = (0, search(&mut || true).to_string());
     assert!(error.starts_with("A mill: ") && error.contains("`wheel`") && !error.contains("post"), "{error}");
     let error = search(&mut || {
         asked += 1;
         asked < 3
     });
-    assert!(matches!(error, Err(EquilibriumError::Interrupted)) && asked == 3, "{error:?}");
+    assert!(matches!(error, EquilibriumError::Interrupted) && asked == 3, "{error:?}");
     let settings = Settings::new(USUAL_STEP_S);
-    let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None };
-    let free = simulate(&mill, &Drive::Free, &setup, &mut |_| false);
+    let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None, ledger: true };
+    let free = simulate(&mill, &|_| player::Input::Free, &setup, &mut |_| false);
     assert!(matches!(free, Err(SimulationError::Interrupted)), "{free:?}");
 }

@@ -1,6 +1,6 @@
 //! The kernel, compiled for each set of instructions.
 
-use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step, step_lanes};
+use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step_apart, step_lanes};
 
 use crate::avx2::F64x4;
 use crate::avx2_single::F32x8;
@@ -92,7 +92,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
         let mut workspace = Workspace::<f64, B, Z, N>::new();
         for (i, outcome) in outcomes[..T::LANES].iter_mut().enumerate() {
             let mut state = self.stepped.state.lane(i);
-            *outcome = step(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut workspace).outcome;
+            *outcome = step_apart(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut workspace).outcome;
             self.stepped.state.set_lane(i, &state);
         }
     }

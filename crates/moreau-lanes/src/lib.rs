@@ -18,7 +18,7 @@ mod kernels;
 #[cfg(target_arch = "x86_64")]
 mod number;
 
-use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step};
+use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step_apart};
 
 /// How many mechanisms of a group are stepped at once, and how precisely.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -121,7 +121,7 @@ impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
         let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
             sleeps[i].wake();
-            outcomes[i] = step(model, settings, &inputs[i], state, workspace).outcome;
+            outcomes[i] = step_apart(model, settings, &inputs[i], state, workspace).outcome;
         }
     }
 
@@ -165,6 +165,11 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             return Group { kind };
         }
         let _ = lanes;
+        Group::one_by_one(models, states, settings)
+    }
+
+    /// The same, stepped one by one whatever the processor has: no lanes are compiled for a size of which only such groups are made.
+    pub fn one_by_one(models: &[Model<f64, B, Z>], states: &[State<f64, B, Z>], settings: &Settings<f64>) -> Self {
         let one_by_one = OneByOne {
             models: models.to_vec(),
             states: states.to_vec(),

@@ -2,6 +2,7 @@
 //!
 //! Separate from the step, so that a step that nobody audits does not pay for it.
 
+use crate::contact::Contact;
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::real::Scalar;
@@ -110,9 +111,23 @@ impl Ledger {
         after: &State<T, B, Z>,
         workspace: &Workspace<T, B, Z, N>,
     ) {
+        let contacts = core::array::from_fn(|z| workspace.contact(model, settings, z));
+        self.record_contacts(model, settings, &before.velocity, after, workspace, &contacts);
+    }
+
+    /// [`Ledger::record`] for a caller that has the step's contacts at hand, zone by zone, and the absolute velocities before it, rad/s.
+    pub fn record_contacts<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+        &mut self,
+        model: &Model<T, B, Z>,
+        settings: &Settings<T>,
+        velocity_before: &[T; B],
+        after: &State<T, B, Z>,
+        workspace: &Workspace<T, B, Z, N>,
+        contacts: &[Option<Contact<T>>; Z],
+    ) {
         let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
         let at_theta = |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1];
-        let joints = [&before.velocity, &after.velocity].map(|v| model.tree.relative(v));
+        let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
         let drive_velocity =
             at_theta(joints.map(|w| model.site_support.product(&workspace.drive.site_row, &w).to_f64()));
         let work = workspace.drive.force.to_f64() * drive_velocity * h;
@@ -137,10 +152,10 @@ impl Ledger {
                 }
             }
         }
-        for (z, zone) in model.zones().iter().enumerate() {
-            let Some(contact) = workspace.contact(model, settings, z) else { continue };
+        for &z in workspace.touched_zones() {
+            let Some(contact) = &contacts[z] else { continue };
             lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
-            let Some(mu) = zone.friction else { continue };
+            let Some(mu) = model.zones[z].friction else { continue };
             let u = workspace.slip(model, z, &joints).map(T::to_f64);
             match settings.friction {
                 FrictionLaw::SetValued => {

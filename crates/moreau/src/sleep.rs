@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
 use crate::state::{Input, State};
-use crate::step::{StepReport, step};
+use crate::step::{StepReport, step_apart};
 use crate::workspace::Workspace;
 
 /// Whether a mechanism's last step changed nothing, and under which input.
@@ -39,7 +39,13 @@ impl<T> Sleep<T> {
 }
 
 impl<T: Scalar> Sleep<T> {
-    /// [`step()`], unless it would change nothing: then only its report is given.
+    /// The report of a step with this input, if it is known to change nothing.
+    #[inline(always)]
+    pub fn would_rest(&self, input: &Input<T>) -> Option<StepReport> {
+        self.under.as_ref().and_then(|(last, report)| last.identical(input).then_some(*report))
+    }
+
+    /// [`step_apart`], unless it would change nothing: then only its report is given.
     pub fn step<const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -48,14 +54,12 @@ impl<T: Scalar> Sleep<T> {
         state: &mut State<T, B, Z>,
         workspace: &mut Workspace<T, B, Z, N>,
     ) -> StepReport {
-        if let Some((last, report)) = &self.under
-            && last.identical(input)
-        {
-            return *report;
+        if let Some(report) = self.would_rest(input) {
+            return report;
         }
         // A mechanism that moves is not copied: it does not fall asleep in this step.
         let before = state.stands().then(|| state.clone());
-        let report = step(model, settings, input, state, workspace);
+        let report = step_apart(model, settings, input, state, workspace);
         let same = before.as_ref().is_some_and(|before| before.identical(state));
         self.under = same.then_some((*input, report));
         report

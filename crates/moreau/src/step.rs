@@ -65,6 +65,19 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     StepReport { outcome, newton: ended.newton, solver: ended.solver }
 }
 
+/// [`step()`], compiled once for every size wherever it is called from: a few instructions more than one that is inlined into its loop, and
+/// a hundred kilobytes less at every further call.
+#[inline(never)]
+pub fn step_apart<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    input: &Input<T>,
+    state: &mut State<T, B, Z>,
+    workspace: &mut Workspace<T, B, Z, N>,
+) -> StepReport {
+    step(model, settings, input, state, workspace)
+}
+
 /// How a step ended in every lane.
 #[derive(Debug, Clone, Copy)]
 pub struct LanesReport<M> {

@@ -201,6 +201,11 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         Some(state.contact(compiled, support, self.pose(), &self.correction, &timing, touched))
     }
 
+    /// The zones that were touched during the last step (in any lane), ascending.
+    pub fn touched_zones(&self) -> &[usize] {
+        &self.contacts.touched[..self.contacts.touched_count]
+    }
+
     /// The lanes in which a zone was touched during the last step.
     pub(crate) fn touched_in(&self, zone: usize) -> T::Mask {
         let contacts = &self.contacts;

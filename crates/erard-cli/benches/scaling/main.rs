@@ -10,13 +10,14 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use erard::player::Input;
 use erard::simulation::Setup;
 use erard_cli::report::chart_svg;
 use erard_figures::figure::png_from_svg;
 use erard_lab::benchmarks::callgrind::{CountError, instructions, is_available};
 use erard_lab::benchmarks::{STEP_S, instrument};
 use erard_lab::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
-use erard_workshop::study::{Job, Lanes, Stroke, Workers, play_all};
+use erard_workshop::study::{Job, Lanes, Workers, play_all};
 use levers::{BODIES, BODIES_AND_STOPS, Size, Stops, Tree, ZONES};
 use moreau::Settings;
 
@@ -101,8 +102,9 @@ fn study(strokes: usize) {
         duration_s: STROKE_S,
         record_every: None,
         tolerance: None,
+        ledger: true,
     };
-    let job = |i: usize| Job { instrument: i, stroke: Stroke::Force(Box::new(move |_| 4.0 + 0.01 * i as f64)) };
+    let job = |i: usize| Job { instrument: i, stroke: Box::new(move |_| Input::Force(4.0 + 0.01 * i as f64)) };
     // Four: whatever more the processor has, so that counts can be compared.
     let workers = Workers { threads: 1, lanes: if Lanes::Four.is_here() { Lanes::Four } else { Lanes::One } };
     let played = play_all(&instruments, (0..strokes).map(job).collect(), &setup, workers, &mut |_| true);

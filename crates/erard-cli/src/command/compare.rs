@@ -44,7 +44,8 @@ impl Compare {
         let series = Series::read_opened(inputs::open(&self.file), &title)?;
         let series = self.begun(series)?;
         let instrument = load_instrument(&self.instrument)?;
-        let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None };
+        let setup =
+            Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None, ledger: true };
         check(&setup)?;
         let mut output = self.out.prepare("compare", &["compare.csv", "compare.json", "compare.svg", "compare.png"])?;
         let mut progress = Progress::new("comparing");

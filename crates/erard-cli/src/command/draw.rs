@@ -107,6 +107,7 @@ impl Draw {
             },
             record_every: None,
             tolerance: None,
+            ledger: true,
         };
         let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
         let run = play(&instrument, &stroke, &setup)?;

@@ -2,7 +2,8 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player;
+use erard::simulation::{Setup, simulate};
 use erard_workshop::measure::{Sheet, measure};
 use moreau::Settings;
 
@@ -118,10 +119,11 @@ fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
         duration_s: STEP_S,
         record_every: None,
         tolerance: None,
+        ledger: true,
     };
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {
-        let run = simulate(&one.instrument, &Drive::Free, &setup, &mut |_| true)?;
+        let run = simulate(&one.instrument, &|_| player::Input::Free, &setup, &mut |_| true)?;
         let caption = format!("{}, at rest", one.label);
         let options = PoseOptions { caption: Some(caption.clone()), ..PoseOptions::default() };
         let svg = pose_svg(&one.instrument, &angles_at(&run, 0), &options);

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use erard::instrument::{Instrument, utf8};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
+use erard::player::{self, Input};
 use erard::simulation::{Setup, SimulationError};
 use erard::stroke::{ForceSeries, PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings, Solver};
@@ -288,16 +289,15 @@ impl Stroke {
         }
     }
 
-    /// Force over time, s to N: the series', or the constant one.
-    pub fn force(&self) -> impl Fn(f64) -> f64 {
-        let series = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
-        move |t| series.as_ref().map_or(self.force_n, |force| force(t))
-    }
-
-    /// Position and velocity over time, s to m and m/s; zero where there is none.
-    pub fn position(&self) -> impl Fn(f64) -> [f64; 2] {
-        let series = self.series.as_ref().and_then(|s| s.position.as_ref()).map(PositionSeries::drive);
-        move |t| series.as_ref().map_or([0.0; 2], |position| position(t))
+    /// What drives the key over time, s from the stroke's start.
+    pub fn inputs(&self) -> Box<dyn Fn(f64) -> Input + Send + '_> {
+        let force = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
+        let position = self.series.as_ref().and_then(|s| s.position.as_ref()).map(PositionSeries::drive);
+        match (self.drive, position) {
+            (DriveName::Motion, Some(position)) => Box::new(player::motion(position)),
+            (DriveName::Rigid, Some(position)) => Box::new(player::rigid(position)),
+            _ => Box::new(move |t| Input::Force(force.as_ref().map_or(self.force_n, |force| force(t)))),
+        }
     }
 }
 

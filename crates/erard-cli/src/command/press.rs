@@ -1,11 +1,13 @@
 //! `erard press`.
 
+use std::time::Instant;
+
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 
-use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -56,13 +58,16 @@ impl Press {
             duration_s: self.duration.unwrap_or(stroke.duration_s),
             record_every: self.record_every,
             tolerance: self.tolerance,
+            ledger: true,
         };
         check(&setup)?;
         let mut output =
             self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
+        let started = Instant::now();
         let run = play(&instrument, &stroke, &setup)?;
-        let summary =
-            Summary::new(&run, &setup, self.instrument.model.name(), stroke.drive.name(), self.step.solver_name());
+        let elapsed_s = started.elapsed().as_secs_f64();
+        let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
+        let summary = Summary::new(&run, &setup, names, elapsed_s);
 
         let svg = run_svg(&run);
         let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
@@ -87,16 +92,10 @@ impl Press {
 
 /// Simulates a stroke on an instrument, with progress on stderr.
 pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
-    let (force, position) = (stroke.force(), stroke.position());
-    let drive = match stroke.drive {
-        DriveName::Force => Drive::Force(&force),
-        DriveName::Motion => Drive::Motion(&position),
-        DriveName::Rigid => Drive::Rigid(&position),
-    };
     let mut progress = Progress::new("simulating");
     let mut tell = |share: f64| {
         progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
         progress.tell(share)
     };
-    Ok(simulate(instrument, &drive, setup, &mut tell)?)
+    Ok(simulate(instrument, stroke.inputs().as_ref(), setup, &mut tell)?)
 }

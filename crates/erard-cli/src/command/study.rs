@@ -2,10 +2,11 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::player::Input;
 use erard::simulation::Setup;
 use erard_workshop::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
 
-use super::options::{DriveName, InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -66,7 +67,8 @@ impl Study {
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup = Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None };
+        let setup =
+            Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None, ledger: true };
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
@@ -220,10 +222,8 @@ fn variant(instrument: &Instrument, axes: &[Axis], indices: &[usize]) -> Result<
 }
 
 fn job_stroke(stroke: &Stroke, force_n: Option<f64>) -> JobStroke<'_> {
-    match (force_n, stroke.drive) {
-        (Some(force_n), _) => JobStroke::Force(Box::new(move |_| force_n)),
-        (None, DriveName::Force) => JobStroke::Force(Box::new(stroke.force())),
-        (None, DriveName::Motion) => JobStroke::Motion(Box::new(stroke.position())),
-        (None, DriveName::Rigid) => JobStroke::Rigid(Box::new(stroke.position())),
+    match force_n {
+        Some(force_n) => Box::new(move |_| Input::Force(force_n)),
+        None => stroke.inputs(),
     }
 }

@@ -1,8 +1,9 @@
 //! A mechanism that is no piano, for tests: a lever on the ground carrying a smaller one over a felt.
 
 use erard::instrument::{Body, Curve, Felt, Finger, Instrument, Material, Part, Roles, Zone};
+use erard::player;
 use erard::run::{BodySeries, Run};
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 use moreau::Settings;
 
 fn body(name: &str, parent: Option<usize>, pivot_m: [f64; 2]) -> Body {
@@ -96,8 +97,9 @@ fn at_rest() -> Run {
         duration_s: 200e-6,
         record_every: None,
         tolerance: None,
+        ledger: true,
     };
-    let mut run = simulate(&grand, &Drive::Free, &setup, &mut |_| true).unwrap();
+    let mut run = simulate(&grand, &|_| player::Input::Free, &setup, &mut |_| true).unwrap();
     run.events = erard::run::Events::default();
     run
 }

@@ -1,11 +1,11 @@
 //! What is timed: the concert grand in the engine's own types, and one played note.
 
-use moreau::{Input, Model, Outcome, Settings, State, Workspace, step};
+use moreau::{Input, Model, Outcome, SavedState, Settings, State, Workspace, step};
+use moreau_sizes::{Lanes, OwnedDescription, SideBySide, side_by_side};
 
 use erard::assembly;
-use erard::equilibrium;
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
+use erard::player::Action;
 use erard::simulation::SimulationError;
 
 /// The usual step, s.
@@ -21,8 +21,6 @@ pub type GrandModel = Model<f64, 6, 14>;
 pub type GrandState = State<f64, 6, 14>;
 /// The same; ten set-valued laws, one of them a rigid drive's.
 pub type GrandWorkspace = Workspace<f64, 6, 14, 10>;
-/// As many of them as there are lanes.
-pub type GrandGroup = moreau_lanes::Group<6, 14, 10>;
 
 /// The concert grand.
 ///
@@ -37,10 +35,27 @@ pub fn instrument() -> Instrument {
 /// # Errors
 /// Where it finds no rest.
 pub fn at_rest(instrument: &Instrument) -> Result<(GrandModel, GrandState), SimulationError> {
-    let mut rest = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(rest.as_mut(), instrument, &Input::Free, &mut || true)?;
-    let angles = core::array::from_fn(|i| rest.angles().get(i).copied().unwrap_or(0.0));
-    Ok((assembly::assemble(instrument)?, State::at_rest(angles)))
+    let rest = described(instrument)?;
+    Ok((rest.model()?, State::at_rest(rest.first_angles())))
+}
+
+/// An instrument's mechanism at rest, whatever its size.
+///
+/// # Errors
+/// Where it finds no rest.
+pub fn described(instrument: &Instrument) -> Result<OwnedDescription, SimulationError> {
+    let action = Action::with(instrument, Settings::new(STEP_S))?;
+    Ok(OwnedDescription { angles: action.angles().to_vec(), ..assembly::describe(instrument) })
+}
+
+/// Mechanisms at rest, side by side in lanes.
+///
+/// # Panics
+/// If one of them is too large.
+pub fn group(rests: &[&OwnedDescription], settings: &Settings<f64>, lanes: Lanes) -> Box<dyn SideBySide> {
+    let at_rest = |rest: &&OwnedDescription| -> SavedState<f64, 12, 32> { State::at_rest(rest.first_angles()).save() };
+    let states: Vec<_> = rests.iter().map(at_rest).collect();
+    side_by_side(rests, &states, settings, lanes).expect("a size holds it")
 }
 
 /// The concert grand, at rest.

@@ -3,11 +3,12 @@
 use std::time::Instant;
 
 use fastrand::Rng;
-use moreau::{Input, Outcome, Settings, step};
-use moreau_lanes::Lanes;
+use moreau::{Input, Outcome, Settings};
+use moreau_sizes::Lanes;
 use serde::Serialize;
 
-use super::grand::{GrandGroup, GrandWorkspace, STEP_S, grand};
+use super::grand::{STEP_S, described, group, instrument};
+use erard::mechanism::mechanism;
 
 /// How long single steps took, ns; the clock's own reading is in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -171,8 +172,9 @@ const ASK_EVERY: u64 = 1 << 14;
 /// # Panics
 /// If a number becomes infinite.
 pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
-    let ((model, mut state), settings) = (grand(), Settings::new(STEP_S));
-    let (mut workspace, mut player, mut histogram) = (GrandWorkspace::new(), RandomPlayer::new(SEED), Histogram::new());
+    let mut grand = mechanism(&instrument(), Settings::new(STEP_S)).expect("assembles");
+    grand.let_rest(false);
+    let (mut player, mut histogram) = (RandomPlayer::new(SEED), Histogram::new());
     let (mut newton, mut sets, mut unconverged) = (0, 0, 0);
     for n in 0..steps {
         if n % ASK_EVERY == 0 && !progress(n as f64 / steps as f64) {
@@ -180,7 +182,7 @@ pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Lat
         }
         let input = player.next();
         let start = Instant::now();
-        let report = step(&model, &settings, &input, &mut state, &mut workspace);
+        let report = grand.step(&input);
         histogram.add(start.elapsed().as_nanos() as u64);
         assert_ne!(report.outcome, Outcome::NonFinite);
         unconverged += u64::from(report.outcome == Outcome::IterationLimit);
@@ -200,9 +202,8 @@ pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Lat
 /// # Panics
 /// If a number becomes infinite.
 pub fn of_group_steps(steps: u64, lanes: Lanes, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
-    let (model, state) = grand();
-    let count = lanes.count();
-    let mut group = GrandGroup::new(&vec![model; count], &vec![state; count], &Settings::new(STEP_S), lanes);
+    let (rest, count) = (described(&instrument()).expect("comes to rest"), lanes.count());
+    let mut group = group(&vec![&rest; count], &Settings::new(STEP_S), lanes);
     let mut players: Vec<RandomPlayer> =
         (0..count).map(|i| RandomPlayer::new(SEED.wrapping_mul(2 * i as u64 + 1))).collect();
     let (mut inputs, mut outcomes) = (vec![Input::Free; count], vec![Outcome::Converged; count]);

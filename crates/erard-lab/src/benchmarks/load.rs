@@ -2,16 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use moreau::{Input, Outcome, Settings, step};
-use moreau_lanes::Lanes;
+use moreau::{Input, Outcome, Settings, State, step};
+use moreau_sizes::{Lanes, OwnedDescription};
 
-use super::grand::{GrandGroup, GrandModel, GrandState, GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, instrument};
+use super::grand::{GrandModel, GrandWorkspace, MF_N, STEP_S, STEPS, described, group, instrument};
 use erard::simulation::SimulationError;
 use erard_workshop::cores::{do_all, job};
 
 /// Grands that are played one after the other, or side by side in lanes.
 pub struct Load {
-    grands: Vec<(GrandModel, GrandState)>,
+    grands: Vec<OwnedDescription>,
     settings: Settings<f64>,
     /// The force on the key at every step, N, again and again.
     forces_n: Vec<f64>,
@@ -56,7 +56,7 @@ impl Load {
             for knuckle in varied.roles.knuckle.clone() {
                 varied.zones[knuckle].felt.stiffness *= 1.0 - x;
             }
-            at_rest(&varied).expect("a varied grand comes to rest")
+            described(&varied).expect("a varied grand comes to rest")
         };
         let varied: Vec<_> = (0..count).map(varied).collect();
         let grands: Vec<_> = varied.iter().cycle().take(groups * WIDEST).cloned().collect();
@@ -74,7 +74,7 @@ impl Load {
         // The golden section spreads the phases, also those of neighbours.
         let phase = |i: usize| (0.618_033_988_749_895 * i as f64).fract();
         Load {
-            grands: vec![super::grand(); count],
+            grands: vec![described(&instrument()).expect("the grand comes to rest"); count],
             settings: Settings::new(STEP_S),
             forces_n: (0..period as usize).map(force).collect(),
             begins: (0..count).map(|i| (phase(i) * period) as usize).collect(),
@@ -98,12 +98,13 @@ impl Load {
     /// If a number becomes infinite; so do the others.
     pub fn one_by_one(&self, groups: usize) -> f64 {
         let mut sum = 0.0;
-        for (i, (model, state)) in self.grands.iter().take(groups * WIDEST).enumerate() {
-            let (mut state, mut workspace) = (state.clone(), GrandWorkspace::new());
+        for (i, grand) in self.grands.iter().take(groups * WIDEST).enumerate() {
+            let model: GrandModel = grand.model().expect("of the grand's size");
+            let (mut state, mut workspace) = (State::at_rest(grand.first_angles()), GrandWorkspace::new());
             let mut cursor = Cursor(self.begins[i]);
             for _ in 0..self.steps {
                 let input = cursor.next(&self.forces_n);
-                let report = step(model, &self.settings, &input, &mut state, &mut workspace);
+                let report = step(&model, &self.settings, &input, &mut state, &mut workspace);
                 assert_ne!(report.outcome, Outcome::NonFinite);
             }
             sum += state.angle.iter().sum::<f64>();
@@ -132,9 +133,8 @@ impl Load {
         let width = lanes.count();
         let mut sum = 0.0;
         for first in (g * WIDEST..(g + 1) * WIDEST).step_by(width) {
-            let (models, states): (Vec<GrandModel>, Vec<GrandState>) =
-                self.grands[first..first + width].iter().cloned().unzip();
-            let mut group = GrandGroup::new(&models, &states, &self.settings, lanes);
+            let grands: Vec<&OwnedDescription> = self.grands[first..first + width].iter().collect();
+            let mut group = group(&grands, &self.settings, lanes);
             let (mut inputs, mut outcomes) = ([Input::Free; WIDEST], [Outcome::Converged; WIDEST]);
             let mut cursors: [Cursor; WIDEST] =
                 core::array::from_fn(|i| Cursor(self.begins.get(first + i).copied().unwrap_or(0)));
@@ -145,7 +145,11 @@ impl Load {
                 group.step(&inputs[..width], &mut outcomes[..width]);
                 assert!(!outcomes[..width].contains(&Outcome::NonFinite));
             }
-            sum += (0..width).flat_map(|i| group.motion(i).0).sum::<f64>();
+            let (mut angles, mut velocities) = ([0.0; 6], [0.0; 6]);
+            for i in 0..width {
+                group.motion(i, &mut angles, &mut velocities);
+                sum += angles.iter().sum::<f64>();
+            }
         }
         sum
     }

@@ -3,14 +3,15 @@
 use std::hint::black_box;
 
 use moreau::Settings;
-use moreau_lanes::Lanes;
+use moreau_sizes::Lanes;
 use serde::Serialize;
 
 use super::grand::MF_N;
 use super::{Effort, Load, STEP_S, Timed, Times, WIDEST, in_turn, instrument};
+use erard::player::Input;
 use erard::simulation::Setup;
 use erard_workshop::cores;
-use erard_workshop::study::{Job, Stroke, Workers, play_all};
+use erard_workshop::study::{Job, Workers, play_all};
 
 /// Times of many actions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -157,12 +158,18 @@ pub fn load_times(load: &Load, rounds: usize, progress: &mut dyn FnMut(f64) -> b
 fn strokes(count: usize, effort: &Effort, progress: &mut dyn FnMut(f64) -> bool) -> Option<Times> {
     let instruments = vec![instrument(); count];
     let duration_s = 0.5 * effort.steps as f64 * STEP_S;
-    let setup =
-        Setup { settings: Settings::new(STEP_S), start_s: 0.0, duration_s, record_every: None, tolerance: None };
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s,
+        record_every: None,
+        tolerance: None,
+        ledger: false,
+    };
     let job = |i: usize| {
         let force = MF_N * (0.8 + 0.4 * i as f64 / count as f64);
         let held_s = 0.6 * duration_s;
-        Job { instrument: i, stroke: Stroke::Force(Box::new(move |t| if t < held_s { force } else { 0.0 })) }
+        Job { instrument: i, stroke: Box::new(move |t| Input::Force(if t < held_s { force } else { 0.0 })) }
     };
     let mut subject = [Timed {
         count: count as f64,

@@ -13,7 +13,7 @@ mod sampling;
 mod single;
 
 pub use grand::{
-    GrandGroup, GrandModel, GrandState, GrandWorkspace, STEP_S, STEPS, at_rest, grand, instrument, note, press,
+    GrandModel, GrandState, GrandWorkspace, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press,
 };
 pub use keys::{KeyboardTimes, Ticks, keyboard};
 pub use load::{Load, WIDEST};
@@ -21,7 +21,7 @@ pub use many::{LoadTimes, Many, load_times};
 pub use sampling::{Timed, Times, in_turn};
 pub use single::Single;
 
-use moreau_lanes::Lanes;
+use moreau_sizes::Lanes;
 use serde::Serialize;
 
 use latency::{Latencies, of_group_steps, of_steps};

@@ -7,7 +7,8 @@ use moreau_linkage::three_lever::ThreeLever;
 use serde::Serialize;
 
 use super::{Effort, STEP_S, Timed, grand, in_turn, instrument, press};
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player;
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 
 /// Times of one action.
@@ -46,8 +47,15 @@ impl Single {
         let instrument = instrument();
         let series = Series::builtin("mf", Touch::Pressed).expect("built in");
         let duration_s = series.end_s() - series.start_s() + AFTERWARDS_S;
-        let setup = Setup { settings, start_s: series.start_s(), duration_s, record_every: None, tolerance: None };
-        let force = series.force.as_ref().expect("has a force").drive();
+        let setup = Setup {
+            settings,
+            start_s: series.start_s(),
+            duration_s,
+            record_every: None,
+            tolerance: None,
+            ledger: true,
+        };
+        let drive = player::force(series.force.as_ref().expect("has a force").drive());
         let levers = ThreeLever::c7f_like().assemble().expect("built in");
         let mut poses = Vec::with_capacity(POSES);
         let mut subjects = [
@@ -60,7 +68,7 @@ impl Single {
             Timed {
                 count: 1.0,
                 go: Box::new(|| {
-                    let run = simulate(&instrument, &Drive::Force(&force), &setup, &mut |_| true);
+                    let run = simulate(&instrument, &drive, &setup, &mut |_| true);
                     black_box(run.expect("the built-in grand plays"));
                 }),
             },

@@ -13,7 +13,8 @@ use thiserror::Error;
 
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
-use erard::simulation::{Drive, MOST_ROWS_ASKED, Setup, SimulationError, simulate};
+use erard::player::{self, Drive};
+use erard::simulation::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionSeries, Series};
 
 /// Rate of the common time axis, Hz: twice what the highest band needs.
@@ -161,7 +162,13 @@ pub fn compare(
     let measured_position_m = series.position.as_ref().map(path);
     let measured_hammer_m = series.hammer_head.as_ref().map(path);
 
-    let mut setup = Setup { start_s, duration_s: duration_s + 2.0 * setup.settings.step, record_every: None, ..*setup };
+    let mut setup = Setup {
+        start_s,
+        duration_s: duration_s + 2.0 * setup.settings.step,
+        record_every: None,
+        ledger: false,
+        ..*setup
+    };
     // Every step as long as memory allows; then fewer, but none farther apart than the common axis needs.
     setup.record_every = Some(setup.check()?.div_ceil(MOST_ROWS_ASKED).max(1));
     let mut plan = Vec::new();
@@ -176,14 +183,14 @@ pub fn compare(
     }
     let mut trials = Vec::new();
     for (done, &(driven, which)) in plan.iter().enumerate() {
-        let drive = match driven {
-            Driven::ByForce => Drive::Force(&force),
-            Driven::ByMotion => Drive::Motion(&position),
-            Driven::Rigidly => Drive::Rigid(&position),
+        let drive: &Drive<'_> = match driven {
+            Driven::ByForce => &player::force(&force),
+            Driven::ByMotion => &player::motion(&position),
+            Driven::Rigidly => &player::rigid(&position),
         };
         let model = if which == Which::Action { instrument } else { &reduced };
         let count = plan.len() as f64;
-        let run = simulate(model, &drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
+        let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
         let key_m = sample(&run.time_s, &run.key_m, &time_s);
         let force_n = sample(&run.time_s, &run.force_n, &time_s);
         let errors = match driven {

@@ -6,9 +6,12 @@
 use moreau::{FrictionLaw, Settings};
 
 use super::{Progress, ReproduceError};
+use std::time::Instant;
+
 use erard::instrument::Instrument;
+use erard::player::{self, Drive};
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 
 /// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
@@ -48,19 +51,26 @@ impl Play {
         record_every: u64,
         progress: &mut Progress,
     ) -> Result<Run, ReproduceError> {
-        let setup = Setup { settings, start_s: 0.0, duration_s, record_every: Some(record_every), tolerance: None };
-        let mut go = |drive: &Drive| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
+        let setup = Setup {
+            settings,
+            start_s: 0.0,
+            duration_s,
+            record_every: Some(record_every),
+            tolerance: None,
+            ledger: true,
+        };
+        let mut go = |drive: &Drive<'_>| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
         let missing = |name: &str| ReproduceError::Instrument(format!("the built-in stroke {name} cannot be read"));
         match self {
-            Play::Free => go(&Drive::Free),
-            Play::Force(force) => go(&Drive::Force(&|_| force)),
+            Play::Free => go(&|_| player::Input::Free),
+            Play::Force(force) => go(&player::force(|_| force)),
             Play::Stroke(name, touch) => {
                 let series = Series::builtin(name, touch).and_then(|s| s.force).ok_or_else(|| missing(name))?;
-                go(&Drive::Force(&series.drive()))
+                go(&player::force(series.drive()))
             }
             Play::Motion(name, touch) => {
                 let series = Series::builtin(name, touch).and_then(|s| s.position).ok_or_else(|| missing(name))?;
-                go(&Drive::Motion(&series.drive()))
+                go(&player::motion(series.drive()))
             }
         }
     }
@@ -112,14 +122,16 @@ pub fn blow(
     settings: Settings<f64>,
     until: f64,
 ) -> Result<FirstBlow, ReproduceError> {
+    let started = Instant::now();
     let run = play.run(instrument, settings, until, u64::MAX)?;
+    let took_s = started.elapsed().as_secs_f64();
     Ok(FirstBlow {
         speed: run.events.hammer_speed_m_s.unwrap_or(f64::NAN),
         contact: run.events.hammer_contact_s.unwrap_or(f64::NAN),
         newton: run.work.newton_iterations as f64,
         unconverged: run.work.unconverged_steps,
         steps: run.work.steps,
-        of_real_time: 1.0 / run.work.real_time_factor,
+        of_real_time: took_s / until,
     })
 }
 

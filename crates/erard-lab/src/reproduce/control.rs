@@ -4,9 +4,12 @@ use moreau::Settings;
 
 use super::blow::halvings;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use std::time::Instant;
+
 use erard::instrument::Instrument;
+use erard::player;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{ForceSeries, Series, Touch};
 
 /// Fixed steps: the first, s, and how many halvings. The last is 0.39 us.
@@ -71,19 +74,20 @@ fn press(
         duration_s: UNTIL_S + before,
         record_every: Some((row_s / settings.step).round().max(1.0) as u64),
         tolerance,
+        ledger: false,
     };
-    let run = simulate(instrument, &Drive::Force(&force.drive()), &setup, progress)?;
-    Ok(Press::of(&run, compared(instrument)?))
+    let started = Instant::now();
+    let run = simulate(instrument, &player::force(force.drive()), &setup, progress)?;
+    Ok(Press::of(&run, compared(instrument)?, started.elapsed().as_secs_f64()))
 }
 
 impl Press {
-    fn of(run: &Run, bodies: [usize; 2]) -> Self {
+    fn of(run: &Run, bodies: [usize; 2], seconds: f64) -> Self {
         let (work, control) = (&run.work, run.work.control);
         let motion = bodies.map(|b| {
             let body = &run.bodies[b];
             body.angle_rad.iter().zip(&body.rate_rad_per_s).map(|(q, v)| [*q, *v]).collect()
         });
-        let span_s = run.time_s.last().zip(run.time_s.first()).map_or(f64::NAN, |(b, a)| b - a);
         Press {
             speed: run.events.hammer_speed_m_s.unwrap_or(f64::NAN),
             time_s: run.time_s.clone(),
@@ -91,7 +95,7 @@ impl Press {
             newton: work.newton_iterations as f64,
             inner_steps: control.map_or(work.steps, |c| c.inner_steps) as f64,
             rejected: control.map_or(0, |c| c.rejected) as f64,
-            seconds: span_s / work.real_time_factor,
+            seconds,
         }
     }
 

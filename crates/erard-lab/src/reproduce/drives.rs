@@ -8,7 +8,8 @@ use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError
 use crate::compare::{Errors, RATE_HZ};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player::{self, Drive};
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{Cursor, ForceSeries, PositionSeries, Touch};
 
 /// Step of the reference runs, s; the models run at 50 us.
@@ -77,10 +78,11 @@ impl Reference {
             duration_s,
             record_every: Some(ROW_STEPS),
             tolerance: None,
+            ledger: true,
         };
         let (force, position) = (self.force.drive(), self.position.drive());
-        let drive = if by_force { Drive::Force(&force) } else { Drive::Rigid(&position) };
-        let run = simulate(model, &drive, &setup, &mut |_| true)?;
+        let drive: &Drive<'_> = if by_force { &player::force(&force) } else { &player::rigid(&position) };
+        let run = simulate(model, drive, &setup, &mut |_| true)?;
         Ok(if by_force { run.key_m } else { run.force_n })
     }
 

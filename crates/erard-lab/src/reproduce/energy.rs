@@ -40,7 +40,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         for (k, step) in STEPS.into_iter().enumerate() {
             tell(progress, (i * STEPS.len() + k) as f64 / (plays.len() * STEPS.len()) as f64)?;
             let run = play.run(instrument, Settings::new(step), 1.0, u64::MAX)?;
-            let l = &run.ledger;
+            let Some(l) = &run.ledger else { continue };
             smallest = smallest.min(l.smallest_term);
             worst[k] = worst[k].max(l.residual_relative());
             if step == 50e-6 {

@@ -13,8 +13,9 @@ use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
+use erard::player;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 
 /// Step, s: the sampling too.
 const STEP_S: f64 = 50e-6;
@@ -99,8 +100,8 @@ fn press(instrument: &Instrument, tremble: Option<&Tremble>) -> Result<Run, Repr
         [y, v]
     };
     let settings = Settings { tolerance: 1e-11, ..Settings::new(STEP_S) };
-    let setup = Setup { settings, start_s: 0.0, duration_s, record_every: Some(1), tolerance: None };
-    Ok(simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| true)?)
+    let setup = Setup { settings, start_s: 0.0, duration_s, record_every: Some(1), tolerance: None, ledger: true };
+    Ok(simulate(instrument, &player::motion(&finger), &setup, &mut |_| true)?)
 }
 
 /// The responses at all places.

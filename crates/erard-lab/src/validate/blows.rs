@@ -1,8 +1,9 @@
 //! Blows of constant forces: when the key is down and when the hammer is there, from the softest to the loudest.
 
 use erard::instrument::Instrument;
+use erard::player;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::simulation::{Setup, SimulationError, simulate};
 use erard_workshop::measure::MeasureError;
 use moreau::Settings;
 
@@ -81,8 +82,9 @@ fn blow(
         duration_s: DURATION_S,
         record_every: None,
         tolerance: None,
+        ledger: true,
     };
-    let run = simulate(instrument, &Drive::Force(&|_| force_n), &setup, &mut |_| going())?;
+    let run = simulate(instrument, &player::force(|_| force_n), &setup, &mut |_| going())?;
     Ok(PressedBlow::of(instrument, &run, force_n))
 }
 

@@ -4,8 +4,9 @@ use moreau::Settings;
 
 use super::blows::PressedBlow;
 use erard::instrument::Instrument;
+use erard::player;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::simulation::{Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, Series, Touch};
 use erard_workshop::measure::MeasureError;
 
@@ -67,8 +68,9 @@ fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, Simulat
         duration_s: DURATION_S,
         record_every: None,
         tolerance: None,
+        ledger: true,
     };
-    simulate(instrument, &Drive::Force(&force), &setup, &mut |_| true)
+    simulate(instrument, &player::force(&force), &setup, &mut |_| true)
 }
 
 /// Key travel at the slowest instant between the first surge of the key and the hammer's blow, m; `None` where the key does not

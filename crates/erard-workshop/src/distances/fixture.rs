@@ -1,12 +1,11 @@
 //! An action on the bench and the finger that presses it: slowly, stopping where the eye says stop, or with a constant force.
 
-use moreau::{Input, Outcome, Settings};
+use moreau::{Outcome, Settings};
 
 use super::measure::DistanceError;
-use erard::equilibrium;
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Vec2};
-use erard::mechanism::{Mechanism, mechanism};
+use erard::player::{Action, Input};
 
 /// How often the caller is asked whether to go on, in steps.
 const ASK_EVERY: u64 = 4096;
@@ -35,8 +34,7 @@ pub(super) struct View {
 pub(super) struct Fixture<'i> {
     instrument: &'i Instrument,
     anatomy: Anatomy,
-    mechanism: Box<dyn Mechanism>,
-    rest_m: f64,
+    action: Action,
     /// The finger's position as the key front's would be, m below rest.
     finger_m: f64,
     /// The finger's speed, m/s, down positive.
@@ -50,15 +48,12 @@ pub(super) struct Fixture<'i> {
 impl<'i> Fixture<'i> {
     /// The action at rest, nothing touching the key.
     pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
-        let mut mechanism = mechanism(instrument, Settings::new(step_s))?;
-        equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
-        let rest_m = mechanism.site_position();
-        let view = View { key_m: 0.0, below_string_m: -mechanism.gap(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
+        let action = Action::with(instrument, Settings::new(step_s))?;
+        let view = View { key_m: 0.0, below_string_m: -action.gap(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
         Ok(Fixture {
             instrument,
             anatomy,
-            mechanism,
-            rest_m,
+            action,
             finger_m: 0.0,
             speed_m_s: 0.0,
             before: view,
@@ -74,48 +69,48 @@ impl<'i> Fixture<'i> {
 
     /// Simulated time since rest, s.
     pub fn time_s(&self) -> f64 {
-        self.steps as f64 * self.mechanism.settings().step
+        self.steps as f64 * self.action.settings().step
     }
 
     /// Compression of a zone, m; negative where it is open.
     pub fn gap(&self, zone: usize) -> f64 {
-        self.mechanism.gap(zone)
+        self.action.gap(zone)
     }
 
     /// A point of a body in the world, m.
     pub fn point(&self, body: Option<usize>, point: Vec2) -> Vec2 {
-        self.mechanism.point(body, point)
+        self.action.point(body, point)
     }
 
-    fn take(&mut self, input: &Input<f64>, go_on: GoOn<'_>) -> Result<(), DistanceError> {
+    fn take(&mut self, input: Input, go_on: GoOn<'_>) -> Result<(), DistanceError> {
         if self.steps.is_multiple_of(ASK_EVERY) && !go_on() {
             return Err(DistanceError::Interrupted);
         }
-        match self.mechanism.step(input).outcome {
+        match self.action.step(input).outcome {
             Outcome::Converged => {}
             Outcome::IterationLimit => self.unconverged += 1,
             Outcome::NonFinite | Outcome::TooManyLaws => return Err(DistanceError::NonFinite),
         }
         self.steps += 1;
-        let step_s = self.mechanism.settings().step;
-        let below_string_m = -self.mechanism.gap(self.anatomy.string);
+        let step_s = self.action.settings().step;
+        let below_string_m = -self.action.gap(self.anatomy.string);
         self.before = View {
-            key_m: self.mechanism.site_position() - self.rest_m,
+            key_m: self.action.reading().key_m,
             below_string_m,
             rise_m_s: (self.before.below_string_m - below_string_m) / step_s,
-            force_n: self.mechanism.drive_force(),
+            force_n: self.action.reading().finger_n,
         };
         Ok(())
     }
 
     /// One step of a finger that is at, or on its way to, a speed.
     fn finger_step(&mut self, to_m_s: f64, over_s: f64, cruise_m_s: f64, go_on: GoOn<'_>) -> Result<(), DistanceError> {
-        let Settings { step, theta, .. } = *self.mechanism.settings();
+        let Settings { step, theta, .. } = *self.action.settings();
         let most = cruise_m_s.abs() * step / over_s;
         let speed = self.speed_m_s + (to_m_s - self.speed_m_s).clamp(-most, most);
         let middle = 0.5 * (self.speed_m_s + speed);
-        let position = self.rest_m + self.finger_m + theta * step * middle;
-        self.take(&Input::Motion { position, velocity: middle }, go_on)?;
+        let position_m = self.finger_m + theta * step * middle;
+        self.take(Input::Motion { position_m, velocity_m_s: middle }, go_on)?;
         self.finger_m += step * middle;
         self.speed_m_s = speed;
         Ok(())
@@ -167,7 +162,7 @@ impl<'i> Fixture<'i> {
     ) -> Result<(), DistanceError> {
         let until = self.time_s() + for_s;
         while self.time_s() < until {
-            self.take(&Input::Force(force_n), go_on)?;
+            self.take(Input::Force(force_n), go_on)?;
             if seen(self) {
                 break;
             }

@@ -5,13 +5,12 @@
 //! throws the hammer at the string at about mf; the hammer is caught by the back check, then the key is let up slowly until
 //! the check lets go, and held there while the repetition spring lifts the hammer.
 
-use moreau::ModelError;
 use thiserror::Error;
 
 use super::fixture::{Fixture, GoOn, Still};
-use erard::equilibrium::EquilibriumError;
 use erard::grand::{Anatomy, AnatomyError, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
+use erard::player::ActionError;
 
 /// How the key is pressed. The default is the project's protocol; a shop that measures otherwise can say so.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,12 +98,9 @@ pub enum DistanceError {
     /// No grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
-    /// No rest to start from.
+    /// Not assembled, or no rest.
     #[error(transparent)]
-    Equilibrium(#[from] EquilibriumError),
-    /// Not assembled.
-    #[error(transparent)]
-    Model(#[from] ModelError),
+    Action(#[from] ActionError),
     /// A number overflowed.
     #[error("a number became infinite while the key was pressed: a stiffness, mass or length must be far off")]
     NonFinite,

@@ -7,16 +7,15 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use moreau::{Input, ModelError, Settings};
 use moreau_linkage::three_lever::{
     DiscLevers, Lengths, LeverTrain, Line, Regulation, StrokePose, ThreeLever, ThreeLeverError, Touch,
 };
 
 use super::case::{Design, LetOff};
 use super::file::USUAL_LET_OFF_M;
-use erard::equilibrium::{self, EquilibriumError};
 use erard::instrument::{Curve, Instrument, Vec2, Zone};
-use erard::mechanism::{Mechanism, mechanism};
+use erard::mechanism::Mechanism;
+use erard::player::{Action, ActionError};
 
 /// Play at rest that is worth telling, m.
 const NOTABLE_PLAY_M: f64 = 1e-5;
@@ -27,12 +26,9 @@ pub enum DeriveError {
     /// A part is not there, or not as three levers need it.
     #[error("the instrument has no three levers: {0}")]
     NotThreeLevers(#[from] NotThreeLevers),
-    /// No rest.
+    /// Not assembled, or no rest.
     #[error(transparent)]
-    Equilibrium(#[from] EquilibriumError),
-    /// Not assembled.
-    #[error(transparent)]
-    Model(#[from] ModelError),
+    Action(#[from] ActionError),
     /// The levers do not reach each other.
     #[error(transparent)]
     Levers(#[from] ThreeLeverError),
@@ -121,7 +117,7 @@ impl Place {
 /// The instrument at rest.
 struct AtRest<'i> {
     instrument: &'i Instrument,
-    mechanism: Box<dyn Mechanism>,
+    mechanism: &'i dyn Mechanism,
 }
 
 /// Finds the three levers of an instrument.
@@ -138,9 +134,8 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let Some(hammer) = roles.hammer else { return Err(NotThreeLevers::NoRole { role: "hammer" }.into()) };
     let parts = Parts::find(instrument, key, hammer)?;
 
-    let mut mechanism = mechanism(instrument, Settings::new(equilibrium::STEP_S))?;
-    equilibrium::settle(mechanism.as_mut(), instrument, &Input::Free, &mut || true)?;
-    let rest = AtRest { instrument, mechanism };
+    let action = Action::new(instrument)?;
+    let rest = AtRest { instrument, mechanism: action.mechanism() };
     let capstan_zone = parts.capstan_zone(&rest)?;
 
     let place = |body: usize, turned: f64| Place {

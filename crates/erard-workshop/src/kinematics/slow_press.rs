@@ -7,7 +7,8 @@ use moreau::Settings;
 use moreau_linkage::three_lever::{DiscLevers, LeverTrain};
 
 use erard::instrument::Instrument;
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::player::motion;
+use erard::simulation::{Setup, SimulationError, simulate};
 
 /// Simulated time, s. The hammer on its felts swings at about 10 Hz after it has been set in motion, and dry friction on a
 /// moving pivot does not damp that; over eight seconds the swing dies away while the key goes a few tenths of a millimetre.
@@ -65,8 +66,9 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
         duration_s: DURATION_S,
         record_every: Some(RECORD_EVERY),
         tolerance: None,
+        ledger: false,
     };
-    let run = simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| true)?;
+    let run = simulate(instrument, &motion(finger), &setup, &mut |_| true)?;
     let angles = instrument.roles.key.map_or(&[][..], |key| &run.bodies[key].angle_rad);
     let rest = angles.first().copied().unwrap_or(0.0);
     let key_m: Vec<f64> = angles.iter().map(|angle| (angle - rest) * levers.key_front).collect();

@@ -5,16 +5,15 @@
 //! key travel ([`crate::kinematics`]), the damper's that of its contact with the key. Afterwards the jack slips away and the hammer
 //! flies by itself; no one mass stands for the action any more.
 
-use moreau::{Input, Outcome, Settings};
+use moreau::Settings;
 use moreau_linkage::three_lever::StrokePose;
 
 use super::{Interrupt, MeasureError, NotAnAction};
 use crate::kinematics::{DeriveError, derive};
-use erard::equilibrium;
 use erard::grand::Parts;
 use erard::instrument::Instrument;
-use erard::mechanism::{Mechanism, mechanism};
-use erard::simulation::SimulationError;
+use erard::mechanism::Mechanism;
+use erard::player::{Action, Input};
 
 /// Points of the curve.
 const POINTS: usize = 40;
@@ -63,30 +62,25 @@ pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Res
     let parts = Parts::of(instrument)?;
     let levers = derive(instrument)?.levers;
     let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;
-    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
-    let rest_m = m.site_position();
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
     let (mut pedal_down_kg, mut dampers_down_kg) = (Vec::new(), Vec::new());
     let mut before_m = 0.0;
     for pose in &poses {
-        if !going() {
-            return Err(SimulationError::Interrupted.into());
-        }
-        carry_on(m.as_mut(), rest_m, [before_m, pose.key])?;
+        carry_on(&mut action, [before_m, pose.key], going)?;
         before_m = pose.key;
         let rates = Rates::new(instrument, &parts, pose);
-        pedal_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.all));
-        dampers_down_kg.push(rates.mass(m.as_ref(), levers.key_front, &rates.with_damper(&parts, m.as_ref())));
+        let m = action.mechanism();
+        pedal_down_kg.push(rates.mass(m, levers.key_front, &rates.all));
+        dampers_down_kg.push(rates.mass(m, levers.key_front, &rates.with_damper(&parts, m)));
     }
     // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
     let half = poses.get(POINTS / 2).ok_or(NotAnAction::ShortLevers)?;
-    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
-    carry_on(m.as_mut(), rest_m, [0.0, half.key])?;
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
+    carry_on(&mut action, [0.0, half.key], going)?;
     let rates = Rates::new(instrument, &parts, half);
     let share = |of: &dyn Fn(usize) -> bool| {
         let some: Vec<f64> = rates.all.iter().enumerate().map(|(b, rate)| if of(b) { *rate } else { 0.0 }).collect();
-        rates.mass(m.as_ref(), levers.key_front, &some)
+        rates.mass(action.mechanism(), levers.key_front, &some)
     };
     let whippen: Vec<usize> = Parts::riders(instrument, parts.whippen).collect();
     let half_way = Shares {
@@ -130,15 +124,12 @@ impl Rates {
 }
 
 /// Moves the finger on, from one depth to the next.
-fn carry_on(m: &mut dyn Mechanism, rest_m: f64, [from_m, to_m]: [f64; 2]) -> Result<(), MeasureError> {
+fn carry_on(action: &mut Action, [from_m, to_m]: [f64; 2], going: Interrupt<'_>) -> Result<(), MeasureError> {
     let steps = (BETWEEN_S / STEP_S) as u64;
-    for n in 0..steps {
-        let s = (n as f64 + 0.5) / steps as f64;
-        let position = rest_m + from_m + s * (to_m - from_m);
-        let input = Input::Motion { position, velocity: (to_m - from_m) / BETWEEN_S };
-        if m.step(&input).outcome == Outcome::NonFinite {
-            return Err(SimulationError::NonFinite { time_s: n as f64 * STEP_S }.into());
-        }
-    }
+    let mut middles = (0..steps).map(|n| (n as f64 + 0.5) / steps as f64);
+    action.play(&mut || going(), &mut |_| {
+        let position_m = from_m + middles.next()? * (to_m - from_m);
+        Some(Input::Motion { position_m, velocity_m_s: (to_m - from_m) / BETWEEN_S })
+    })?;
     Ok(())
 }

@@ -20,7 +20,6 @@ pub use crate::cores::Interrupt;
 pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
-use moreau::ModelError;
 use thiserror::Error;
 
 use crate::cores::Ending;
@@ -28,6 +27,7 @@ use crate::distances;
 use crate::kinematics::DeriveError;
 use erard::equilibrium::EquilibriumError;
 use erard::grand::AnatomyError;
+use erard::player::{ActionError, PlayError};
 use erard::simulation::SimulationError;
 
 /// Why an instrument cannot be measured.
@@ -45,9 +45,9 @@ pub enum MeasureError {
     /// No rest.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
-    /// Not assembled.
+    /// Not assembled, or no rest.
     #[error(transparent)]
-    Model(#[from] ModelError),
+    Action(#[from] ActionError),
     /// A run failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
@@ -97,8 +97,15 @@ impl MeasureError {
             self,
             MeasureError::Simulation(SimulationError::Interrupted)
                 | MeasureError::Equilibrium(EquilibriumError::Interrupted)
+                | MeasureError::Action(ActionError::Equilibrium(EquilibriumError::Interrupted))
                 | MeasureError::Distances(distances::DistanceError::Interrupted)
         )
+    }
+}
+
+impl From<PlayError> for MeasureError {
+    fn from(error: PlayError) -> Self {
+        SimulationError::from(error).into()
     }
 }
 

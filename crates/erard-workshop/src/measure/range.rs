@@ -5,8 +5,9 @@ use moreau::Settings;
 use super::{Interrupt, MeasureError};
 use erard::grand::{Parts, falling_moment_n_m};
 use erard::instrument::Instrument;
+use erard::player::force;
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -122,6 +123,7 @@ fn press(instrument: &Instrument, force_n: f64, going: Interrupt<'_>) -> Result<
         duration_s: PATIENCE_S,
         record_every: Some(1),
         tolerance: None,
+        ledger: false,
     };
-    Ok(simulate(instrument, &Drive::Force(&|_| force_n), &setup, &mut |_| going())?)
+    Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| going())?)
 }

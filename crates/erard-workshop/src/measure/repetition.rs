@@ -6,14 +6,12 @@
 //! which every stroke still sounds, once and not more softly than the softest playing that has been published, is the rate of
 //! repetition. So the rate is the action's own, not that of a prescribed motion.
 
-use moreau::{Input, Outcome, Settings};
+use moreau::Settings;
 
 use super::{Interrupt, MeasureError, NotAnAction};
-use erard::equilibrium;
 use erard::events::Watch;
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
-use erard::simulation::SimulationError;
+use erard::player::{Action, Input};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -86,39 +84,36 @@ fn held(
     stay_s: f64,
     going: Interrupt<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
-    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
-    let rest_m = m.site_position();
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
     let mut watch = Watch::new(instrument);
     let mut finger = Finger::Presses(0.0);
     // When the finger began to press, and how long the key took to come up.
     let (mut presses, mut returns) = (vec![0.0], Vec::new());
-    let mut step = 0_u64;
-    while presses.len() <= STROKES {
+    let (mut step, mut stuck) = (0_u64, false);
+    action.play(&mut || going(), &mut |action| {
         let now = step as f64 * STEP_S;
-        if step.is_multiple_of(4096) && !going() {
-            return Err(SimulationError::Interrupted.into());
-        }
-        let force = if matches!(finger, Finger::IsOff(_)) { 0.0 } else { PRESS_N };
-        if m.step(&Input::Force(force)).outcome == Outcome::NonFinite {
-            return Err(SimulationError::NonFinite { time_s: now }.into());
+        if step > 0 {
+            let travel_m = action.reading().key_m;
+            // Nothing but blows is asked of the watch: the head's height does not matter to them.
+            watch.look(now, travel_m, 0.0, action.mechanism());
+            match finger {
+                Finger::Presses(_) if action.gap(bottom) > 0.0 => finger = Finger::Stays(now),
+                Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),
+                Finger::IsOff(since) if travel_m <= up_m => {
+                    returns.push(now - since);
+                    presses.push(now);
+                    finger = Finger::Presses(now);
+                }
+                Finger::Presses(since) | Finger::IsOff(since) if now - since > PATIENCE_S => stuck = true,
+                _ => {}
+            }
         }
         step += 1;
-        let now = step as f64 * STEP_S;
-        let travel_m = m.site_position() - rest_m;
-        // Nothing but blows is asked of the watch: the head's height does not matter to them.
-        watch.look(now, travel_m, 0.0, m.as_ref());
-        match finger {
-            Finger::Presses(_) if m.gap(bottom) > 0.0 => finger = Finger::Stays(now),
-            Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),
-            Finger::IsOff(since) if travel_m <= up_m => {
-                returns.push(now - since);
-                presses.push(now);
-                finger = Finger::Presses(now);
-            }
-            Finger::Presses(since) | Finger::IsOff(since) if now - since > PATIENCE_S => return Ok(None),
-            _ => {}
-        }
+        let force_n = if matches!(finger, Finger::IsOff(_)) { 0.0 } else { PRESS_N };
+        (!stuck && presses.len() <= STROKES).then_some(Input::Force(force_n))
+    })?;
+    if stuck {
+        return Ok(None);
     }
     let blows = watch.finish().strikes;
     let mut softest_m_s = f64::INFINITY;

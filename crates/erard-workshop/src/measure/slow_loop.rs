@@ -5,7 +5,8 @@ use moreau::Settings;
 
 use super::{Interrupt, MeasureError};
 use erard::instrument::Instrument;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::player::motion;
+use erard::simulation::{Setup, simulate};
 
 /// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not damp;
 /// over eight seconds what is left of it is a few hundredths of a newton.
@@ -64,8 +65,9 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) ->
         duration_s: 2.0 * WAY_S + TURN_S,
         record_every: Some(RECORD_EVERY),
         tolerance: None,
+        ledger: false,
     };
-    let run = simulate(instrument, &Drive::Motion(&finger), &setup, &mut |_| going())?;
+    let run = simulate(instrument, &motion(finger), &setup, &mut |_| going())?;
     let way = |from: f64, to: f64| {
         let rows = run.time_s.partition_point(|&t| t < from)..run.time_s.partition_point(|&t| t <= to);
         SlowWay {

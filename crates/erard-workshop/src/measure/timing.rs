@@ -4,8 +4,9 @@ use moreau::Settings;
 
 use super::{Interrupt, MeasureError};
 use erard::instrument::Instrument;
+use erard::player;
 use erard::run::Events;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{NUANCES, Series, Touch};
 
 /// Step, s.
@@ -55,8 +56,9 @@ pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timin
                 duration_s: series.end_s() - series.start_s(),
                 record_every: Some(100),
                 tolerance: None,
+                ledger: false,
             };
-            let run = simulate(instrument, &Drive::Force(&force.drive()), &setup, &mut |_| going())?;
+            let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going())?;
             sheet.push(Timing { nuance, touch, peak_force_n: run.peak_force_n, events: run.events });
         }
     }

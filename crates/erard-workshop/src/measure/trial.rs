@@ -4,13 +4,11 @@
 //! that runs away is caught and let go again, so that none of its way is made by momentum: a weight is heavy enough when the
 //! key starts again from wherever it is stopped. The weight's own inertia is left out, for the motion is slow.
 
-use moreau::{Input, Outcome, Settings};
+use moreau::Settings;
 
 use super::{Interrupt, MeasureError};
-use erard::equilibrium;
 use erard::instrument::Instrument;
-use erard::mechanism::{Mechanism, mechanism};
-use erard::simulation::SimulationError;
+use erard::player::{Action, Input};
 
 /// Step, s: the key creeps, and a step half as long moves no weight by more than 0.03 g.
 const STEP_S: f64 = 400e-6;
@@ -94,58 +92,53 @@ fn moves(
     to_m: f64,
     going: Interrupt<'_>,
 ) -> Result<bool, MeasureError> {
-    let mut m = mechanism(instrument, Settings::new(STEP_S))?;
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || going())?;
-    let rest_m = m.site_position();
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
     if from_m > 0.0 {
-        hold_at(m.as_mut(), instrument, rest_m, from_m)?;
+        hold_at(&mut action, instrument, from_m, going)?;
     }
     let way = (to_m - from_m).signum();
-    let (mut still_s, mut before_m, mut arrived) = (0.0, m.site_position(), false);
-    for n in 0..(PATIENCE_S / STEP_S) as u64 {
-        if n % 4096 == 0 && !going() {
-            return Err(SimulationError::Interrupted.into());
+    let (mut still_s, mut before_m, mut arrived, mut moved) = (0.0, action.reading().key_m, false, false);
+    let mut steps = 0..=(PATIENCE_S / STEP_S) as u64;
+    action.play(&mut || going(), &mut |action| {
+        if steps.next()? == 0 {
+            return Some(Input::Force(force_n));
         }
-        step(m.as_mut(), &Input::Force(force_n), n as f64 * STEP_S)?;
-        let at_m = m.site_position();
-        let beyond_m = way * (at_m - rest_m - to_m);
+        let at_m = action.reading().key_m;
+        let beyond_m = way * (at_m - to_m);
         if arrived && beyond_m >= FURTHER_M {
-            return Ok(true);
+            moved = true;
+            return None;
         }
         if !arrived && beyond_m >= 0.0 {
             arrived = true;
-            m.stop();
+            action.stop();
         }
         let speed = (at_m - before_m) / STEP_S;
         before_m = at_m;
         still_s = if speed == 0.0 { still_s + STEP_S } else { 0.0 };
-        if still_s > STUCK_S {
-            return Ok(false);
-        }
         if speed.abs() > CAUGHT_M_S {
-            m.stop();
+            action.stop();
         }
-    }
-    Ok(false)
+        (still_s <= STUCK_S).then_some(Input::Force(force_n))
+    })?;
+    Ok(moved)
 }
 
 /// Brings the key slowly to `travel_m` and lets everything come to rest there.
-fn hold_at(m: &mut dyn Mechanism, instrument: &Instrument, rest_m: f64, travel_m: f64) -> Result<(), MeasureError> {
+fn hold_at(
+    action: &mut Action,
+    instrument: &Instrument,
+    travel_m: f64,
+    going: Interrupt<'_>,
+) -> Result<(), MeasureError> {
     let steps = (APPROACH_S / STEP_S) as u64;
-    for n in 0..steps {
-        let s = (n as f64 + 0.5) / steps as f64;
-        let position = rest_m + travel_m * s * s * (3.0 - 2.0 * s);
-        let velocity = travel_m * 6.0 * s * (1.0 - s) / APPROACH_S;
-        step(m, &Input::Motion { position, velocity }, n as f64 * STEP_S)?;
-    }
-    let input = Input::Motion { position: rest_m + travel_m, velocity: 0.0 };
-    equilibrium::settle(m, instrument, &input, &mut || true)?;
+    let mut middles = (0..steps).map(|n| (n as f64 + 0.5) / steps as f64);
+    action.play(&mut || going(), &mut |_| {
+        let s = middles.next()?;
+        let position_m = travel_m * s * s * (3.0 - 2.0 * s);
+        Some(Input::Motion { position_m, velocity_m_s: travel_m * 6.0 * s * (1.0 - s) / APPROACH_S })
+    })?;
+    let finger = Input::Motion { position_m: travel_m, velocity_m_s: 0.0 };
+    action.settle(instrument, finger, &mut || going())?;
     Ok(())
-}
-
-fn step(m: &mut dyn Mechanism, input: &Input<f64>, time_s: f64) -> Result<(), MeasureError> {
-    match m.step(input).outcome {
-        Outcome::NonFinite => Err(SimulationError::NonFinite { time_s }.into()),
-        _ => Ok(()),
-    }
 }

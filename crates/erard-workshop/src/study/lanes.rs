@@ -1,50 +1,69 @@
 //! Mechanisms side by side: brought to rest, and played.
 
-use moreau::{Input, Model, ModelError, Outcome, Pose, Settings, State};
-use moreau_lanes::{Group, Lanes};
+use moreau::{Input, ModelError, Outcome, SavedState, Settings};
+use moreau_sizes::{Lanes, OwnedDescription, Placed, SideBySide, placed, side_by_side};
 
-use super::reach::{Reach, lever};
 use super::{JobResult, Played, Stroke};
 use crate::cores::Interrupt;
-use erard::assembly::{assemble, drawn_angles};
-use erard::course::Rest;
-use erard::equilibrium::{self, EquilibriumError, PATIENCE_S, Settling};
+use erard::assembly::{describe, marks};
+use erard::equilibrium::{self, PATIENCE_S, Settling};
 use erard::events::Watch;
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
-use erard::sight::{Sight, Visible, head_height};
+use erard::player::course::Rest;
+use erard::player::{self, Action, ActionError};
 use erard::simulation::{Setup, SimulationError};
 
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 1024;
+/// Places for a mechanism's angles.
+const BODIES: usize = 12;
 
-/// An instrument assembled, undriven and at rest.
-pub(super) struct AtRest<const B: usize, const Z: usize> {
-    model: Model<f64, B, Z>,
-    state: State<f64, B, Z>,
+/// A state, whatever the mechanism's size.
+type State = SavedState<f64, 12, 32>;
+
+/// An instrument described, undriven and at rest.
+pub(super) struct AtRest {
+    description: OwnedDescription,
+    state: State,
 }
 
 /// The same, or why there is none.
-pub(super) type Rested<const B: usize, const Z: usize> = Result<AtRest<B, Z>, EquilibriumError>;
+pub(super) type Rested = Result<AtRest, ActionError>;
 
 /// What is played in one lane.
-pub(super) struct Player<'a, const B: usize, const Z: usize> {
+pub(super) struct Player<'a> {
     pub instrument: &'a Instrument,
-    pub rest: &'a Rested<B, Z>,
+    pub rest: &'a Rested,
     pub stroke: Stroke<'a>,
 }
 
+/// Standing still at these angles.
+fn standing(angles: &[f64], pivot_friction: &[f64]) -> State {
+    let of = |values: &[f64]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
+    State {
+        angle: of(angles),
+        velocity: [0.0; 12],
+        increment: [0.0; 12],
+        pivot_friction: of(pivot_friction),
+        tangential: [0.0; 32],
+        side: [0.0; 32],
+        rigid_force: 0.0,
+    }
+}
+
 /// A group of the mechanisms of some lanes; where there are fewer than lanes, the last one is there several times.
-fn group<const B: usize, const Z: usize, const N: usize>(
-    mut models: Vec<Model<f64, B, Z>>,
-    mut states: Vec<State<f64, B, Z>>,
+fn group(
+    mut descriptions: Vec<&OwnedDescription>,
+    mut states: Vec<State>,
     settings: &Settings<f64>,
     lanes: Lanes,
-) -> Group<B, Z, N> {
-    let fill = |count: usize| lanes.count().saturating_sub(count);
-    models.extend(models.last().cloned().map(|last| vec![last; fill(models.len())]).unwrap_or_default());
-    states.extend(states.last().cloned().map(|last| vec![last; fill(states.len())]).unwrap_or_default());
-    Group::new(&models, &states, settings, lanes)
+) -> Result<Box<dyn SideBySide>, ModelError> {
+    let count = lanes.count().max(descriptions.len());
+    if let (Some(&description), Some(&state)) = (descriptions.last(), states.last()) {
+        descriptions.resize(count, description);
+        states.resize(count, state);
+    }
+    side_by_side(&descriptions, &states, settings, lanes)
 }
 
 /// Inputs for all lanes of a group: the last one for those that are filled up.
@@ -62,44 +81,46 @@ fn inputs_of(own: impl Iterator<Item = Input<f64>>, inputs: &mut [Input<f64>]) {
 ///
 /// # Errors
 /// [`SimulationError::Interrupted`].
-pub(super) fn settle<const B: usize, const Z: usize, const N: usize>(
+pub(super) fn settle(
     instruments: &[&Instrument],
     settings: Settings<f64>,
     lanes: Lanes,
     going: Interrupt<'_>,
-) -> Result<Vec<Rested<B, Z>>, SimulationError> {
-    let models: Vec<Result<Model<f64, B, Z>, ModelError>> = instruments.iter().map(|i| assemble(i)).collect();
-    let Some(stand_in) = models.iter().flatten().next().cloned() else {
-        return Ok(models.into_iter().filter_map(Result::err).map(|error| Err(error.into())).collect());
-    };
-    let own = models.iter().map(|model| model.as_ref().unwrap_or(&stand_in).clone()).collect();
-    let drawn = instruments.iter().map(|instrument| State::at_rest(drawn_angles(instrument))).collect();
+) -> Result<Vec<Rested>, SimulationError> {
+    let descriptions: Vec<OwnedDescription> = instruments.iter().map(|instrument| describe(instrument)).collect();
+    let drawn = descriptions.iter().map(|description| standing(&description.angles, &[])).collect();
     let free = vec![Input::Free; instruments.len()];
-    let states = come_to_rest::<B, Z, N>(own, drawn, &free, lanes, going)?;
-    let each = instruments.iter().zip(models).zip(states);
-    let rested = each.map(|((instrument, model), state)| {
-        let model = model?;
+    let states = match come_to_rest(descriptions.iter().collect(), drawn, &free, lanes, going) {
+        Ok(states) => states,
+        Err(SimulationError::Interrupted) => return Err(SimulationError::Interrupted),
+        // One that cannot be assembled: each says so for itself.
+        Err(_) => vec![None; instruments.len()],
+    };
+    let each = instruments.iter().zip(descriptions).zip(states);
+    let rested = each.map(|((instrument, description), state)| {
         let state = state.map_or_else(|| alone(instrument, settings, 0.0), Ok)?;
-        Ok(AtRest { model, state })
+        Ok(AtRest { description, state })
     });
     Ok(rested.collect())
 }
 
 /// Steps mechanisms until they rest, as [`equilibrium::settle`] does; `None` for one that it would have to slow down, or that flies
 /// apart.
-fn come_to_rest<const B: usize, const Z: usize, const N: usize>(
-    models: Vec<Model<f64, B, Z>>,
-    from: Vec<State<f64, B, Z>>,
+fn come_to_rest(
+    descriptions: Vec<&OwnedDescription>,
+    from: Vec<State>,
     own_inputs: &[Input<f64>],
     lanes: Lanes,
     going: Interrupt<'_>,
-) -> Result<Vec<Option<State<f64, B, Z>>>, SimulationError> {
-    let count = models.len();
-    let mut group = group::<B, Z, N>(models, from, &equilibrium::settings(), lanes);
+) -> Result<Vec<Option<State>>, SimulationError> {
+    let count = descriptions.len();
+    let bodies = descriptions.first().map_or(0, |d| d.bodies.len()).min(BODIES);
+    let mut group = group(descriptions, from, &equilibrium::settings(), lanes)?;
     let mut inputs = vec![Input::Free; lanes.count().max(count)];
     inputs_of(own_inputs.iter().copied(), &mut inputs);
     let mut outcomes = vec![Outcome::Converged; inputs.len()];
-    let mut rested: Vec<Option<State<f64, B, Z>>> = vec![None; count];
+    let mut rested: Vec<Option<State>> = vec![None; count];
+    let (mut angles, mut velocities) = ([0.0; BODIES], [0.0; BODIES]);
     let (mut settling, mut waited_for) = (vec![Settling::default(); count], vec![true; count]);
     let mut steps = 0_u64;
     while waited_for.contains(&true) {
@@ -114,9 +135,12 @@ fn come_to_rest<const B: usize, const Z: usize, const N: usize>(
             }
             if outcomes[i] == Outcome::NonFinite {
                 waited_for[i] = false;
-            } else if settling[i].rests(&group.motion(i).1) {
+                continue;
+            }
+            group.motion(i, &mut angles, &mut velocities);
+            if settling[i].rests(&velocities[..bodies]) {
                 let mut state = group.state(i);
-                state.velocity = [0.0; B];
+                state.velocity = [0.0; BODIES];
                 rested[i] = Some(state);
                 waited_for[i] = false;
             } else if settling[i].time_s > PATIENCE_S {
@@ -128,123 +152,72 @@ fn come_to_rest<const B: usize, const Z: usize, const N: usize>(
 }
 
 /// Brings one instrument to rest by itself, first undriven and then, if it begins there, under a finger so far down.
-fn alone<const B: usize, const Z: usize>(
-    instrument: &Instrument,
-    settings: Settings<f64>,
-    begins_at_m: f64,
-) -> Result<State<f64, B, Z>, EquilibriumError> {
-    let mut m = mechanism(instrument, settings)?;
-    equilibrium::settle(m.as_mut(), instrument, &Input::Free, &mut || true)?;
+fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> Result<State, ActionError> {
+    let mut action = Action::with(instrument, settings)?;
     if begins_at_m > 0.0 {
-        let position = m.site_position() + begins_at_m;
-        equilibrium::settle(m.as_mut(), instrument, &Input::Motion { position, velocity: 0.0 }, &mut || true)?;
+        let finger = player::Input::Motion { position_m: begins_at_m, velocity_m_s: 0.0 };
+        action.settle(instrument, finger, &mut || true)?;
     }
-    let of = |values: &[f64]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
-    let mut state = State::at_rest(of(m.angles()));
-    state.pivot_friction = of(m.pivot_friction());
-    Ok(state)
+    Ok(standing(action.angles(), action.mechanism().pivot_friction()))
 }
 
 /// One lane while it is played.
-struct Lane<'a, const B: usize, const Z: usize> {
-    player: &'a Player<'a, B, Z>,
-    model: &'a Model<f64, B, Z>,
-    at_rest: &'a State<f64, B, Z>,
-    pose: Pose<f64, B>,
-    velocity: [f64; B],
+struct Lane<'a> {
+    player: &'a Player<'a>,
+    at_rest: &'a AtRest,
+    seen: Box<dyn Placed>,
     rest: Rest,
     watch: Watch,
     highest_m: f64,
     unconverged_steps: u64,
     failed: Option<SimulationError>,
-    /// The hammer's lever, where a step may go unseen.
-    lever: Option<(usize, f64)>,
-    /// Set while nothing can happen; the last moments that were not looked at, then.
-    idle: Option<Reach>,
-    missed: [Option<Moment<B>>; 2],
 }
 
-/// Where a mechanism is at an instant.
-#[derive(Clone, Copy)]
-struct Moment<const B: usize> {
-    time_s: f64,
-    angle: [f64; B],
-    velocity: [f64; B],
-}
-
-impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
-    fn new(player: &'a Player<'a, B, Z>) -> Result<Self, SimulationError> {
-        let AtRest { model, state } = player.rest.as_ref().map_err(Clone::clone)?;
-        if player.instrument.roles.key.is_none() && !matches!(player.stroke, Stroke::Free) {
+impl<'a> Lane<'a> {
+    fn new(player: &'a Player<'a>, setup: &Setup) -> Result<Self, SimulationError> {
+        let at_rest = player.rest.as_ref().map_err(Clone::clone)?;
+        if player.instrument.roles.key.is_none() && (player.stroke)(setup.start_s) != player::Input::Free {
             return Err(SimulationError::NoKey);
         }
-        let mut lane = Lane {
+        let mut seen = placed(&at_rest.description, &marks(player.instrument))?;
+        seen.look(setup.start_s, &at_rest.state.angle, &at_rest.state.velocity);
+        let rest = Rest::of(player.instrument, seen.as_ref());
+        Ok(Lane {
             player,
-            model,
-            at_rest: state,
-            pose: Pose::of(model, &state.angle),
-            velocity: state.velocity,
-            rest: Rest { site_m: 0.0, head_m: 0.0 },
+            at_rest,
+            seen: placed(&at_rest.description, &marks(player.instrument))?,
+            rest,
             watch: Watch::new(player.instrument),
             highest_m: 0.0,
             unconverged_steps: 0,
             failed: None,
-            // An imposed motion asks for the pose in every step.
-            lever: lever(player.instrument).filter(|_| !matches!(player.stroke, Stroke::Rigid(_))),
-            idle: None,
-            missed: [None; 2],
-        };
-        lane.rest = Rest::of(player.instrument, &lane.sight());
-        Ok(lane)
+        })
     }
 
-    fn sight(&self) -> Sight<'_, B, Z> {
-        Sight { model: self.model, pose: &self.pose, velocity: &self.velocity }
-    }
-
-    /// Looks at the mechanism where it is now. While nothing can happen it looks away, and when something can again, it first sees
-    /// the two moments just before: what is seen to happen is the same as if it had never looked away.
-    fn look(&mut self, time_s: f64, (angle, velocity): ([f64; B], [f64; B])) {
-        let now = Moment { time_s, angle, velocity };
-        if let Some(reach) = self.idle {
-            if reach.is_out(&angle) {
-                self.missed = [self.missed[1], Some(now)];
-                return;
-            }
-            for moment in std::mem::take(&mut self.missed).into_iter().flatten() {
-                self.see(moment);
-            }
+    /// Looks at the mechanism where it is now. What is seen to happen is what a run sees.
+    fn look(&mut self, time_s: f64, angles: &[f64], velocities: &[f64]) {
+        self.seen.look(time_s, angles, velocities);
+        if self.seen.is_far() && self.watch.sees_blows_only() {
+            return;
         }
-        self.see(now);
-        self.idle = match (self.lever, self.player.instrument.roles.string) {
-            (Some(lever), Some(string)) if self.watch.sees_blows_only() => {
-                Reach::of(lever, &angle, self.sight().gap(string))
-            }
-            _ => None,
-        };
-    }
-
-    fn see(&mut self, Moment { time_s, angle, velocity }: Moment<B>) {
-        self.pose = Pose::of(self.model, &angle);
-        self.velocity = velocity;
-        let sight = Sight { model: self.model, pose: &self.pose, velocity: &self.velocity };
-        let key_m = sight.site_position() - self.rest.site_m;
-        let hammer_m = head_height(self.player.instrument, &sight) - self.rest.head_m;
-        self.watch.look(time_s, key_m, hammer_m, &sight);
+        let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.seen.as_ref());
+        let hammer_m = head_m - self.rest.head_m;
+        self.watch.look(time_s, site_m - self.rest.site_m, hammer_m, self.seen.as_ref());
         self.highest_m = self.highest_m.max(hammer_m);
     }
 
     /// The input of the step from t0; of a mechanism that has failed, one of the same kind that does no harm.
     fn input(&self, t0: f64, settings: &Settings<f64>) -> Input<f64> {
+        let Settings { step: h, theta, .. } = *settings;
+        let input = self.rest.input(&self.player.stroke, t0, h, theta, h, &|| self.seen.site_position());
         if self.failed.is_none() {
-            let Settings { step: h, theta, .. } = *settings;
-            return self.rest.input(&self.player.stroke.drive(), t0, h, theta, h, &|| self.sight().site_position());
+            return input;
         }
-        match self.player.stroke {
-            Stroke::Free => Input::Free,
-            Stroke::Force(_) => Input::Force(0.0),
-            Stroke::Motion(_) => Input::Motion { position: self.rest.site_m, velocity: 0.0 },
-            Stroke::Rigid(_) => Input::Rigid { velocity: 0.0 },
+        match input {
+            Input::Free => Input::Free,
+            Input::Force(_) => Input::Force(0.0),
+            Input::Motion { .. } => Input::Motion { position: self.rest.site_m, velocity: 0.0 },
+            Input::Rigid { .. } => Input::Rigid { velocity: 0.0 },
         }
     }
 
@@ -264,36 +237,38 @@ impl<'a, const B: usize, const Z: usize> Lane<'a, B, Z> {
 ///
 /// # Errors
 /// [`SimulationError::Interrupted`].
-pub(super) fn play<const B: usize, const Z: usize, const N: usize>(
-    players: &[Player<'_, B, Z>],
+pub(super) fn play(
+    players: &[Player<'_>],
     setup: &Setup,
     lanes: Lanes,
     going: Interrupt<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
-    let mut begun: Vec<Result<Lane<B, Z>, SimulationError>> = players.iter().map(Lane::new).collect();
-    let mut own: Vec<&mut Lane<B, Z>> = begun.iter_mut().flatten().collect();
+    let mut begun: Vec<Result<Lane, SimulationError>> = players.iter().map(|player| Lane::new(player, setup)).collect();
+    let mut own: Vec<&mut Lane> = begun.iter_mut().flatten().collect();
     if !own.is_empty() {
-        step_all::<B, Z, N>(&mut own, setup, lanes, going)?;
+        step_all(&mut own, setup, lanes, going)?;
     }
     Ok(begun.into_iter().map(|lane| lane.and_then(Lane::finish)).collect())
 }
 
 /// Steps mechanisms side by side to the end of their strokes.
-fn step_all<const B: usize, const Z: usize, const N: usize>(
-    own: &mut [&mut Lane<'_, B, Z>],
+fn step_all(
+    own: &mut [&mut Lane<'_>],
     setup: &Setup,
     lanes: Lanes,
     going: Interrupt<'_>,
 ) -> Result<(), SimulationError> {
-    let states = first_states::<B, Z, N>(own, setup, lanes, going)?;
-    let models = own.iter().map(|lane| lane.model.clone()).collect();
-    let mut group = group::<B, Z, N>(models, states, &setup.settings, lanes);
+    let states = first_states(own, setup, lanes, going)?;
+    let descriptions = own.iter().map(|lane| &lane.at_rest.description).collect();
+    let mut group = group(descriptions, states, &setup.settings, lanes)?;
+    let (mut angles, mut velocities) = ([0.0; BODIES], [0.0; BODIES]);
     let mut inputs = vec![Input::Free; lanes.count().max(own.len())];
     let mut outcomes = vec![Outcome::Converged; inputs.len()];
     let steps = setup.check()?;
     let h = setup.settings.step;
     for (i, lane) in own.iter_mut().enumerate() {
-        lane.look(setup.start_s, group.motion(i));
+        group.motion(i, &mut angles, &mut velocities);
+        lane.look(setup.start_s, &angles, &velocities);
     }
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) {
@@ -316,30 +291,31 @@ fn step_all<const B: usize, const Z: usize, const N: usize>(
                     continue;
                 }
             }
-            lane.look(setup.start_s + (n + 1) as f64 * h, group.motion(i));
+            group.motion(i, &mut angles, &mut velocities);
+            lane.look(setup.start_s + (n + 1) as f64 * h, &angles, &velocities);
         }
     }
     Ok(())
 }
 
 /// Where the lanes begin: at rest, or under a finger that is already down.
-fn first_states<const B: usize, const Z: usize, const N: usize>(
-    own: &mut [&mut Lane<'_, B, Z>],
+fn first_states(
+    own: &mut [&mut Lane<'_>],
     setup: &Setup,
     lanes: Lanes,
     going: Interrupt<'_>,
-) -> Result<Vec<State<f64, B, Z>>, SimulationError> {
-    let at_rest: Vec<State<f64, B, Z>> = own.iter().map(|lane| lane.at_rest.clone()).collect();
-    let begins_at_m: Vec<f64> = own.iter().map(|lane| lane.player.stroke.begins_at_m(setup.start_s)).collect();
+) -> Result<Vec<State>, SimulationError> {
+    let at_rest: Vec<State> = own.iter().map(|lane| lane.at_rest.state).collect();
+    let begins_at_m: Vec<f64> =
+        own.iter().map(|lane| (lane.player.stroke)(setup.start_s).position_m().max(0.0)).collect();
     // They are grouped so that all begin at rest or none does.
     if begins_at_m.iter().all(|at| *at <= 0.0) {
         return Ok(at_rest);
     }
-    let finger =
-        |(lane, at): (&&mut Lane<B, Z>, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
+    let finger = |(lane, at): (&&mut Lane, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
     let inputs: Vec<Input<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
-    let models = own.iter().map(|lane| lane.model.clone()).collect();
-    let settled = come_to_rest::<B, Z, N>(models, at_rest.clone(), &inputs, lanes.in_doubles(), going)?;
+    let descriptions = own.iter().map(|lane| &lane.at_rest.description).collect();
+    let settled = come_to_rest(descriptions, at_rest.clone(), &inputs, lanes.in_doubles(), going)?;
     let mut states = at_rest;
     for (((state, settled), lane), at) in states.iter_mut().zip(settled).zip(own).zip(begins_at_m) {
         match settled.map_or_else(|| alone(lane.player.instrument, setup.settings, at), Ok) {

@@ -2,66 +2,29 @@
 //!
 //! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`],
 //! to rounding (of single precision, if that is asked for), and the same bits however many threads there are. Nothing is recorded but
-//! the instants of each stroke. Instruments of another size than a grand action's (six bodies, fourteen zones) go on all cores, but not
-//! in lanes; so do steps whose error is controlled, for lanes share their steps.
+//! the instants of each stroke. Instruments of six to nine bodies and up to twenty zones go in lanes; the others on all cores, but one by one. So
+//! do steps whose error is controlled, for lanes share their steps.
 
 mod lanes;
 mod parameter;
-mod reach;
 mod topology;
 
 pub use parameter::Parameter;
 
-pub use moreau_lanes::Lanes;
+pub use moreau_sizes::Lanes;
 
 use crate::cores::{self, do_all, job};
+use erard::assembly::describe;
 use erard::instrument::Instrument;
 use erard::mechanism::Size;
+use erard::player::Input;
 use erard::run::Events;
-use erard::simulation::{Drive, Setup, SimulationError, simulate};
+use erard::simulation::{Setup, SimulationError, simulate};
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, groups};
 
-/// What drives the key in a job: as [`Drive`], but owned, so that another thread can take it.
-pub enum Stroke<'a> {
-    /// Nothing.
-    Free,
-    /// A force on the key front, s to N.
-    Force(Box<dyn Fn(f64) -> f64 + Send + 'a>),
-    /// Position and velocity of the finger, s to m and m/s.
-    Motion(Box<dyn Fn(f64) -> [f64; 2] + Send + 'a>),
-    /// Position and velocity of the key front itself, s to m and m/s.
-    Rigid(Box<dyn Fn(f64) -> [f64; 2] + Send + 'a>),
-}
-
-impl Stroke<'_> {
-    fn drive(&self) -> Drive<'_> {
-        match self {
-            Stroke::Free => Drive::Free,
-            Stroke::Force(force) => Drive::Force(force.as_ref()),
-            Stroke::Motion(position) => Drive::Motion(position.as_ref()),
-            Stroke::Rigid(position) => Drive::Rigid(position.as_ref()),
-        }
-    }
-
-    /// The kind of its input: lanes share one.
-    fn kind(&self) -> u8 {
-        match self {
-            Stroke::Free => 0,
-            Stroke::Force(_) => 1,
-            Stroke::Motion(_) => 2,
-            Stroke::Rigid(_) => 3,
-        }
-    }
-
-    /// How far down a motion begins, m; 0 for what begins at rest.
-    fn begins_at_m(&self, start_s: f64) -> f64 {
-        match self {
-            Stroke::Free | Stroke::Force(_) => 0.0,
-            Stroke::Motion(position) | Stroke::Rigid(position) => position(start_s)[0].max(0.0),
-        }
-    }
-}
+/// What drives the key in a job: as [`erard::Drive`], but owned, so that another thread can take it.
+pub type Stroke<'a> = Box<dyn Fn(f64) -> Input + Send + 'a>;
 
 /// One stroke on one instrument.
 pub struct Job<'a> {
@@ -122,21 +85,18 @@ pub fn play_all(
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
-    let sizes: Vec<Size> = instruments.iter().map(|i| Size::of(i, &setup.settings)).collect();
+    let in_lanes: Vec<bool> = instruments.iter().map(|i| Size::of(&describe(i)).has_lanes()).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
     let count = jobs.len() as f64;
-    let (grands, others): (Vec<_>, Vec<_>) = jobs
-        .into_iter()
-        .enumerate()
-        .partition(|(_, job)| sizes[job.instrument] == Size::Grand && setup.tolerance.is_none());
-    let share = grands.len() as f64 / count.max(1.0);
-    play_in_lanes::<6, 14, 10>(instruments, grands, setup, workers, &mut results, &mut |own| progress(share * own))?;
+    let (lanes, others): (Vec<_>, Vec<_>) =
+        jobs.into_iter().enumerate().partition(|(_, job)| in_lanes[job.instrument] && setup.tolerance.is_none());
+    let share = lanes.len() as f64 / count.max(1.0);
+    play_in_lanes(instruments, lanes, setup, workers, &mut results, &mut |own| progress(share * own))?;
     play_alone(instruments, others, setup, workers, &mut results, &mut |own| progress(share + (1.0 - share) * own))?;
     Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
 }
 
-/// Plays jobs one by one, on several threads: lanes of other sizes would take longer to compile than anybody who has such an
-/// instrument will wait for its strokes.
+/// Plays jobs one by one, on several threads.
 fn play_alone(
     instruments: &[Instrument],
     jobs: Vec<(usize, Job<'_>)>,
@@ -145,12 +105,12 @@ fn play_alone(
     results: &mut [Option<JobResult>],
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), SimulationError> {
-    let setup = Setup { record_every: Some(1), ..*setup };
+    let setup = Setup { record_every: Some(1), ledger: false, ..*setup };
     let indices: Vec<usize> = jobs.iter().map(|(index, _)| *index).collect();
     let mut outcomes: Vec<_> = jobs.iter().map(|_| None).collect();
     let work = jobs.into_iter().zip(&mut outcomes).map(|((_, Job { instrument, stroke }), outcome)| {
         let instrument = &instruments[instrument];
-        job(outcome, move |going| match simulate(instrument, &stroke.drive(), &setup, &mut |_| going()) {
+        job(outcome, move |going| match simulate(instrument, stroke.as_ref(), &setup, &mut |_| going()) {
             Err(SimulationError::Interrupted) => Err(SimulationError::Interrupted),
             played => Ok(played.map(|run| Played {
                 highest_m: run.hammer_head_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
@@ -169,8 +129,8 @@ fn play_alone(
 /// How long finding a rest is taken to last, in seconds of stroke that could be played in the same time. Progress counts with it.
 const REST_S: f64 = 0.3;
 
-/// Plays the jobs of one engine size in lanes: first every instrument used comes to rest, then all strokes.
-fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
+/// Plays jobs in lanes: first every instrument used comes to rest, then all strokes.
+fn play_in_lanes(
     instruments: &[Instrument],
     jobs: Vec<(usize, Job<'_>)>,
     setup: &Setup,
@@ -192,10 +152,10 @@ fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
     let mut outcomes: Vec<_> = settled_together.iter().map(|_| None).collect();
     let work = settled_together.iter().zip(&mut outcomes).map(|(group, outcome)| {
         let group: Vec<&Instrument> = group.iter().map(|&place| &instruments[used[place]]).collect();
-        job(outcome, move |going| settle::<B, Z, N>(&group, setup.settings, settled_in, going))
+        job(outcome, move |going| settle(&group, setup.settings, settled_in, going))
     });
     do_all(work.collect(), threads, &mut |share| progress(settling * share))?;
-    let mut rested: Vec<Option<Rested<B, Z>>> = used.iter().map(|_| None).collect();
+    let mut rested: Vec<Option<Rested>> = used.iter().map(|_| None).collect();
     for (group, outcome) in settled_together.iter().zip(outcomes) {
         for (place, one) in group.iter().zip(outcome.into_iter().flatten()) {
             rested[*place] = Some(one);
@@ -207,7 +167,8 @@ fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
         .iter()
         .map(|(_, job)| {
             let topology = &topologies[place_of(job.instrument)];
-            (topology, job.stroke.kind(), job.stroke.begins_at_m(setup.start_s) > 0.0)
+            let begins = (job.stroke)(setup.start_s);
+            (topology, kind(&begins), begins.position_m() > 0.0)
         })
         .collect();
     let played_together = groups(kinds.into_iter().zip(0..), lanes.count());
@@ -218,13 +179,13 @@ fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
     let rested = &rested;
     for (group, outcome) in played_together.iter().zip(&mut outcomes) {
         let own = group.iter().filter_map(|&place| waiting[place].take());
-        let players: Vec<Player<B, Z>> = own
+        let players: Vec<Player> = own
             .filter_map(|Job { instrument, stroke }| {
                 let rest = rested[place_of(instrument)].as_ref()?;
                 Some(Player { instrument: &instruments[instrument], stroke, rest })
             })
             .collect();
-        work.push(job(outcome, move |going| play::<B, Z, N>(&players, setup, lanes, going)));
+        work.push(job(outcome, move |going| play(&players, setup, lanes, going)));
     }
     do_all(work, threads, &mut |share| progress(settling + (1.0 - settling) * share))?;
     for (group, outcome) in played_together.iter().zip(outcomes) {
@@ -233,4 +194,14 @@ fn play_in_lanes<const B: usize, const Z: usize, const N: usize>(
         }
     }
     Ok(())
+}
+
+/// The kind of an input: lanes share one.
+fn kind(input: &Input) -> u8 {
+    match input {
+        Input::Free => 0,
+        Input::Force(_) => 1,
+        Input::Motion { .. } => 2,
+        _ => 3,
+    }
 }

@@ -2,10 +2,9 @@
 
 use std::time::Instant;
 
+use erard::assembly;
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
-use erard::{assembly, equilibrium};
 use moreau::{
     Accuracy, Controller, Halves, Input, Model, Outcome, Settings, Sleep, State, Workspace, controlled_step, step,
 };
@@ -119,9 +118,7 @@ impl<'a> Watch<'a> {
 impl Action {
     /// Lets the instrument come to rest.
     pub fn new(instrument: Instrument) -> Result<Self, Box<dyn std::error::Error>> {
-        let mut settled = mechanism(&instrument, Settings::new(equilibrium::STEP_S))?;
-        equilibrium::settle(settled.as_mut(), &instrument, &Input::Free, &mut || true)?;
-        let rest = settled.angles().to_vec();
+        let rest = erard::Action::new(&instrument)?.angles().to_vec();
         let stroke =
             Series::builtin("mf", Touch::Pressed).and_then(|s| s.force).ok_or("the mf stroke is not built in")?;
         let strike = strike(&instrument, &rest)?;

@@ -6,9 +6,10 @@
 
 use std::f64::consts::PI;
 
-use moreau::{Input, Settings};
+use moreau::Settings;
 
 use super::{Keys, Tick};
+use crate::player::Input;
 
 /// Fingers of two hands.
 pub const TEN: usize = 10;
@@ -74,7 +75,7 @@ impl Tremolo {
     pub fn tick(&mut self) -> Tick {
         for finger in &mut self.fingers {
             if finger.playing {
-                self.keys.drive(finger.key, &Input::Force(self.force_n[finger.tick]));
+                self.keys.drive(finger.key, Input::Force(self.force_n[finger.tick]));
             }
             finger.tick += 1;
             if finger.tick == self.force_n.len() {

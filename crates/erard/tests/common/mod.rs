@@ -7,8 +7,9 @@ pub mod perturb;
 use std::f64::consts::PI;
 
 use erard::instrument::Instrument;
+use erard::player::{self, Drive};
 use erard::run::Run;
-use erard::simulation::{Drive, Setup, simulate};
+use erard::simulation::{Setup, simulate};
 use erard::stroke::{PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings};
 
@@ -92,20 +93,20 @@ impl Play {
         record_every: Option<u64>,
         tolerance: Option<f64>,
     ) -> Run {
-        let setup = Setup { settings, start_s: 0.0, duration_s, record_every, tolerance };
-        let go = |drive: &Drive| {
+        let setup = Setup { settings, start_s: 0.0, duration_s, record_every, tolerance, ledger: true };
+        let go = |drive: &Drive<'_>| {
             simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))
         };
         match *self {
-            Play::Free => go(&Drive::Free),
-            Play::ForceStep(force, until) => go(&Drive::Force(&|t| if t < until { force } else { 0.0 })),
+            Play::Free => go(&|_| player::Input::Free),
+            Play::ForceStep(force, until) => go(&player::force(|t| if t < until { force } else { 0.0 })),
             Play::Stroke(nuance, touch) => {
                 let series = Series::builtin(nuance, touch).and_then(|s| s.force).expect("built in");
-                go(&Drive::Force(&series.drive()))
+                go(&player::force(series.drive()))
             }
-            Play::Motion(nuance, touch) => go(&Drive::Motion(&motion(nuance, touch).drive())),
-            Play::Rigid(nuance, touch) => go(&Drive::Rigid(&motion(nuance, touch).drive())),
-            Play::Tremolo { top, bottom, frequency } => go(&Drive::Motion(&|t| tremolo(top, bottom, frequency, t))),
+            Play::Motion(nuance, touch) => go(&player::motion(&motion(nuance, touch).drive())),
+            Play::Rigid(nuance, touch) => go(&player::rigid(&motion(nuance, touch).drive())),
+            Play::Tremolo { top, bottom, frequency } => go(&player::motion(|t| tremolo(top, bottom, frequency, t))),
         }
     }
 }

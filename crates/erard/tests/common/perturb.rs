@@ -1,10 +1,10 @@
 //! Random instruments and random strokes, each made from one number, so that a bad one can be made again.
 
-use erard::equilibrium::{self, EquilibriumError};
+use erard::equilibrium::EquilibriumError;
 use erard::instrument::{Curve, Instrument, Vec2};
-use erard::mechanism::mechanism;
+use erard::player::{Action, Input};
 use erard::stroke::{Cursor, NUANCES, Series, Touch};
-use moreau::{Input, Ledger, Outcome, Settings};
+use moreau::{Ledger, Outcome, Settings};
 
 use super::tremolo;
 
@@ -163,8 +163,8 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
     let mut r = Random::new(seed ^ 0x5eed_0000_0000_0000);
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
-    let mut m = mechanism(&instrument, settings).expect("a valid instrument assembles");
-    match equilibrium::settle(m.as_mut(), &instrument, &Input::Free, &mut || true) {
+    let mut action = Action::as_drawn(&instrument, settings).expect("a valid instrument assembles");
+    match action.settle(&instrument, Input::Free, &mut || true) {
         Ok(time) => fate.settling_s = time,
         Err(EquilibriumError::NoRest { .. }) => fate.restless = true,
         Err(_) => {
@@ -172,8 +172,8 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
             return fate;
         }
     }
-    let home = m.site_position();
-    m.open_ledger();
+    action.rest_here(&instrument);
+    let mut ledger = action.mechanism_mut().open_ledger();
     let (h, theta) = (settings.step, settings.theta);
     fate.steps = (duration_s / h) as u64;
     for n in 0..fate.steps {
@@ -182,16 +182,14 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
             Stroke::Force(f) => Input::Force(f(t + theta * h)),
             Stroke::Motion(p) => {
                 let [y, velocity] = p(t + theta * h);
-                Input::Motion { position: home + y, velocity }
+                Input::Motion { position_m: y, velocity_m_s: velocity }
             }
             Stroke::Rigid(p) => {
-                let behind = home + p(t)[0] - m.site_position();
-                Input::Rigid { velocity: p(t + h)[1] + 0.1 * behind / h }
+                let [position_m, velocity_m_s] = p(t + h);
+                Input::Rigid { position_m, velocity_m_s }
             }
         };
-        let report = m.step(&input);
-        fate.newton += u64::from(report.newton);
-        match report.outcome {
+        match action.step(input).outcome {
             Outcome::Converged => {}
             Outcome::IterationLimit => fate.unconverged += 1,
             Outcome::NonFinite | Outcome::TooManyLaws => {
@@ -199,8 +197,11 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
                 return fate;
             }
         }
+        fate.newton += u64::from(action.mechanism().last_report().newton);
+        action.mechanism().book(&mut ledger);
         if n % STOCK == STOCK - 1 {
-            fate.take_stock(&m.ledger());
+            action.mechanism().take_stock(&mut ledger);
+            fate.take_stock(&ledger);
         }
     }
     fate

@@ -1,6 +1,6 @@
 //! Steps whose error is controlled: each is taken once whole and once in two halves, and is as long as their difference allows.
 //!
-//! A driver around the inner [`step()`]; its equations stand in this crate's README, "Error control".
+//! A driver around the inner [`step()`](crate::step()); its equations stand in this crate's README, "Error control".
 
 mod changes;
 
@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
 use crate::state::{Input, State};
-use crate::step::{Outcome, step};
+use crate::step::{Outcome, step_apart};
 use crate::workspace::Workspace;
 use changes::Changes;
 
@@ -223,7 +223,7 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         workspace.turning.slip_before = *slip;
         workspace.turning.span = (T::ONE - settings.theta) * last;
         let input = input(from, settings.step, state);
-        let did = step(model, settings, &input, state, workspace);
+        let did = step_apart(model, settings, &input, state, workspace);
         report.inner += 1;
         report.newton += did.newton;
         report.solver += did.solver;

@@ -1,24 +1,28 @@
 //! Writes down a run while it goes on.
 
+use moreau::Contact;
+
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::run::{BodySeries, ZoneSeries};
 
-/// Series under construction.
+/// An observer that writes an action's series down: told of every step, and of every instant that makes a row. Units and signs as in
+/// [`crate::run::Run`].
 #[derive(Debug)]
-pub(crate) struct Recorder {
-    pub time_s: Vec<f64>,
-    pub force_n: Vec<f64>,
-    pub key_m: Vec<f64>,
-    pub hammer_head_m: Vec<f64>,
-    pub bodies: Vec<BodySeries>,
-    pub zones: Vec<ZoneSeries>,
+pub struct Recorder {
+    pub(super) time_s: Vec<f64>,
+    pub(super) force_n: Vec<f64>,
+    pub(super) key_m: Vec<f64>,
+    pub(super) hammer_head_m: Vec<f64>,
+    pub(super) bodies: Vec<BodySeries>,
+    pub(super) zones: Vec<ZoneSeries>,
     has_hammer: bool,
     /// The last row's forces are those of a step of this length, s, and still wait for those of the step after it.
     pending: Option<f64>,
 }
 
 impl Recorder {
+    /// For so many rows of an instrument: memory for them is taken now.
     pub fn new(instrument: &Instrument, rows: usize) -> Self {
         let series = || Vec::with_capacity(rows);
         Recorder {
@@ -59,20 +63,32 @@ impl Recorder {
             }
         };
         mean(&mut self.force_n, m.drive_force());
-        for (z, zone) in self.zones.iter_mut().enumerate() {
-            mean(&mut zone.normal_n, m.normal_force(z));
+        let contacts = m.contacts();
+        for ((zone, contact), tangential) in self.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
+            let Some(contact) = contact else {
+                // Nothing now, and nothing in the last row: nothing between.
+                if zone.normal_n.last().is_some_and(|last| *last != 0.0) {
+                    mean(&mut zone.normal_n, 0.0);
+                }
+                if zone.tangential_n.last().is_some_and(|last| *last != 0.0) {
+                    mean(&mut zone.tangential_n, *tangential);
+                }
+                continue;
+            };
+            mean(&mut zone.normal_n, contact.force);
             if zone.has_friction {
-                mean(&mut zone.tangential_n, m.tangential_force(z));
+                mean(&mut zone.tangential_n, *tangential);
             }
             // A contact that began with this step pushes in the last row too, and has its place from here.
             if let Some(place) = zone.contact.last_mut()
                 && place[2..] == [0.0; 2]
             {
-                *place = m.contact(z);
+                *place = place_of(contact);
             }
         }
     }
 
+    /// A row: key travel and hammer rise from rest, m.
     pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
         self.pending = Some(m.last_step());
         self.time_s.push(time_s);
@@ -85,12 +101,20 @@ impl Recorder {
             body.angle_rad.push(*angle);
             body.rate_rad_per_s.push(*rate);
         }
-        for (z, zone) in self.zones.iter_mut().enumerate() {
-            zone.normal_n.push(m.normal_force(z));
+        let contacts = m.contacts();
+        for ((zone, contact), tangential) in self.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
+            let (force, place) = contact.as_ref().map_or((0.0, [0.0; 4]), |c| (c.force, place_of(c)));
+            zone.normal_n.push(force);
+            zone.contact.push(place);
             if zone.has_friction {
-                zone.tangential_n.push(m.tangential_force(z));
+                zone.tangential_n.push(*tangential);
             }
-            zone.contact.push(m.contact(z));
         }
     }
+}
+
+/// Contact point and normal, as a run keeps them.
+fn place_of(contact: &Contact<f64>) -> [f32; 4] {
+    let ([x, y], [nx, ny]) = (contact.point, contact.normal);
+    [x as f32, y as f32, nx as f32, ny as f32]
 }

@@ -1,0 +1,397 @@
+//! One action, owned and stepped from outside.
+
+use moreau::{ModelError, Outcome, Settings, StepReport};
+use thiserror::Error;
+
+use super::Input;
+use super::course::{RIGID_CORRECTION, Rest};
+use super::snapshot::{Snapshot, SnapshotError, digest};
+use crate::equilibrium::{self, EquilibriumError};
+use crate::instrument::Instrument;
+use crate::mechanism::{Mechanism, View, mechanism};
+use crate::run::Strike;
+
+/// Why an action cannot be played.
+#[derive(Debug, Clone, Error)]
+#[non_exhaustive]
+pub enum ActionError {
+    /// The step is out of range.
+    #[error(
+        "the step is {found} s; expected a number from {:e} to {:e} s",
+        crate::simulation::SMALLEST_STEP_S,
+        crate::simulation::LARGEST_STEP_S
+    )]
+    Step {
+        /// s.
+        found: f64,
+    },
+    /// Not assembled.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// It does not come to rest.
+    #[error(transparent)]
+    Equilibrium(#[from] EquilibriumError),
+}
+
+/// Why [`Action::play`] ended before its inputs did.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PlayError {
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// A number became infinite.
+    #[error("at {time_s:.6} s a number became infinite")]
+    NonFinite {
+        /// s.
+        time_s: f64,
+    },
+}
+
+/// What there is to be read after a step: SI units, key and finger positive downward (pushing), hammer positive upward.
+///
+/// Places and speeds are those at the step's end, from rest. The two forces acted in the step: they belong to its theta point, half a
+/// step before. (A run's rows centre them on the row's instant by the step after; a reading does not wait for it.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Reading {
+    /// Travel of the key front, m.
+    pub key_m: f64,
+    /// Its speed, m/s.
+    pub key_m_s: f64,
+    /// Force of the finger on the key, N: what a haptic key has to give back.
+    pub finger_n: f64,
+    /// Rise of the hammer's strike point, m; 0 without a hammer.
+    pub hammer_m: f64,
+    /// How fast it rises, m/s.
+    pub hammer_m_s: f64,
+    /// Force between hammer and string, N, never negative.
+    pub string_n: f64,
+    /// How the step ended. After [`Outcome::NonFinite`] the action is where it was, and can be stepped on.
+    pub outcome: Outcome,
+}
+
+/// A grand action that is stepped from outside: a force or a position in, what the mechanism does out.
+///
+/// It starts at rest, friction included, nothing touching the key. [`Action::step`] never allocates, never panics and takes a bounded number
+/// of iterations; nor does anything else here but [`Action::new`] and [`Action::with`], unless it says so. Nothing uses a clock or a thread.
+///
+/// ```
+/// use erard::{Action, Input, Instrument};
+///
+/// let grand = Instrument::builtin("concert-grand")?;
+/// let mut action = Action::new(&grand)?;
+/// let mut blow = None;
+/// for _ in 0..1000 {
+///     let reading = action.step(Input::Force(5.0)); // 50 us each
+///     assert!(reading.key_m < 0.0105);
+///     blow = blow.or(action.blow());
+/// }
+/// let blow = blow.expect("5 N in 50 ms are a mezzo forte");
+/// assert!((1.0..3.0).contains(&blow.speed_m_s));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Action {
+    mechanism: Box<dyn Mechanism>,
+    rest: Rest,
+    digest: u64,
+    view: View,
+    outcome: Outcome,
+    /// Where an imposed motion was to be at the end of the last step, m from rest.
+    aimed_m: Option<f64>,
+}
+
+impl Action {
+    /// At rest, 50 us a step, the usual settings.
+    ///
+    /// # Errors
+    /// See [`ActionError`].
+    pub fn new(instrument: &Instrument) -> Result<Self, ActionError> {
+        Action::with(instrument, Settings::new(equilibrium::STEP_S))
+    }
+
+    /// At rest, with other settings.
+    ///
+    /// # Errors
+    /// See [`ActionError`].
+    pub fn with(instrument: &Instrument, settings: Settings<f64>) -> Result<Self, ActionError> {
+        Action::asking(instrument, settings, &mut || true)
+    }
+
+    /// The same; `going` is asked now and then while the rest is sought, and ends the search by returning false.
+    ///
+    /// # Errors
+    /// See [`ActionError`]; [`EquilibriumError::Interrupted`].
+    pub fn asking(
+        instrument: &Instrument,
+        settings: Settings<f64>,
+        going: &mut dyn FnMut() -> bool,
+    ) -> Result<Self, ActionError> {
+        let mut action = Action::as_drawn(instrument, settings)?;
+        action.settle(instrument, Input::Free, going)?;
+        action.rest_here(instrument);
+        Ok(action)
+    }
+
+    /// Standing still at the angles as drawn in the file, wherever that is; travels are measured from there.
+    ///
+    /// # Errors
+    /// See [`ActionError`].
+    pub fn as_drawn(instrument: &Instrument, settings: Settings<f64>) -> Result<Self, ActionError> {
+        let range = crate::simulation::SMALLEST_STEP_S..=crate::simulation::LARGEST_STEP_S;
+        if !range.contains(&settings.step) {
+            return Err(ActionError::Step { found: settings.step });
+        }
+        let mechanism = mechanism(instrument, settings)?;
+        let view = mechanism.view();
+        let mut action = Action {
+            rest: Rest { site_m: 0.0, head_m: 0.0 },
+            digest: digest(instrument),
+            view,
+            outcome: Outcome::Converged,
+            aimed_m: None,
+            mechanism,
+        };
+        action.rest_here(instrument);
+        Ok(action)
+    }
+
+    /// From now on travels are measured from here, and this instant is 0 s.
+    pub fn rest_here(&mut self, instrument: &Instrument) {
+        self.rest = Rest::of(instrument, self.mechanism.as_ref());
+        self.begin_at(0.0);
+    }
+
+    /// One step of the settings' length under an input. A number that is not finite leaves the action as it was, and is told by the
+    /// reading's outcome.
+    #[inline]
+    pub fn step(&mut self, input: Input) -> Reading {
+        let input = self.engine_input(input);
+        self.step_engine(&input);
+        self.reading()
+    }
+
+    /// What there is to be read now: after a step, the same as it returned.
+    #[inline]
+    pub fn reading(&self) -> Reading {
+        let view = &self.view;
+        Reading {
+            key_m: view.site_m - self.rest.site_m,
+            key_m_s: view.site_m_s,
+            finger_n: view.drive_n,
+            hammer_m: view.point_m[1] - self.rest.head_m,
+            hammer_m_s: view.point_m_s[1],
+            string_n: view.zone_n,
+            outcome: self.outcome,
+        }
+    }
+
+    /// The blow whose hammer met the string in the last step: its instant, on the clock of [`Action::time_s`], and the speed of the strike
+    /// point along its arc, both as it flew before ([`crate::sight::Meeting`]).
+    #[inline]
+    pub fn blow(&self) -> Option<Strike> {
+        self.view.met.map(Strike::from)
+    }
+
+    /// The loop over steps of one length: asks `next` for an input, takes a step, asks again, until there is no input. `next` sees the action
+    /// after every step; `going` is asked every 512 steps, and ends the loop by returning false.
+    ///
+    /// # Errors
+    /// See [`PlayError`]. Steps that reach an iteration limit are no error: the reading tells.
+    pub fn play(
+        &mut self,
+        going: &mut dyn FnMut() -> bool,
+        next: &mut dyn FnMut(&mut Self) -> Option<Input>,
+    ) -> Result<(), PlayError> {
+        self.play_engine(going, &mut |action, _| {
+            let input = next(action)?;
+            Some(action.engine_input(input))
+        })
+    }
+
+    /// The loop over steps of one length, under inputs of the engine's; `next` is told the last step's report, too.
+    pub(crate) fn play_engine(
+        &mut self,
+        going: &mut dyn FnMut() -> bool,
+        next: &mut dyn FnMut(&mut Self, Option<&StepReport>) -> Option<moreau::Input<f64>>,
+    ) -> Result<(), PlayError> {
+        let (mut steps, mut last) = (0_u64, None);
+        while let Some(input) = next(self, last.as_ref()) {
+            if steps.is_multiple_of(ASK_EVERY) && !going() {
+                return Err(PlayError::Interrupted);
+            }
+            let before_s = self.time_s();
+            let report = self.step_engine(&input);
+            if report.outcome == Outcome::NonFinite {
+                return Err(PlayError::NonFinite { time_s: before_s });
+            }
+            last = Some(report);
+            steps += 1;
+        }
+        Ok(())
+    }
+
+    /// Lets the action come to rest under a constant input, with true dry friction whatever its settings say; they are restored, and all
+    /// velocities are zero, at the end. Returns the simulated time it took, s; [`Action::time_s`] does not count it.
+    ///
+    /// # Errors
+    /// See [`EquilibriumError`].
+    pub fn settle(
+        &mut self,
+        instrument: &Instrument,
+        input: Input,
+        going: &mut dyn FnMut() -> bool,
+    ) -> Result<f64, EquilibriumError> {
+        let (input, now_s) = (self.engine_input(input), self.time_s());
+        let took = equilibrium::settle(self, instrument, &input, going);
+        self.begin_at(now_s);
+        took
+    }
+
+    /// Calls the present instant so, s, and forgets the flight of the hammer so far.
+    pub fn begin_at(&mut self, now_s: f64) {
+        self.mechanism.set_now(now_s);
+        self.look();
+        self.aimed_m = None;
+    }
+
+    /// The present instant, s; a new action is at 0.
+    pub fn time_s(&self) -> f64 {
+        self.mechanism.now_s()
+    }
+
+    /// The settings in force.
+    pub fn settings(&self) -> &Settings<f64> {
+        self.mechanism.settings()
+    }
+
+    /// Changes the settings from the next step on.
+    pub fn set_settings(&mut self, settings: Settings<f64>) {
+        self.mechanism.set_settings(settings);
+    }
+
+    /// Whether steps that are known to change nothing are left out, as at first: the same bits for less work.
+    pub fn let_rest(&mut self, may_rest: bool) {
+        self.mechanism.let_rest(may_rest);
+    }
+
+    /// Whether the last step changed nothing: with the same input the next one does not either.
+    pub fn rests(&self) -> bool {
+        self.mechanism.rests()
+    }
+
+    /// Catches everything: sets all velocities to zero.
+    pub fn stop(&mut self) {
+        self.mechanism.stop();
+        self.look();
+    }
+
+    /// Absolute angles of the bodies, in the instrument's order, rad, counter-clockwise.
+    pub fn angles(&self) -> &[f64] {
+        self.mechanism.angles()
+    }
+
+    /// Absolute angular velocities, rad/s.
+    pub fn velocities(&self) -> &[f64] {
+        self.mechanism.velocities()
+    }
+
+    /// Normal force of a contact zone in the last step, N, never negative.
+    ///
+    /// # Panics
+    /// If there is no such zone.
+    pub fn contact_force(&self, zone: usize) -> f64 {
+        self.mechanism.normal_force(zone)
+    }
+
+    /// Coulomb force of a contact zone in the last step, N, on side A along the tangent (the normal turned clockwise by a quarter turn).
+    ///
+    /// # Panics
+    /// If there is no such zone.
+    pub fn tangential_force(&self, zone: usize) -> f64 {
+        self.mechanism.tangential_force(zone)
+    }
+
+    /// Compression of a zone now, m; negative where it is open.
+    pub fn gap(&self, zone: usize) -> f64 {
+        self.mechanism.gap(zone)
+    }
+
+    /// A point of a body (`None`: of the ground), m in its frame, in the world now, m.
+    pub fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
+        self.mechanism.point(body, point)
+    }
+
+    /// Where travels are measured from.
+    pub fn rest(&self) -> Rest {
+        self.rest
+    }
+
+    /// The digest of the instrument's numbers, which a [`Snapshot`] carries.
+    pub fn digest(&self) -> u64 {
+        self.digest
+    }
+
+    /// The mechanism that is played: energies, rows, contacts.
+    pub fn mechanism(&self) -> &dyn Mechanism {
+        self.mechanism.as_ref()
+    }
+
+    /// All that the following steps depend on. Does not allocate.
+    pub fn save(&self) -> Snapshot {
+        Snapshot::new(self.digest, self.mechanism.save(), self.aimed_m)
+    }
+
+    /// Goes on from a snapshot of the same instrument, to the bit. The last step's forces are not part of it: they are zero until the next.
+    /// Settings stay as they are.
+    ///
+    /// # Errors
+    /// [`SnapshotError`]: another instrument's, or of another version; nothing has changed then.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
+        let (saved, aimed_m) = snapshot.open(self.digest)?;
+        self.mechanism.restore(&saved);
+        self.aimed_m = aimed_m;
+        self.look();
+        self.outcome = Outcome::Converged;
+        Ok(())
+    }
+
+    /// The engine's input for the next step.
+    #[inline]
+    fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {
+        match input {
+            Input::Free => moreau::Input::Free,
+            Input::Force(force_n) => moreau::Input::Force(force_n),
+            Input::Motion { position_m, velocity_m_s } => {
+                moreau::Input::Motion { position: self.rest.site_m + position_m, velocity: velocity_m_s }
+            }
+            Input::Rigid { position_m, velocity_m_s } => {
+                let h = self.mechanism.settings().step;
+                // What the key lags behind the motion is taken back little by little.
+                let aimed_m = self.aimed_m.unwrap_or(position_m - velocity_m_s * h);
+                let behind_m = self.rest.site_m + aimed_m - self.view.site_m;
+                self.aimed_m = Some(position_m);
+                moreau::Input::Rigid { velocity: velocity_m_s + RIGID_CORRECTION * behind_m / h }
+            }
+        }
+    }
+
+    /// One step under an input of the engine's.
+    #[inline]
+    fn step_engine(&mut self, input: &moreau::Input<f64>) -> StepReport {
+        let (report, view) = self.mechanism.step_and_view(input);
+        (self.view, self.outcome) = (view, report.outcome);
+        report
+    }
+
+    /// The same, to be looked at more closely: a ledger to be opened, say. What steps it here leaves the readings as they were.
+    pub fn mechanism_mut(&mut self) -> &mut dyn Mechanism {
+        self.mechanism.as_mut()
+    }
+
+    fn look(&mut self) {
+        self.view = self.mechanism.view();
+    }
+}
+
+/// Every so many steps the caller is asked whether to go on: well below a tenth of a second.
+const ASK_EVERY: u64 = 512;

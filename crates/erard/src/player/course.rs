@@ -1,0 +1,279 @@
+//! A run from its rest to its end: steps of one length, or as long as their error allows.
+
+use moreau::{Accuracy, ControlledStep, Input, Outcome, Settings, StepReport};
+
+use super::{Action, Drive, LedgerBook, PlayError, Recorder};
+use crate::events::Watch;
+use crate::instrument::Instrument;
+use crate::mechanism::Mechanism;
+use crate::run::{ControlWork, Run, Work};
+use crate::sight::Visible;
+use crate::simulation::{LARGEST_STEP_S, MOST_ROWS, Setup, SimulationError};
+
+/// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
+/// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
+pub const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
+/// How much of a rigid drive's position error is taken back per step, or in this time where steps are of any length, s.
+pub(super) const RIGID_CORRECTION: f64 = 0.1;
+const RIGID_CORRECTION_S: f64 = 50e-6;
+
+/// Told the share done; ends the run by returning false.
+type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
+
+/// A run under way.
+pub(crate) struct Course<'a> {
+    drive: &'a Drive<'a>,
+    setup: &'a Setup,
+    /// Steps of the setup's length, and every how many a row is kept.
+    steps: u64,
+    every: u64,
+    rest: Rest,
+    action: Action,
+    observers: Observers,
+    work: Work,
+}
+
+/// What looks on after every step.
+struct Observers {
+    watch: Watch,
+    recorder: Recorder,
+    ledger: Option<LedgerBook>,
+    peak_force_n: f64,
+    rested: bool,
+}
+
+impl<'a> Course<'a> {
+    /// At the start: the action has come to rest.
+    pub fn new(
+        instrument: &Instrument,
+        drive: &'a Drive<'a>,
+        setup: &'a Setup,
+        steps: u64,
+        mut action: Action,
+    ) -> Self {
+        action.begin_at(setup.start_s);
+        let every = setup.record_every.unwrap_or(1 + (steps - 1) / MOST_ROWS).max(1);
+        let recorder = Recorder::new(instrument, (steps / every) as usize + 2);
+        let ledger = setup.ledger.then(|| LedgerBook::open(action.mechanism_mut()));
+        let mut observers =
+            Observers { watch: Watch::new(instrument), recorder, ledger, peak_force_n: 0.0, rested: false };
+        let rest = action.rest();
+        observers.look(&rest, setup.start_s, true, action.mechanism());
+        let work = Work {
+            steps: 0,
+            unconverged_steps: 0,
+            newton_iterations: 0,
+            solver_iterations: 0,
+            record_every: every,
+            control: None,
+        };
+        Course { drive, setup, steps, every, rest, action, observers, work }
+    }
+
+    /// The instant after so many steps of the setup's length, s.
+    fn at(&self, n: u64) -> f64 {
+        self.setup.start_s + n as f64 * self.setup.settings.step
+    }
+
+    /// All steps of the same length.
+    pub fn fixed(&mut self, progress: &mut Progress) -> Result<(), SimulationError> {
+        let Settings { step: h, theta, .. } = self.setup.settings;
+        let Course { drive, setup, steps, every, rest, action, observers, work } = self;
+        let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
+        let mut n = 0;
+        let taken = std::cell::Cell::new(0_u64);
+        let mut going = || progress(taken.get() as f64 / steps as f64);
+        let played = action.play_engine(&mut going, &mut |action, last| {
+            let t = start_s + n as f64 * h;
+            if let Some(report) = last {
+                work.count(report, 1);
+                observers.step(&rest, t, n % every == 0 || n == steps, action.mechanism());
+            }
+            taken.set(n);
+            if n == steps {
+                return None;
+            }
+            n += 1;
+            Some(rest.input(drive, t, h, theta, h, &|| action.mechanism().site_position()))
+        });
+        played.map_err(SimulationError::from)
+    }
+
+    /// From row to row in steps as long as their error allows.
+    pub fn controlled(&mut self, tolerance: f64, progress: &mut Progress) -> Result<(), SimulationError> {
+        let Settings { step: h, theta, .. } = self.setup.settings;
+        let accuracy = Accuracy::new(tolerance, SMALLEST_CONTROLLED_STEP_S, LARGEST_STEP_S);
+        let mut control = ControlWork::none();
+        let mut n = 0;
+        while n < self.steps {
+            let next = self.steps.min(n.saturating_add(self.every));
+            let row_s = self.at(next);
+            // What is left is counted down, so that the last step meets the row.
+            let mut left = (next - n) as f64 * h;
+            while left > 0.0 {
+                if control.accepted.is_multiple_of(512) && !progress(n as f64 / self.steps as f64) {
+                    return Err(SimulationError::Interrupted);
+                }
+                let (limit, t0) = (left, row_s - left);
+                let (drive, rest, observers) = (self.drive, self.rest, &mut self.observers);
+                let mut input = |from: f64, h: f64, site_m: &dyn Fn() -> f64| {
+                    rest.input(drive, t0 + from, h, theta, RIGID_CORRECTION_S, site_m)
+                };
+                let ends = |after_s: f64| if after_s >= limit { row_s } else { t0 + after_s };
+                let mut look = |m: &dyn Mechanism| {
+                    let now_s = m.now_s();
+                    observers.step(&rest, now_s, now_s == row_s, m);
+                };
+                let mechanism = self.action.mechanism_mut();
+                let report = mechanism.controlled_step(&accuracy, limit, &ends, &mut input, &mut look);
+                if report.outcome == Outcome::NonFinite {
+                    return Err(SimulationError::NonFinite { time_s: t0 });
+                }
+                let inner = StepReport { outcome: report.outcome, newton: report.newton, solver: report.solver };
+                self.work.count(&inner, 2);
+                control.count(&report, report.step >= limit);
+                left = if report.step < limit { limit - report.step } else { 0.0 };
+            }
+            n = next;
+        }
+        self.work.control = Some(control);
+        Ok(())
+    }
+
+    /// What the run leaves behind.
+    pub fn finish(self, instrument: &Instrument) -> Run {
+        let Observers { watch, recorder, ledger, peak_force_n, .. } = self.observers;
+        let mechanism = self.action.mechanism();
+        Run {
+            instrument: instrument.name.clone(),
+            time_s: recorder.time_s,
+            force_n: recorder.force_n,
+            key_m: recorder.key_m,
+            hammer_head_m: recorder.hammer_head_m,
+            bodies: recorder.bodies,
+            zones: recorder.zones,
+            events: watch.finish(),
+            peak_force_n,
+            final_pivot_friction_n_m: mechanism.pivot_friction().to_vec(),
+            ledger: ledger.map(|ledger| ledger.close(mechanism)),
+            work: self.work,
+        }
+    }
+}
+
+impl Observers {
+    /// After a step.
+    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism) {
+        self.peak_force_n = self.peak_force_n.max(m.drive_force());
+        if let Some(ledger) = &mut self.ledger {
+            ledger.look(m);
+        }
+        self.look(rest, time_s, row, m);
+    }
+
+    fn look(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism) {
+        let rested = std::mem::replace(&mut self.rested, m.rests());
+        let view = m.view();
+        let (key_m, hammer_m) = (view.site_m - rest.site_m, view.point_m[1] - rest.head_m);
+        if rested && self.rested {
+            self.watch.stood(time_s);
+        } else {
+            self.watch.look(time_s, key_m, hammer_m, m);
+        }
+        self.recorder.step(m);
+        if row {
+            self.recorder.row(time_s, key_m, hammer_m, m);
+        }
+    }
+}
+
+impl Work {
+    /// Counts what one call of the engine did.
+    fn count(&mut self, report: &StepReport, steps: u64) {
+        self.unconverged_steps += u64::from(report.outcome == Outcome::IterationLimit);
+        self.steps += steps;
+        self.newton_iterations += u64::from(report.newton);
+        self.solver_iterations += u64::from(report.solver);
+    }
+}
+
+impl ControlWork {
+    fn none() -> Self {
+        ControlWork {
+            accepted: 0,
+            rejected: 0,
+            inner_steps: 0,
+            extrapolated: 0,
+            beyond_tolerance: 0,
+            shortest_s: f64::INFINITY,
+            longest_s: 0.0,
+        }
+    }
+
+    /// Counts a step; `cut`: it ended because a row was due.
+    fn count(&mut self, step: &ControlledStep<f64>, cut: bool) {
+        self.accepted += 1;
+        self.rejected += u64::from(step.rejected);
+        self.inner_steps += u64::from(step.inner);
+        self.extrapolated += u64::from(step.extrapolated);
+        self.beyond_tolerance += u64::from(step.error > 1.0);
+        if !cut {
+            self.shortest_s = self.shortest_s.min(step.step);
+        }
+        self.longest_s = self.longest_s.max(step.step);
+    }
+}
+
+impl From<PlayError> for SimulationError {
+    fn from(error: PlayError) -> Self {
+        match error {
+            PlayError::Interrupted => SimulationError::Interrupted,
+            PlayError::NonFinite { time_s } => SimulationError::NonFinite { time_s },
+        }
+    }
+}
+
+/// What travels are measured from, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// World coordinate of the key front along its drive (down).
+    pub site_m: f64,
+    /// Height of the hammer's strike point.
+    pub head_m: f64,
+}
+
+impl Rest {
+    /// Where a mechanism is now.
+    pub fn of(instrument: &Instrument, m: &(impl Visible + ?Sized)) -> Self {
+        let head_m = instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1]);
+        Rest { site_m: m.site_position(), head_m }
+    }
+
+    /// The engine's input for the step from t0, each number at the instant that the engine expects.
+    /// `correction_s`: in what time [`RIGID_CORRECTION`] of a rigid drive's position error is taken back; `site_m`: where the driven point is.
+    pub fn input(
+        &self,
+        drive: &Drive<'_>,
+        t0: f64,
+        h: f64,
+        theta: f64,
+        correction_s: f64,
+        site_m: &dyn Fn() -> f64,
+    ) -> Input<f64> {
+        match drive(t0 + theta * h) {
+            super::Input::Free => Input::Free,
+            super::Input::Force(force_n) => Input::Force(force_n),
+            super::Input::Motion { position_m, velocity_m_s } => {
+                Input::Motion { position: self.site_m + position_m, velocity: velocity_m_s }
+            }
+            super::Input::Rigid { .. } => {
+                let behind = self.site_m + drive(t0).position_m() - site_m();
+                let velocity = match drive(t0 + h) {
+                    super::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
+                    _ => 0.0,
+                };
+                Input::Rigid { velocity: velocity + RIGID_CORRECTION * behind / correction_s }
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What drives an action: owned values, one for each step.
+
+/// What drives the key in a step. Forces in N, positions in m from the key front's rest, both positive downward (pushing).
+///
+/// The numbers of a force or of a soft finger belong to the step's theta point (with the usual theta of 1/2: its middle), those of an imposed
+/// motion to its end. A control loop that has one number per period simply passes it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Input {
+    /// Nothing touches the key.
+    Free,
+    /// A force on the key front.
+    Force(f64),
+    /// Where the driver's end of a soft fingertip is. The fingertip's spring and damper (the instrument's `[finger]`) only push.
+    Motion {
+        /// m.
+        position_m: f64,
+        /// m/s.
+        velocity_m_s: f64,
+    },
+    /// Where the key front itself is, imposed.
+    Rigid {
+        /// m.
+        position_m: f64,
+        /// m/s.
+        velocity_m_s: f64,
+    },
+}
+
+impl Input {
+    /// Whether two inputs are of one kind, whatever their numbers.
+    pub fn is_like(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
+    /// The position that a motion has, m; 0 for what has none.
+    pub fn position_m(&self) -> f64 {
+        match *self {
+            Input::Free | Input::Force(_) => 0.0,
+            Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } => position_m,
+        }
+    }
+}
+
+/// What drives the key over time: s from the stroke's start to the input then.
+pub type Drive<'a> = dyn Fn(f64) -> Input + 'a;
+
+/// The inputs of a force over time, s to N.
+pub fn force(force_n: impl Fn(f64) -> f64) -> impl Fn(f64) -> Input {
+    move |t| Input::Force(force_n(t))
+}
+
+/// The inputs of a soft finger's motion, s to m and m/s.
+pub fn motion(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
+    move |t| {
+        let [position_m, velocity_m_s] = position(t);
+        Input::Motion { position_m, velocity_m_s }
+    }
+}
+
+/// The inputs of a motion that is imposed on the key front, s to m and m/s.
+pub fn rigid(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
+    move |t| {
+        let [position_m, velocity_m_s] = position(t);
+        Input::Rigid { position_m, velocity_m_s }
+    }
+}

@@ -1,0 +1,15 @@
+//! The player: an action that is stepped from outside, and the one loop over steps that every run is.
+
+mod action;
+#[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
+pub mod course;
+mod input;
+mod ledger;
+mod recorder;
+mod snapshot;
+
+pub use action::{Action, ActionError, PlayError, Reading};
+pub use input::{Drive, Input, force, motion, rigid};
+pub use ledger::LedgerBook;
+pub use recorder::Recorder;
+pub use snapshot::{Snapshot, SnapshotError};

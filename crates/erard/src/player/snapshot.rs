@@ -1,0 +1,117 @@
+//! A player's state as plain data.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::instrument::Instrument;
+use crate::mechanism::Saved;
+
+/// The version of [`Snapshot`] that this program writes, and the only one that it reads.
+pub const VERSION: u32 = 1;
+
+const BODIES: usize = 12;
+const ZONES: usize = 32;
+
+/// All that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one instrument, which its digest
+/// tells, and says nothing of the settings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// See [`VERSION`].
+    pub version: u32,
+    /// Digest of the instrument's numbers.
+    pub instrument: u64,
+    /// The present instant, s, and what it is counted from: steps since an origin, s.
+    pub time_s: f64,
+    origin_s: f64,
+    steps: u64,
+    /// Absolute angles, rad, and angular velocities, rad/s; places beyond the instrument's bodies are zero.
+    pub angle_rad: [f64; BODIES],
+    /// See `angle_rad`.
+    pub velocity_rad_s: [f64; BODIES],
+    increment: [f64; BODIES],
+    pivot_friction: [f64; BODIES],
+    tangential: [f64; ZONES],
+    side: [f64; ZONES],
+    rigid_force: f64,
+    aimed_m: Option<f64>,
+    flight: [Option<[f64; 3]>; 2],
+}
+
+/// Why a snapshot cannot be gone on from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// Of another program.
+    #[error("the snapshot is of version {0}; expected {VERSION}")]
+    Version(u32),
+    /// Of another instrument.
+    #[error("the snapshot was taken of another instrument")]
+    Instrument,
+    /// A number is not finite.
+    #[error("a number of the snapshot is not finite")]
+    NotFinite,
+}
+
+impl Snapshot {
+    pub(crate) fn new(instrument: u64, saved: Saved, aimed_m: Option<f64>) -> Self {
+        let Saved { state, origin_s, steps, now_s, flight } = saved;
+        Snapshot {
+            version: VERSION,
+            instrument,
+            time_s: now_s,
+            origin_s,
+            steps,
+            angle_rad: state.angle,
+            velocity_rad_s: state.velocity,
+            increment: state.increment,
+            pivot_friction: state.pivot_friction,
+            tangential: state.tangential,
+            side: state.side,
+            rigid_force: state.rigid_force,
+            aimed_m,
+            flight,
+        }
+    }
+
+    pub(crate) fn open(&self, instrument: u64) -> Result<(Saved, Option<f64>), SnapshotError> {
+        if self.version != VERSION {
+            return Err(SnapshotError::Version(self.version));
+        }
+        if self.instrument != instrument {
+            return Err(SnapshotError::Instrument);
+        }
+        let lists: [&[f64]; 6] = [
+            &self.angle_rad,
+            &self.velocity_rad_s,
+            &self.increment,
+            &self.pivot_friction,
+            &self.tangential,
+            &self.side,
+        ];
+        let single = [self.time_s, self.origin_s, self.rigid_force, self.aimed_m.unwrap_or(0.0)];
+        let mut all = lists.into_iter().flatten().chain(&single).chain(self.flight.iter().flatten().flatten());
+        if !all.all(|x| x.is_finite()) {
+            return Err(SnapshotError::NotFinite);
+        }
+        let state = moreau::SavedState {
+            angle: self.angle_rad,
+            velocity: self.velocity_rad_s,
+            increment: self.increment,
+            pivot_friction: self.pivot_friction,
+            tangential: self.tangential,
+            side: self.side,
+            rigid_force: self.rigid_force,
+        };
+        let Snapshot { origin_s, steps, time_s, flight, aimed_m, .. } = *self;
+        Ok((Saved { state, origin_s, steps, now_s: time_s, flight }, aimed_m))
+    }
+}
+
+/// FNV-1a over what the engine is given of an instrument: two with the same digest move alike.
+pub(super) fn digest(instrument: &Instrument) -> u64 {
+    let description = crate::assembly::describe::<f64>(instrument);
+    // A float prints the shortest digits that read back as the same number.
+    format!("{description:?}")
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}

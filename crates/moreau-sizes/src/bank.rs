@@ -1,0 +1,210 @@
+//! Many mechanisms, stepped one after the other; those that nothing changes sleep.
+//!
+//! A step is a function of state and input. Where it left a state identical to the bit, every further step with the identical input would do
+//! so too: the mechanism sleeps, and is not stepped until its input changes. That is exact, not a threshold, and it happens, because dry
+//! friction as a set-valued law truly sticks: what rests comes to velocities of exactly zero in finite time. Under a regularised friction law
+//! it does not, and nothing ever sleeps. Nor does a mechanism that friction holds exactly at its limit, where rounding lets it slip and stick
+//! in turn (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
+
+use moreau::{Input, ModelError, Outcome, Settings, StepReport, Workspace};
+
+use crate::engine::{Clock, Stepped};
+use crate::mechanism::{Saved, View};
+use crate::size::with_size;
+use crate::{Marks, OwnedDescription, Size};
+
+/// What one step of a bank did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tick {
+    /// Mechanisms that were stepped; the others slept.
+    pub stepped: u32,
+    /// Of these, those whose step reached an iteration limit.
+    pub unconverged: u32,
+    /// Of these, those that a number that is not finite left where they were.
+    pub non_finite: u32,
+}
+
+/// Many mechanisms of one size, each with an input that holds until it is changed. Indices count from 0. Only [`bank`] allocates.
+pub trait Bank: Send {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// The settings that all are stepped with.
+    fn settings(&self) -> &Settings<f64>;
+    /// The present instant, s.
+    fn now_s(&self) -> f64;
+    /// The mechanisms that are awake: the next step steps these.
+    fn awake(&self) -> &[usize];
+    /// Whether one is awake.
+    fn is_awake(&self, index: usize) -> bool;
+    /// What drives one from the next step on. Wakes it if that is anything new.
+    fn drive(&mut self, index: usize, input: &Input<f64>);
+    /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same results.
+    fn let_sleep(&mut self, sleep: bool);
+    /// Steps all that are awake; `look` is told what is to be seen of each.
+    fn step(&mut self, look: &mut dyn FnMut(usize, &StepReport, &View)) -> Tick;
+    /// What was to be seen of one after its last step.
+    fn view(&self, index: usize) -> &View;
+    /// Absolute angles of one, rad.
+    fn angles(&self, index: usize) -> &[f64];
+    /// Absolute angular velocities of one, rad/s.
+    fn velocities(&self, index: usize) -> &[f64];
+    /// All that the following steps of one depend on.
+    fn save(&self, index: usize) -> Saved;
+    /// One goes on from there, to the bit, and is awake.
+    fn restore(&mut self, index: usize, saved: &Saved);
+}
+
+/// Assembles mechanisms, each awake and undriven; all in the size of the largest.
+///
+/// # Errors
+/// The index of one that no size holds, or that is not sound, and what is wrong.
+pub fn bank(
+    descriptions: &[OwnedDescription],
+    marks: &[Marks],
+    settings: Settings<f64>,
+) -> Result<Box<dyn Bank>, (usize, ModelError)> {
+    let size = descriptions.iter().map(|d| Size::of(d)).max().unwrap_or(Size::One);
+    with_size!(size, boxed, descriptions, marks, settings)
+}
+
+fn boxed<const B: usize, const Z: usize, const N: usize>(
+    descriptions: &[OwnedDescription],
+    marks: &[Marks],
+    settings: Settings<f64>,
+) -> Result<Box<dyn Bank>, (usize, ModelError)> {
+    let workspace = Workspace::<f64, B, Z, N>::new();
+    let each = descriptions.iter().zip(marks).enumerate().map(|(i, (description, marks))| {
+        let core: Stepped<B, Z> = Stepped::new(description, marks).map_err(|error| (i, error))?;
+        // Room for its laws.
+        Workspace::<f64, B, Z, N>::for_model(&core.model).map_err(|error| (i, error))?;
+        let view = core.view(marks, &settings, &workspace);
+        Ok(Member { core, marks: *marks, input: Input::Free, awake: true, view })
+    });
+    let members = each.collect::<Result<Vec<_>, _>>()?;
+    let awake = (0..members.len()).collect();
+    Ok(Box::new(Members { members, awake, sleep: true, settings, workspace, clock: Clock::at(0.0) }))
+}
+
+struct Member<const B: usize, const Z: usize> {
+    core: Stepped<B, Z>,
+    marks: Marks,
+    input: Input<f64>,
+    awake: bool,
+    view: View,
+}
+
+struct Members<const B: usize, const Z: usize, const N: usize> {
+    members: Vec<Member<B, Z>>,
+    /// Those that are awake, in no order: none feels another.
+    awake: Vec<usize>,
+    sleep: bool,
+    settings: Settings<f64>,
+    workspace: Workspace<f64, B, Z, N>,
+    clock: Clock,
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Members<B, Z, N> {
+    fn wake(&mut self, index: usize) {
+        let member = &mut self.members[index];
+        if !member.awake {
+            member.awake = true;
+            member.core.sleep_ended(self.clock);
+            // There is room: none is in the list twice.
+            self.awake.push(index);
+        }
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
+    fn count(&self) -> usize {
+        self.members.len()
+    }
+
+    fn settings(&self) -> &Settings<f64> {
+        &self.settings
+    }
+
+    fn now_s(&self) -> f64 {
+        self.clock.now_s
+    }
+
+    fn awake(&self) -> &[usize] {
+        &self.awake
+    }
+
+    fn is_awake(&self, index: usize) -> bool {
+        self.members[index].awake
+    }
+
+    fn drive(&mut self, index: usize, input: &Input<f64>) {
+        if !input.identical(&self.members[index].input) {
+            self.members[index].input = *input;
+            self.wake(index);
+        }
+    }
+
+    fn let_sleep(&mut self, sleep: bool) {
+        self.sleep = sleep;
+        if !sleep {
+            for index in 0..self.members.len() {
+                self.wake(index);
+            }
+        }
+    }
+
+    fn step(&mut self, look: &mut dyn FnMut(usize, &StepReport, &View)) -> Tick {
+        let Members { members, awake, sleep, settings, workspace, clock } = self;
+        let mut tick = Tick::default();
+        let mut place = 0;
+        while let Some(&index) = awake.get(place) {
+            let Member { core, marks, input, awake: is_awake, view } = &mut members[index];
+            // Working memory holds another's contacts, and what is awake is stepped.
+            core.sleep.wake();
+            let report = core.step(settings, input, workspace);
+            *view = core.view(marks, settings, workspace);
+            tick.stepped += 1;
+            match report.outcome {
+                Outcome::Converged => {}
+                Outcome::IterationLimit => tick.unconverged += 1,
+                Outcome::NonFinite | Outcome::TooManyLaws => tick.non_finite += 1,
+            }
+            look(index, &report, view);
+            if core.rests() && *sleep {
+                *is_awake = false;
+                awake.swap_remove(place);
+            } else {
+                place += 1;
+            }
+        }
+        clock.tick(settings.step);
+        tick
+    }
+
+    fn view(&self, index: usize) -> &View {
+        &self.members[index].view
+    }
+
+    fn angles(&self, index: usize) -> &[f64] {
+        let core = &self.members[index].core;
+        &core.state.angle[..core.bodies]
+    }
+
+    fn velocities(&self, index: usize) -> &[f64] {
+        let core = &self.members[index].core;
+        &core.state.velocity[..core.bodies]
+    }
+
+    fn save(&self, index: usize) -> Saved {
+        self.members[index].core.save_at(&self.clock)
+    }
+
+    fn restore(&mut self, index: usize, saved: &Saved) {
+        self.members[index].core.restore(saved);
+        let clock = self.clock;
+        let Members { members, settings, .. } = self;
+        let Member { core, marks, view, .. } = &mut members[index];
+        core.set_clock(clock);
+        *view = View { drive_n: 0.0, zone_n: 0.0, ..core.view(marks, settings, &self.workspace) };
+        self.wake(index);
+    }
+}

@@ -1,0 +1,328 @@
+//! A mechanism of a fixed size with what looks on: the code that every step outside the lanes goes through.
+
+use core::cell::OnceCell;
+
+use moreau::{
+    Accuracy, Contact, ControlledStep, Controller, Halves, Input, Ledger, Model, ModelError, Outcome, Pose, Settings,
+    Sleep, State, StepReport, TrackedPoint, Workspace, controlled_step, step_apart,
+};
+
+use crate::flight::Flight;
+use crate::mechanism::View;
+use crate::placed::Sight;
+use crate::{InputDuring, Marks, Meeting, OwnedDescription};
+
+/// A mechanism without its working memory, which several may share.
+pub(crate) struct Stepped<const B: usize, const Z: usize> {
+    pub model: Model<f64, B, Z>,
+    pub state: State<f64, B, Z>,
+    pub sleep: Sleep<f64>,
+    pub flight: Flight<B>,
+    pub site: Option<(TrackedPoint<f64, B>, [f64; 2])>,
+    pub bodies: usize,
+    /// Absolute angular velocities before the last step, rad/s.
+    pub velocity_before: [f64; B],
+    /// Whether steps that change nothing may be left out.
+    pub may_rest: bool,
+    /// Of the last step.
+    pub report: StepReport,
+    /// Whether the last step was left out.
+    skipped: bool,
+    clock: Clock,
+}
+
+/// Counts steps, so that the instants of steps of one length are rounded once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Clock {
+    pub origin_s: f64,
+    pub steps: u64,
+    pub now_s: f64,
+    pub before_s: f64,
+}
+
+impl Clock {
+    pub fn at(now_s: f64) -> Self {
+        Clock { origin_s: now_s, steps: 0, now_s, before_s: now_s }
+    }
+
+    #[inline(always)]
+    pub fn tick(&mut self, step_s: f64) {
+        self.steps += 1;
+        self.before_s = self.now_s;
+        self.now_s = self.origin_s + self.steps as f64 * step_s;
+    }
+}
+
+impl<const B: usize, const Z: usize> Stepped<B, Z> {
+    pub fn new(description: &OwnedDescription, marks: &Marks) -> Result<Self, ModelError> {
+        let model: Model<f64, B, Z> = description.model()?;
+        let state = State::at_rest(description.first_angles());
+        let mut flight = Flight::new(&model, marks);
+        flight.look(&model, 0.0, &state.angle, &state.velocity);
+        let site = model.site().map(|s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
+        Ok(Stepped {
+            bodies: description.bodies.len(),
+            velocity_before: state.velocity,
+            model,
+            state,
+            sleep: Sleep::awake(),
+            flight,
+            site,
+            may_rest: true,
+            report: StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 },
+            skipped: false,
+            clock: Clock::at(0.0),
+        })
+    }
+
+    pub fn now_s(&self) -> f64 {
+        self.clock.now_s
+    }
+
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    pub fn set_clock(&mut self, clock: Clock) {
+        self.clock = clock;
+    }
+
+    /// The present instant is called `now_s`; what has been seen so far is forgotten.
+    pub fn set_now(&mut self, now_s: f64) {
+        self.clock = Clock::at(now_s);
+        self.look_anew();
+    }
+
+    /// The mechanism was put where it is: the flight begins here.
+    pub fn look_anew(&mut self) {
+        self.sleep.wake();
+        self.skipped = false;
+        self.flight.forget();
+        self.flight.look(&self.model, self.clock.now_s, &self.state.angle, &self.state.velocity);
+    }
+
+    /// It was left out of the steps until this instant, as nothing changed.
+    pub fn sleep_ended(&mut self, clock: Clock) {
+        self.skipped |= clock.steps != self.clock.steps;
+        self.clock = clock;
+    }
+
+    /// Whether the last step changed nothing, so that its neighbours with the same input need not be taken.
+    pub fn rests(&self) -> bool {
+        self.sleep.is_asleep()
+    }
+
+    /// One step. It is left out where it is known to change nothing.
+    #[inline(always)]
+    pub fn step<const N: usize>(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &Input<f64>,
+        workspace: &mut Workspace<f64, B, Z, N>,
+    ) -> StepReport {
+        if !self.may_rest {
+            self.sleep.wake();
+        }
+        let before_s = self.clock.now_s;
+        self.clock.tick(settings.step);
+        let Stepped { model, state, sleep, .. } = self;
+        if let Some(report) = sleep.would_rest(input) {
+            self.skipped = true;
+            return report;
+        }
+        self.velocity_before = state.velocity;
+        let report = if self.may_rest {
+            sleep.step(model, settings, input, state, workspace)
+        } else {
+            step_apart(model, settings, input, state, workspace)
+        };
+        self.report = report;
+        if self.skipped {
+            self.skipped = false;
+            self.flight.stood(before_s, settings.step);
+        }
+        if report.outcome != Outcome::NonFinite {
+            self.flight.look(&self.model, self.clock.now_s, &self.state.angle, &self.state.velocity);
+        }
+        report
+    }
+
+    /// The meeting in the last step, if there was one.
+    #[inline(always)]
+    pub fn flight_met(&self) -> Option<Meeting> {
+        if self.skipped { None } else { self.flight.met() }
+    }
+
+    /// What the flight has shown until an instant, up to which nothing changes any more: the two latest samples.
+    pub fn flight_samples(&self, now: &Clock) -> [Option<[f64; 3]>; 2] {
+        let mut flight = self.flight.clone();
+        if self.skipped || now.steps != self.clock.steps {
+            flight.stood(now.now_s, now.now_s - now.before_s);
+        }
+        flight.samples(&self.model)
+    }
+
+    /// Goes on with such samples.
+    pub fn resume_flight(&mut self, samples: [Option<[f64; 3]>; 2]) {
+        self.skipped = false;
+        self.flight.resume(samples);
+    }
+
+    /// Where the driven point and the marked one are, and how fast; what was pushed in the last step.
+    #[inline(always)]
+    pub fn view<const N: usize>(
+        &self,
+        marks: &Marks,
+        settings: &Settings<f64>,
+        workspace: &Workspace<f64, B, Z, N>,
+    ) -> View {
+        let State { angle, velocity, .. } = &self.state;
+        let [site_m, site_m_s] = self.site.as_ref().map_or([0.0; 2], |(point, [dx, dy])| {
+            let [x, v] = point.motion(angle, velocity);
+            [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]]
+        });
+        let [point_m, point_m_s] = self.flight.point(angle, velocity);
+        let zone = marks.zone.and_then(|z| workspace.contact(&self.model, settings, z));
+        View {
+            site_m,
+            site_m_s,
+            drive_n: workspace.drive_force(),
+            point_m,
+            point_m_s,
+            zone_n: zone.map_or(0.0, |contact| contact.force),
+            met: self.flight_met(),
+        }
+    }
+}
+
+/// A mechanism with its own working memory.
+pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
+    pub core: Stepped<B, Z>,
+    pub marks: Marks,
+    pub settings: Settings<f64>,
+    pub workspace: Workspace<f64, B, Z, N>,
+    /// While steps are controlled.
+    pub control: Option<Box<Control<B, Z, N>>>,
+    /// Worked out when they are asked for: the pose now, and the zones as they acted in the last step.
+    pose: OnceCell<Pose<f64, B>>,
+    contacts: OnceCell<[Option<Contact<f64>>; Z]>,
+}
+
+pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
+    controller: Controller<f64, Z>,
+    halves: Halves<f64, B, Z, N>,
+    /// The half that was last.
+    half: usize,
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
+    pub fn new(description: &OwnedDescription, marks: &Marks, settings: Settings<f64>) -> Result<Self, ModelError> {
+        let core: Stepped<B, Z> = Stepped::new(description, marks)?;
+        let workspace = Workspace::for_model(&core.model)?;
+        Ok(Engine {
+            core,
+            marks: *marks,
+            settings,
+            workspace,
+            control: None,
+            pose: OnceCell::new(),
+            contacts: OnceCell::new(),
+        })
+    }
+
+    /// What acted in the last step, and how it was taken: of a controlled step its last half, else the step itself.
+    pub fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
+        match self.control.as_deref() {
+            Some(control) => (&control.halves.settings, &control.halves.workspace[control.half]),
+            None => (&self.settings, &self.workspace),
+        }
+    }
+
+    pub fn forget_last(&mut self) {
+        self.pose.take();
+        self.contacts.take();
+    }
+
+    pub fn sight(&self) -> Sight<'_, B, Z> {
+        let pose = self.pose.get_or_init(|| Pose::of(&self.core.model, &self.core.state.angle));
+        Sight { model: &self.core.model, pose, velocity: &self.core.state.velocity }
+    }
+
+    pub fn pose(&self) -> &Pose<f64, B> {
+        self.sight().pose
+    }
+
+    /// The zones as they acted in the last step; those that were not touched are `None`.
+    pub fn contacts(&self) -> &[Option<Contact<f64>>; Z] {
+        self.contacts.get_or_init(|| {
+            let (settings, workspace) = self.last();
+            let mut contacts = [None; Z];
+            for &z in workspace.touched_zones() {
+                contacts[z] = workspace.contact(&self.core.model, settings, z);
+            }
+            contacts
+        })
+    }
+
+    pub fn step(&mut self, input: &Input<f64>) -> StepReport {
+        self.control = None;
+        let rested = self.core.rests();
+        let report = self.core.step(&self.settings, input, &mut self.workspace);
+        if !(rested && self.core.rests()) {
+            self.forget_last();
+        }
+        report
+    }
+
+    /// Books the last step.
+    pub fn book(&self, ledger: &mut Ledger) {
+        let (settings, workspace) = self.last();
+        let Stepped { model, state, velocity_before, .. } = &self.core;
+        ledger.record_contacts(model, settings, velocity_before, state, workspace, self.contacts());
+    }
+
+    pub fn controlled_step(
+        &mut self,
+        accuracy: &Accuracy<f64>,
+        limit: f64,
+        ends: &dyn Fn(f64) -> f64,
+        input: &mut InputDuring,
+        look: &mut dyn FnMut(&Self),
+    ) -> ControlledStep<f64> {
+        let Engine { core, settings, control, .. } = self;
+        core.sleep.wake();
+        let control = control.get_or_insert_with(|| {
+            let controller = Controller::new(settings.step);
+            Box::new(Control { controller, halves: Halves::new(settings), half: 1 })
+        });
+        let before = core.state.velocity;
+        let Stepped { model, state, .. } = core;
+        let input = |from: f64, h: f64, state: &State<f64, B, Z>| input(from, h, &|| model.site_position(&state.angle));
+        let Control { controller, halves, half } = control.as_mut();
+        let report = controlled_step(model, settings, accuracy, controller, limit, input, state, halves);
+        if report.outcome == Outcome::NonFinite {
+            return report;
+        }
+        *half = 0;
+        let end = std::mem::replace(state, halves.middle.clone());
+        self.arrive(before, ends(0.5 * report.step));
+        look(self);
+        let before = self.core.state.velocity;
+        self.core.state = end;
+        if let Some(control) = &mut self.control {
+            control.half = 1;
+        }
+        self.arrive(before, ends(report.step));
+        look(self);
+        report
+    }
+
+    /// A half of a controlled step has ended.
+    fn arrive(&mut self, velocity_before: [f64; B], now_s: f64) {
+        self.forget_last();
+        let core = &mut self.core;
+        core.velocity_before = velocity_before;
+        core.set_clock(Clock::at(now_s));
+        core.flight.look(&core.model, now_s, &core.state.angle, &core.state.velocity);
+    }
+}

@@ -1,0 +1,107 @@
+//! Several mechanisms of one topology, stepped at once in the processor's vector lanes.
+
+use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
+use moreau_lanes::{Group, Lanes};
+
+use crate::{OwnedDescription, Size};
+
+/// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`] allocates.
+pub trait SideBySide: Send {
+    /// How they are stepped.
+    fn lanes(&self) -> Lanes;
+    /// One step of all, with an input for each; writes how each ended. Inputs of different kinds are taken one by one.
+    ///
+    /// # Panics
+    /// If there are fewer inputs or outcomes than mechanisms.
+    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    /// The same, but steps that would change nothing are left out: the same bits either way.
+    ///
+    /// # Panics
+    /// As [`SideBySide::step`].
+    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s; there may be fewer or more places than bodies.
+    fn motion(&self, index: usize, angles: &mut [f64], velocities: &mut [f64]);
+    /// One mechanism's state.
+    fn state(&self, index: usize) -> SavedState<f64, 12, 32>;
+}
+
+/// Mechanisms in given states. Where there are as many of them as the processor has `lanes` for, and they differ in their numbers only, they
+/// are stepped at once; otherwise one by one.
+///
+/// # Errors
+/// [`ModelError`] if no size holds one of them.
+///
+/// # Panics
+/// If there are not as many states as descriptions.
+pub fn side_by_side(
+    descriptions: &[&OwnedDescription],
+    states: &[SavedState<f64, 12, 32>],
+    settings: &Settings<f64>,
+    lanes: Lanes,
+) -> Result<Box<dyn SideBySide>, ModelError> {
+    let size = descriptions.iter().map(|d| Size::of(d)).max().unwrap_or(Size::One);
+    match size {
+        Size::Six => boxed::<6, 14, 10>(descriptions, states, settings, lanes),
+        Size::Seven => boxed::<7, 20, 48>(descriptions, states, settings, lanes),
+        Size::Eight => boxed::<8, 20, 49>(descriptions, states, settings, lanes),
+        Size::Nine => boxed::<9, 20, 50>(descriptions, states, settings, lanes),
+        // Lanes of these are not compiled.
+        Size::One => one_by_one::<1, 4, 6>(descriptions, states, settings),
+        Size::Most => one_by_one::<12, 32, 77>(descriptions, states, settings),
+    }
+}
+
+type Assembled<const B: usize, const Z: usize> = (Vec<Model<f64, B, Z>>, Vec<State<f64, B, Z>>);
+
+fn assembled<const B: usize, const Z: usize>(
+    descriptions: &[&OwnedDescription],
+    states: &[SavedState<f64, 12, 32>],
+) -> Result<Assembled<B, Z>, ModelError> {
+    let models = descriptions.iter().map(|d| d.model()).collect::<Result<_, _>>()?;
+    Ok((models, states.iter().map(|saved| State::from(saved.sized())).collect()))
+}
+
+fn one_by_one<const B: usize, const Z: usize, const N: usize>(
+    descriptions: &[&OwnedDescription],
+    states: &[SavedState<f64, 12, 32>],
+    settings: &Settings<f64>,
+) -> Result<Box<dyn SideBySide>, ModelError> {
+    let (models, states) = assembled(descriptions, states)?;
+    Ok(Box::new(Group::<B, Z, N>::one_by_one(&models, &states, settings)))
+}
+
+fn boxed<const B: usize, const Z: usize, const N: usize>(
+    descriptions: &[&OwnedDescription],
+    states: &[SavedState<f64, 12, 32>],
+    settings: &Settings<f64>,
+    lanes: Lanes,
+) -> Result<Box<dyn SideBySide>, ModelError> {
+    let (models, states) = assembled(descriptions, states)?;
+    Ok(Box::new(Group::<B, Z, N>::new(&models, &states, settings, lanes)))
+}
+
+impl<const B: usize, const Z: usize, const N: usize> SideBySide for Group<B, Z, N> {
+    fn lanes(&self) -> Lanes {
+        Group::lanes(self)
+    }
+
+    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        Group::step(self, inputs, outcomes);
+    }
+
+    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        Group::step_or_rest(self, inputs, outcomes);
+    }
+
+    fn motion(&self, index: usize, angles: &mut [f64], velocities: &mut [f64]) {
+        let (angle, velocity) = Group::motion(self, index);
+        for (to, from) in [(angles, angle), (velocities, velocity)] {
+            let count = to.len().min(B);
+            to[..count].copy_from_slice(&from[..count]);
+        }
+    }
+
+    fn state(&self, index: usize) -> SavedState<f64, 12, 32> {
+        Group::state(self, index).save().sized()
+    }
+}

@@ -1,0 +1,67 @@
+//! The sizes that the engine is compiled for.
+
+use crate::OwnedDescription;
+
+/// A size: so many bodies B, zones Z and set-valued laws N at most.
+///
+/// A law is needed for every pivot, every zone with Coulomb friction and the drive; from seven bodies on there is room for one more in every
+/// zone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Size {
+    /// One body, four zones.
+    One,
+    /// Six bodies, fourteen zones, ten laws: the papers' grand action.
+    Six,
+    /// Seven bodies, twenty zones.
+    Seven,
+    /// Eight bodies, twenty zones.
+    Eight,
+    /// Nine bodies, twenty zones.
+    Nine,
+    /// Twelve bodies, thirty-two zones: the most there is.
+    Most,
+}
+
+/// `with_size!(size, f, arguments)` calls `f::<B, Z, N>(arguments)` with the numbers of bodies, zones and laws of that size.
+macro_rules! with_size {
+    ($size:expr, $f:ident, $($argument:expr),*) => {
+        match $size {
+            $crate::Size::One => $f::<1, 4, 6>($($argument),*),
+            $crate::Size::Six => $f::<6, 14, 10>($($argument),*),
+            $crate::Size::Seven => $f::<7, 20, 48>($($argument),*),
+            $crate::Size::Eight => $f::<8, 20, 49>($($argument),*),
+            $crate::Size::Nine => $f::<9, 20, 50>($($argument),*),
+            $crate::Size::Most => $f::<12, 32, 77>($($argument),*),
+        }
+    };
+}
+pub(crate) use with_size;
+
+impl Size {
+    /// All of them, the small ones first.
+    pub const ALL: [Size; 6] = [Size::One, Size::Six, Size::Seven, Size::Eight, Size::Nine, Size::Most];
+
+    /// Bodies, zones and set-valued laws that it holds.
+    pub const fn holds(self) -> [usize; 3] {
+        match self {
+            Size::One => [1, 4, 6],
+            Size::Six => [6, 14, 10],
+            Size::Seven => [7, 20, 48],
+            Size::Eight => [8, 20, 49],
+            Size::Nine => [9, 20, 50],
+            Size::Most => [12, 32, 77],
+        }
+    }
+
+    /// The smallest that holds a mechanism; [`Size::Most`] for one that is too large, which its model then says.
+    pub fn of(description: &OwnedDescription) -> Self {
+        let needed = [description.bodies.len(), description.zones.len(), description.borrowed().laws()];
+        let fits = |size: &Size| needed.iter().zip(size.holds()).all(|(&needed, room)| needed <= room);
+        Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
+    }
+
+    /// Whether there are lanes of this size.
+    pub fn has_lanes(self) -> bool {
+        matches!(self, Size::Six | Size::Seven | Size::Eight | Size::Nine)
+    }
+}

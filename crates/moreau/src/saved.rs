@@ -1,0 +1,67 @@
+//! A state taken apart into plain numbers, and put together again.
+
+use crate::broad_phase::BroadPhase;
+use crate::real::{Real, Scalar};
+use crate::state::State;
+
+/// Everything that a step's result depends on. What a [`State`] holds beside it only saves work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SavedState<T, const B: usize, const Z: usize> {
+    /// Absolute angles, rad.
+    pub angle: [T; B],
+    /// Absolute angular velocities, rad/s.
+    pub velocity: [T; B],
+    /// Change of the velocities over the last step, rad/s.
+    pub increment: [T; B],
+    /// Dry friction torque of each pivot over the last step, N m.
+    pub pivot_friction: [T; B],
+    /// Coulomb force of each zone over the last step, N.
+    pub tangential: [T; Z],
+    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0.
+    pub side: [T; Z],
+    /// Force of a rigid drive over the last step, N.
+    pub rigid_force: T,
+}
+
+impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
+    /// The same in another size: cut off, or filled up with zeros.
+    pub fn sized<const C: usize, const Y: usize>(&self) -> SavedState<T, C, Y> {
+        SavedState {
+            angle: sized(&self.angle),
+            velocity: sized(&self.velocity),
+            increment: sized(&self.increment),
+            pivot_friction: sized(&self.pivot_friction),
+            tangential: sized(&self.tangential),
+            side: sized(&self.side),
+            rigid_force: self.rigid_force,
+        }
+    }
+}
+
+fn sized<T: Real, const K: usize>(numbers: &[T]) -> [T; K] {
+    core::array::from_fn(|i| numbers.get(i).copied().unwrap_or(T::ZERO))
+}
+
+impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
+    /// The state in plain numbers.
+    pub fn save(&self) -> SavedState<T, B, Z> {
+        let State { angle, velocity, increment, pivot_friction, tangential, rigid_force, side, .. } = *self;
+        SavedState { angle, velocity, increment, pivot_friction, tangential, side, rigid_force }
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize> From<SavedState<T, B, Z>> for State<T, B, Z> {
+    fn from(saved: SavedState<T, B, Z>) -> Self {
+        let SavedState { angle, velocity, increment, pivot_friction, tangential, side, rigid_force } = saved;
+        State {
+            angle,
+            velocity,
+            increment,
+            pivot_friction,
+            tangential,
+            rigid_force,
+            side,
+            broad_phase: BroadPhase::none(),
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Points and zones that a caller follows from step to step, without placing the whole mechanism every time.
+
+use crate::model::Model;
+use crate::pose::Pose;
+use crate::real::{Scalar, sin_cos};
+use crate::vector::Vector;
+
+/// A point of a body, placed through the bodies that carry it and no others. Gives the same bits as [`Pose::point`] for a body that is
+/// hinged on the ground.
+#[derive(Debug, Clone, Copy)]
+pub struct TrackedPoint<T, const B: usize> {
+    /// From the body next to the ground to the one that has the point: each with the place of what follows in its frame, m.
+    links: [(usize, Vector<T>); B],
+    count: usize,
+    /// The first body's pivot, or the point itself where it belongs to the ground, m.
+    root: Vector<T>,
+}
+
+impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
+    /// A point (m, in the body's frame) of a body; any index from `B` on is the ground.
+    pub fn of<const Z: usize>(model: &Model<T, B, Z>, body: usize, point: Vector<T>) -> Self {
+        let mut tracked = TrackedPoint { links: [(0, [T::ZERO; 2]); B], count: 0, root: point };
+        let mut carrier = body;
+        while carrier < B {
+            for k in (0..tracked.count).rev() {
+                tracked.links[k + 1] = tracked.links[k];
+            }
+            tracked.links[0] = (carrier, tracked.root);
+            tracked.count += 1;
+            tracked.root = model.tree.pivot[carrier];
+            carrier = model.parent(carrier);
+        }
+        tracked
+    }
+
+    /// Where the point is in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities (rad/s).
+    #[inline(always)]
+    pub fn motion(&self, angle: &[T; B], velocity: &[T; B]) -> [Vector<T>; 2] {
+        let (mut x, mut v) = (self.root, [T::ZERO; 2]);
+        for &(body, arm) in &self.links[..self.count] {
+            let (mut s, mut c) = ([T::ZERO], [T::ZERO]);
+            sin_cos(&[angle[body]], &mut s, &mut c);
+            let pivot = x;
+            x[0] += (c[0] * arm[0]).sub_product(s[0], arm[1]);
+            x[1] += (s[0] * arm[0]).add_product(c[0], arm[1]);
+            let rate = velocity[body];
+            v[0] += (pivot[1] - x[1]) * rate;
+            v[1] += (x[0] - pivot[0]) * rate;
+        }
+        [x, v]
+    }
+}
+
+/// How far the joints may turn before an open zone can touch.
+///
+/// A zone's compression changes by at most its longest lever times the angle, for every joint that it depends on. So a zone that was open
+/// by c stays open while sum lever |dq| < c. This is a bound and no estimate.
+#[derive(Debug, Clone, Copy)]
+pub struct Clearance<T, const B: usize> {
+    zone: usize,
+    /// Absolute angles at which the zone was looked at, rad.
+    angle: [T; B],
+    /// How far it was open there, m.
+    open: T,
+}
+
+impl<T: Scalar, const B: usize> Clearance<T, B> {
+    /// Of a zone at absolute angles, and its compression there (m); `None` where it touches.
+    pub fn of<const Z: usize>(model: &Model<T, B, Z>, zone: usize, angle: &[T; B]) -> (Option<Self>, T) {
+        let gap = Pose::of(model, angle).gap(model, zone);
+        ((gap < T::ZERO).then_some(Clearance { zone, angle: *angle, open: -gap }), gap)
+    }
+
+    /// Whether the zone is still open, for certain.
+    #[inline(always)]
+    pub fn holds<const Z: usize>(&self, model: &Model<T, B, Z>, angle: &[T; B]) -> bool {
+        let support = &model.supports[self.zone];
+        let mut closer = T::ZERO;
+        for (k, j) in support.joints() {
+            let mut turned = angle[j] - self.angle[j];
+            let parent = model.parent(j);
+            if parent < B {
+                turned = turned - (angle[parent] - self.angle[parent]);
+            }
+            closer += support.lever(k) * turned.abs();
+        }
+        // The last thousandth is left to rounding.
+        closer < T::from_f64(0.999) * self.open
+    }
+}
