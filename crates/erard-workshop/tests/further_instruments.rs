@@ -12,7 +12,7 @@ use moreau::Settings;
 const FURTHER: [&str; 2] = ["steinway-o", "heavy-touch"];
 
 fn builtin(name: &str) -> Instrument {
-    Instrument::builtin(name).unwrap_or_else(|| panic!("{name} reads"))
+    Instrument::builtin(name).unwrap_or_else(|_| panic!("{name} reads"))
 }
 
 fn length([x, y]: Vec2) -> f64 {

@@ -1,6 +1,7 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of AVX2
 //! (whatever more the processor has, so that the count is the same on all that have it). Counts repeat
-//! to the digit, seconds do not.
+//! to the digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps of the same
+//! note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes.
 //!
 //! `cargo bench -p erard --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none of it; the
 //! difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per step, `--at-most-group M`
@@ -10,23 +11,74 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
+use erard::{Action, Input, Instrument, Outcome, Reading};
 use erard_lab::benchmarks::callgrind::{CountError, instructions, is_available};
-use erard_lab::benchmarks::{Load, STEP_S, STEPS, WIDEST, grand, press};
+use erard_lab::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note, press};
 use moreau::Settings;
-use moreau_lanes::Lanes;
+use moreau_sizes::Lanes;
 
 /// What is counted: its name on the command line, the option that bounds it, how often it is done for every step, and what does so many
 /// steps.
 type Subject = (&'static str, &'static str, u64, fn(u64));
 
-const SUBJECTS: [Subject; 2] = [
+const SUBJECTS: [Subject; 10] = [
     ("step", "--at-most", 1, |steps| {
         black_box(press(&grand(), &Settings::new(STEP_S), steps));
     }),
     ("group_step", "--at-most-group", (WIDEST / 4) as u64, |steps| {
         black_box(Load::parameter_study(1, steps).in_lanes(1, Lanes::Four));
     }),
+    ("action_step", "--at-most-action", 1, |steps| {
+        black_box(action_note(&instrument(), steps));
+    }),
+    ("step_of_7_bodies", "--at-most-7", 1, |steps| {
+        black_box(action_note(&bending(7), steps));
+    }),
+    ("step_of_8_bodies", "--at-most-8", 1, |steps| {
+        black_box(action_note(&bending(8), steps));
+    }),
+    ("step_of_9_bodies", "--at-most-9", 1, |steps| {
+        black_box(action_note(&bending(9), steps));
+    }),
+    ("group_step_of_6_bodies", "--at-most-group-6", 1, |steps| lanes_note(&instrument(), steps)),
+    ("group_step_of_7_bodies", "--at-most-group-7", 1, |steps| lanes_note(&bending(7), steps)),
+    ("group_step_of_8_bodies", "--at-most-group-8", 1, |steps| lanes_note(&bending(8), steps)),
+    ("group_step_of_9_bodies", "--at-most-group-9", 1, |steps| lanes_note(&bending(9), steps)),
 ];
+
+/// The concert grand with so many bodies.
+fn bending(bodies: usize) -> Instrument {
+    let path = format!("{}/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    Instrument::load(std::path::Path::new(&path)).expect("it reads")
+}
+
+/// The note, stepped from outside: every field of every reading and every blow is read, and every step is taken.
+fn action_note(instrument: &Instrument, steps: u64) -> f64 {
+    let mut action = Action::new(instrument).expect("it comes to rest");
+    action.let_rest(false);
+    let mut sum = 0.0;
+    for n in 0..steps {
+        let force_n = if n < STEPS / 2 { MF_N } else { 0.0 };
+        let Reading { key_m, key_m_s, finger_n, hammer_m, hammer_m_s, string_n, outcome, .. } =
+            action.step(Input::Force(force_n));
+        assert_eq!(outcome, Outcome::Converged);
+        sum += key_m + key_m_s + finger_n + hammer_m + hammer_m_s + string_n;
+        sum += action.blow().map_or(0.0, |blow| blow.time_s + blow.speed_m_s);
+    }
+    sum
+}
+
+/// The note on four alike, side by side.
+fn lanes_note(instrument: &Instrument, steps: u64) {
+    let rest = described(instrument).expect("it comes to rest");
+    let mut group = group(&[&rest; 4], &Settings::new(STEP_S), Lanes::Four);
+    assert_eq!(group.lanes(), Lanes::Four);
+    let mut outcomes = [Outcome::Converged; 4];
+    for n in 0..steps {
+        group.step(&[note(n); 4], &mut outcomes);
+    }
+    black_box(outcomes);
+}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -51,7 +103,7 @@ fn main() -> ExitCode {
     }
     let mut passed = true;
     for (name, option, times, _) in SUBJECTS {
-        if name == "group_step" && !Lanes::Four.is_here() {
+        if name.starts_with("group_step") && !Lanes::Four.is_here() {
             println!("skipped, this processor has no AVX2: instructions_per_group_step");
             continue;
         }

@@ -1,6 +1,20 @@
-//! The grand piano action, simulated.
+//! The grand piano action, simulated: a force or a position of the finger goes in, and what the mechanism does comes out.
 //!
-//! Data flows one way: instrument file and stroke -> assembled mechanism -> steps -> run (series and events).
+//! ```
+//! use erard::{Action, Input, Instrument};
+//!
+//! let grand = Instrument::builtin("concert-grand")?;
+//! let mut action = Action::new(&grand)?;              // at rest, 50 us a step; Action::with(&grand, settings) for others
+//! let reading = action.step(Input::Force(4.5));       // owned, no allocation, no ledger
+//! println!("{} {}", reading.key_m, reading.hammer_m_s);
+//! # assert!(reading.key_m > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Data flows one way: instrument file and stroke -> the player ([`Action`], [`keyboard::Keys`]) -> readings, observers
+//! ([`player::Recorder`], [`player::LedgerBook`], [`events::Watch`]) -> runs ([`press`], [`simulation::simulate`]).
+//!
+//! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 
 pub mod assembly;
 pub mod equilibrium;
@@ -17,11 +31,13 @@ pub mod sight;
 pub mod simulation;
 pub mod stroke;
 
+pub use instrument::Instrument;
+pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
+pub use player::{Action, ActionError, Drive, Input, Reading, Snapshot, SnapshotError};
+pub use run::{Events, Run, Strike};
+pub use simulation::{Setup, SimulationError, press, simulate};
+
 /// The examples of the README are tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
-
-pub use instrument::Instrument;
-pub use moreau::{Outcome, Settings};
-pub use player::{Action, ActionError, Drive, Input, Reading, Snapshot};

@@ -169,6 +169,14 @@ impl Setup {
     }
 }
 
+/// [`simulate`] for who does not want to be told how far it is.
+///
+/// # Errors
+/// See [`SimulationError`].
+pub fn press(instrument: &Instrument, drive: &Drive<'_>, setup: &Setup) -> Result<Run, SimulationError> {
+    simulate(instrument, drive, setup, &mut |_| true)
+}
+
 /// Simulates one press. `progress` is told the share done now and then, and ends the run by returning false.
 ///
 /// The mechanism starts in equilibrium, friction included: undriven for a force, under the finger's first position for a
@@ -178,7 +186,7 @@ impl Setup {
 /// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`crate::run::Work`].
 pub fn simulate(
     instrument: &Instrument,
-    drive: &Drive,
+    drive: &Drive<'_>,
     setup: &Setup,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Run, SimulationError> {

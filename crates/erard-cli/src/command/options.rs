@@ -98,7 +98,7 @@ pub fn instrument_path(asked: &str) -> Option<&Path> {
 }
 
 fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure> {
-    Instrument::builtin(name).zip(Instrument::builtin_text(name)).ok_or_else(|| {
+    Instrument::builtin(name).ok().zip(Instrument::builtin_text(name)).ok_or_else(|| {
         let names: Vec<&str> = Instrument::builtin_names().collect();
         Failure::Usage(format!("there is no file and no built-in instrument `{name}` (built in: {})", names.join(", ")))
     })

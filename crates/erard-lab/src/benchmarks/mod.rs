@@ -13,7 +13,8 @@ mod sampling;
 mod single;
 
 pub use grand::{
-    GrandModel, GrandState, GrandWorkspace, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press,
+    GrandModel, GrandState, GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note,
+    press,
 };
 pub use keys::{KeyboardTimes, Ticks, keyboard};
 pub use load::{Load, WIDEST};

@@ -30,7 +30,7 @@ fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let command = words.next().ok_or("expected export, blow, batch or hold")?;
     let instrument = match words.next() {
         Some(file) => Instrument::load(Path::new(file))?,
-        None => Instrument::builtin("concert-grand").ok_or("the concert grand is not built in")?,
+        None => Instrument::builtin("concert-grand")?,
     };
     let action = Action::new(instrument)?;
     match command.as_str() {

@@ -86,10 +86,22 @@ impl InstrumentFile {
     }
 }
 
+/// There is no built-in instrument of that name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no built-in instrument `{name}`; built in are {}", Instrument::builtin_names().collect::<Vec<_>>().join(", "))]
+pub struct UnknownInstrument {
+    /// The name that was asked for.
+    pub name: String,
+}
+
 impl Instrument {
-    /// A built-in instrument, e.g. `concert-grand`, or `None` when there is none of that name.
-    pub fn builtin(name: &str) -> Option<Self> {
-        InstrumentFile::builtin(name).map(|file| file.instrument)
+    /// A built-in instrument, e.g. `concert-grand`.
+    ///
+    /// # Errors
+    /// [`UnknownInstrument`]: there is none of that name.
+    pub fn builtin(name: &str) -> Result<Self, UnknownInstrument> {
+        let file = InstrumentFile::builtin(name).ok_or_else(|| UnknownInstrument { name: name.to_owned() })?;
+        Ok(file.instrument)
     }
 
     /// The names that [`Instrument::builtin`] knows, the default one first.
