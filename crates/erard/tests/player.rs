@@ -103,11 +103,15 @@ fn a_snapshot_goes_on_to_the_bit() {
 fn snapshots_that_do_not_fit_are_refused() {
     let (grand, other) = (grand(), Instrument::builtin("heavy-touch").unwrap());
     let mut action = Action::new(&grand).unwrap();
-    (0..500).for_each(|_| drop(action.step(Input::Force(5.0))));
+    for _ in 0..500 {
+        action.step(Input::Force(5.0));
+    }
     let (own, before) = (action.save(), format!("{:?}", action.save()));
     let foreign = Action::new(&other).unwrap().save();
     assert_eq!(action.restore(&foreign), Err(SnapshotError::Instrument));
-    assert_eq!(action.restore(&Snapshot { version: 7, ..own }), Err(SnapshotError::Version(7)));
+    let mut broken = own;
+    broken.version = 7;
+    assert_eq!(action.restore(&broken), Err(SnapshotError::Version(7)));
     let mut broken = own;
     broken.angle_rad[2] = f64::NAN;
     assert_eq!(action.restore(&broken), Err(SnapshotError::NotFinite));
@@ -127,7 +131,9 @@ fn bad_inputs_leave_the_action_as_it_was() {
     ];
     for bad in bad {
         let mut action = Action::new(&grand()).unwrap();
-        (0..300).for_each(|_| drop(action.step(Input::Force(5.0))));
+        for _ in 0..300 {
+            action.step(Input::Force(5.0));
+        }
         let before: Vec<f64> = action.angles().to_vec();
         let reading = action.step(bad);
         assert_eq!(reading.outcome, Outcome::NonFinite, "{bad:?}");
