@@ -182,14 +182,13 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]]
         });
         let [point_m, point_m_s] = self.flight.point(angle, velocity);
-        let zone = marks.zone.and_then(|z| workspace.contact(&self.model, settings, z));
         View {
             site_m,
             site_m_s,
             drive_n: workspace.drive_force(),
             point_m,
             point_m_s,
-            zone_n: zone.map_or(0.0, |contact| contact.force),
+            zone_n: marks.zone.map_or(0.0, |zone| workspace.normal_force(&self.model, settings, zone)),
             met: self.flight_met(),
         }
     }
@@ -239,8 +238,9 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     }
 
     pub fn forget_last(&mut self) {
-        self.pose.take();
-        self.contacts.take();
+        // Not `take`, which would move out what is there.
+        self.pose = OnceCell::new();
+        self.contacts = OnceCell::new();
     }
 
     pub fn sight(&self) -> Sight<'_, B, Z> {

@@ -60,7 +60,7 @@ impl<const B: usize, const Z: usize> Placed for Poser<B, Z> {
     fn look(&mut self, time_s: f64, angles: &[f64], velocities: &[f64]) {
         let of = |values: &[f64]| core::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
         (self.angle, self.velocity) = (of(angles), of(velocities));
-        self.pose.take();
+        self.pose = OnceCell::new();
         self.flight.look(&self.model, time_s, &self.angle, &self.velocity);
     }
 

@@ -189,6 +189,18 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         self.drive.force
     }
 
+    /// Normal force of a zone during the last step, N; zero if it was not touched.
+    #[inline]
+    pub fn normal_force(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> T {
+        if self.touched_zones().contains(&zone) { self.pressed(model, settings, zone) } else { T::ZERO }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn pressed(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> T {
+        self.contact(model, settings, zone).map_or(T::ZERO, |contact| contact.force)
+    }
+
     /// A zone as it acted during the last step; `None` if it was not touched.
     pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T>> {
         let touched = self.touched_in(zone);

@@ -369,7 +369,7 @@ impl Action {
                 // What the key lags behind the motion is taken back little by little.
                 let aimed_m = self.aimed_m.unwrap_or(position_m - velocity_m_s * h);
                 let behind_m = self.rest.site_m + aimed_m - self.view.site_m;
-                self.aimed_m = Some(position_m);
+                self.aimed_m = position_m.is_finite().then_some(position_m);
                 moreau::Input::Rigid { velocity: velocity_m_s + RIGID_CORRECTION * behind_m / h }
             }
         }
@@ -378,6 +378,11 @@ impl Action {
     /// One step under an input of the engine's.
     #[inline]
     fn step_engine(&mut self, input: &moreau::Input<f64>) -> StepReport {
+        // An elastic drive only pushes, and what is not a number does not push: it would pass for no finger.
+        if !is_finite(input) {
+            self.outcome = Outcome::NonFinite;
+            return StepReport { outcome: Outcome::NonFinite, newton: 0, solver: 0 };
+        }
         let (report, view) = self.mechanism.step_and_view(input);
         (self.view, self.outcome) = (view, report.outcome);
         report
@@ -390,6 +395,17 @@ impl Action {
 
     fn look(&mut self) {
         self.view = self.mechanism.view();
+    }
+}
+
+/// Whether all numbers of an input are finite.
+#[inline]
+fn is_finite(input: &moreau::Input<f64>) -> bool {
+    match *input {
+        moreau::Input::Free => true,
+        moreau::Input::Force(force) => force.is_finite(),
+        moreau::Input::Motion { position, velocity } => position.is_finite() && velocity.is_finite(),
+        moreau::Input::Rigid { velocity } => velocity.is_finite(),
     }
 }
 
