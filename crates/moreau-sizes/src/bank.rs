@@ -63,7 +63,7 @@ pub fn bank(
     marks: &[Marks],
     settings: Settings<f64>,
 ) -> Result<Box<dyn Bank>, (usize, ModelError)> {
-    let size = descriptions.iter().map(|d| Size::of(d)).max().unwrap_or(Size::One);
+    let size = descriptions.iter().map(Size::of).max().unwrap_or(Size::One);
     with_size!(size, boxed, descriptions, marks, settings)
 }
 

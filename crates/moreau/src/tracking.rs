@@ -80,7 +80,7 @@ impl<T: Scalar, const B: usize> Clearance<T, B> {
             let mut turned = angle[j] - self.angle[j];
             let parent = model.parent(j);
             if parent < B {
-                turned = turned - (angle[parent] - self.angle[parent]);
+                turned -= angle[parent] - self.angle[parent];
             }
             closer += support.lever(k) * turned.abs();
         }

@@ -212,7 +212,7 @@ impl Action {
     pub(crate) fn play_engine(
         &mut self,
         going: &mut dyn FnMut() -> bool,
-        next: &mut dyn FnMut(&mut Self, Option<&StepReport>) -> Option<moreau::Input<f64>>,
+        next: &mut NextInput<'_>,
     ) -> Result<(), PlayError> {
         let (mut steps, mut last) = (0_u64, None);
         while let Some(input) = next(self, last.as_ref()) {
@@ -397,6 +397,9 @@ impl Action {
         self.view = self.mechanism.view();
     }
 }
+
+/// Asked for the engine's input of each step, told the report of the last one; `None` ends the loop.
+type NextInput<'a> = dyn FnMut(&mut Action, Option<&StepReport>) -> Option<moreau::Input<f64>> + 'a;
 
 /// Whether all numbers of an input are finite.
 #[inline]
