@@ -12,4 +12,4 @@ pub use action::{Action, ActionError, PlayError, Reading};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use ledger::LedgerBook;
 pub use recorder::Recorder;
-pub use snapshot::{Snapshot, SnapshotError};
+pub use snapshot::{Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};
