@@ -6,12 +6,12 @@
 //! it does not, and nothing ever sleeps. Nor does a mechanism that friction holds exactly at its limit, where rounding lets it slip and stick
 //! in turn (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
 
-use moreau::{Input, ModelError, Outcome, Settings, StepReport, Workspace};
+use moreau::{Input, ModelError, Outcome, Settings, Workspace};
 
 use crate::engine::{Clock, Stepped};
 use crate::mechanism::{Saved, View};
 use crate::size::with_size;
-use crate::{Marks, OwnedDescription, Size};
+use crate::{Marks, Meeting, OwnedDescription, Size};
 
 /// What one step of a bank did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,10 +40,10 @@ pub trait Bank: Send {
     fn drive(&mut self, index: usize, input: &Input<f64>);
     /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same results.
     fn let_sleep(&mut self, sleep: bool);
-    /// Steps all that are awake; `look` is told what is to be seen of each.
-    fn step(&mut self, look: &mut dyn FnMut(usize, &StepReport, &View)) -> Tick;
-    /// What was to be seen of one after its last step.
-    fn view(&self, index: usize) -> &View;
+    /// Steps all that are awake; `met` is told whose marked point has met its zone.
+    fn step(&mut self, met: &mut dyn FnMut(usize, Meeting)) -> Tick;
+    /// What there is to be seen of one after its last step.
+    fn view(&self, index: usize) -> View;
     /// Absolute angles of one, rad.
     fn angles(&self, index: usize) -> &[f64];
     /// Absolute angular velocities of one, rad/s.
@@ -77,8 +77,7 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
         let core: Stepped<B, Z> = Stepped::new(description, marks).map_err(|error| (i, error))?;
         // Room for its laws.
         Workspace::<f64, B, Z, N>::for_model(&core.model).map_err(|error| (i, error))?;
-        let view = core.view(marks, &settings, &workspace);
-        Ok(Member { core, marks: *marks, input: Input::Free, awake: true, view })
+        Ok(Member { core, marks: *marks, input: Input::Free, awake: true, drive_n: 0.0, zone_n: 0.0 })
     });
     let members = each.collect::<Result<Vec<_>, _>>()?;
     let awake = (0..members.len()).collect();
@@ -90,7 +89,9 @@ struct Member<const B: usize, const Z: usize> {
     marks: Marks,
     input: Input<f64>,
     awake: bool,
-    view: View,
+    /// Forces in the last step, N: of the drive, of the marked zone.
+    drive_n: f64,
+    zone_n: f64,
 }
 
 struct Members<const B: usize, const Z: usize, const N: usize> {
@@ -152,23 +153,26 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         }
     }
 
-    fn step(&mut self, look: &mut dyn FnMut(usize, &StepReport, &View)) -> Tick {
+    fn step(&mut self, met: &mut dyn FnMut(usize, Meeting)) -> Tick {
         let Members { members, awake, sleep, settings, workspace, clock } = self;
         let mut tick = Tick::default();
         let mut place = 0;
         while let Some(&index) = awake.get(place) {
-            let Member { core, marks, input, awake: is_awake, view } = &mut members[index];
+            let Member { core, marks, input, awake: is_awake, drive_n, zone_n } = &mut members[index];
             // Working memory holds another's contacts, and what is awake is stepped.
             core.sleep.wake();
             let report = core.step(settings, input, workspace);
-            *view = core.view(marks, settings, workspace);
+            *drive_n = workspace.drive_force();
+            *zone_n = marks.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, settings, zone));
             tick.stepped += 1;
             match report.outcome {
                 Outcome::Converged => {}
                 Outcome::IterationLimit => tick.unconverged += 1,
                 Outcome::NonFinite | Outcome::TooManyLaws => tick.non_finite += 1,
             }
-            look(index, &report, view);
+            if let Some(meeting) = core.flight_met() {
+                met(index, meeting);
+            }
             if core.rests() && *sleep {
                 *is_awake = false;
                 awake.swap_remove(place);
@@ -180,8 +184,9 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         tick
     }
 
-    fn view(&self, index: usize) -> &View {
-        &self.members[index].view
+    fn view(&self, index: usize) -> View {
+        let Member { core, drive_n, zone_n, .. } = &self.members[index];
+        core.view(*drive_n, *zone_n)
     }
 
     fn angles(&self, index: usize) -> &[f64] {
@@ -201,10 +206,9 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
     fn restore(&mut self, index: usize, saved: &Saved) {
         self.members[index].core.restore(saved);
         let clock = self.clock;
-        let Members { members, settings, .. } = self;
-        let Member { core, marks, view, .. } = &mut members[index];
-        core.set_clock(clock);
-        *view = View { drive_n: 0.0, zone_n: 0.0, ..core.view(marks, settings, &self.workspace) };
+        let member = &mut self.members[index];
+        member.core.set_clock(clock);
+        (member.drive_n, member.zone_n) = (0.0, 0.0);
         self.wake(index);
     }
 }

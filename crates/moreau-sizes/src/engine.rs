@@ -168,29 +168,16 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.flight.resume(samples);
     }
 
-    /// Where the driven point and the marked one are, and how fast; what was pushed in the last step.
+    /// Where the driven point and the marked one are, and how fast; with the forces of drive and marked zone in the last step, N.
     #[inline(always)]
-    pub fn view<const N: usize>(
-        &self,
-        marks: &Marks,
-        settings: &Settings<f64>,
-        workspace: &Workspace<f64, B, Z, N>,
-    ) -> View {
+    pub fn view(&self, drive_n: f64, zone_n: f64) -> View {
         let State { angle, velocity, .. } = &self.state;
         let [site_m, site_m_s] = self.site.as_ref().map_or([0.0; 2], |(point, [dx, dy])| {
             let [x, v] = point.motion(angle, velocity);
             [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]]
         });
         let [point_m, point_m_s] = self.flight.point(angle, velocity);
-        View {
-            site_m,
-            site_m_s,
-            drive_n: workspace.drive_force(),
-            point_m,
-            point_m_s,
-            zone_n: marks.zone.map_or(0.0, |zone| workspace.normal_force(&self.model, settings, zone)),
-            met: self.flight_met(),
-        }
+        View { site_m, site_m_s, drive_n, point_m, point_m_s, zone_n, met: self.flight_met() }
     }
 }
 
@@ -262,6 +249,14 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
             }
             contacts
         })
+    }
+
+    /// What there is to be seen now.
+    #[inline(always)]
+    pub fn view(&self) -> View {
+        let (settings, workspace) = self.last();
+        let zone_n = self.marks.zone.map_or(0.0, |zone| workspace.normal_force(&self.core.model, settings, zone));
+        self.core.view(workspace.drive_force(), zone_n)
     }
 
     pub fn step(&mut self, input: &Input<f64>) -> StepReport {

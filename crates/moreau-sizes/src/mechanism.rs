@@ -171,12 +171,11 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn step_and_view(&mut self, input: &Input<f64>) -> (StepReport, View) {
         let report = Engine::step(self, input);
-        (report, self.core.view(&self.marks, &self.settings, &self.workspace))
+        (report, Engine::view(self))
     }
 
     fn view(&self) -> View {
-        let (settings, workspace) = self.last();
-        self.core.view(&self.marks, settings, workspace)
+        Engine::view(self)
     }
 
     fn controlled_step(

@@ -4,9 +4,9 @@
 //! are whose. A command replaces its own, and takes away those that it no longer makes. What another command wrote, or nobody that is
 //! known, is replaced with `--force` only; what a command reads is never replaced.
 //!
-//! Files are written in a [`Stage`], a folder of an unpredictable name beside the results. When all are whole they appear: a folder that
+//! Files are written in a `Stage`, a folder of an unpredictable name beside the results. When all are whole they appear: a folder that
 //! Erard made and that holds nothing else changes places with the stage in one operation of the file system; in any other the files are
-//! renamed one by one, under a [`journal`] that lets the next command finish what a killed one began.
+//! renamed one by one, under a `journal` that lets the next command finish what a killed one began.
 
 mod exchange;
 mod journal;

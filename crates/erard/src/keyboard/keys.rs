@@ -135,12 +135,8 @@ impl Keys {
     pub fn step(&mut self) -> Tick {
         let Keys { bank, strikes, .. } = self;
         strikes.clear();
-        bank.step(&mut |index, _, view| {
-            // There is room: no hammer meets its string twice in a step.
-            if let Some(met) = view.met {
-                strikes.push(KeyStrike { key: index + 1, strike: met.into() });
-            }
-        })
+        // There is room: no hammer meets its string twice in a step.
+        bank.step(&mut |index, met| strikes.push(KeyStrike { key: index + 1, strike: met.into() }))
     }
 
     /// The hammers that met their strings in the last step.
@@ -151,7 +147,7 @@ impl Keys {
 
     /// What was to be seen of a key after its last step; see [`Action`] for units and signs.
     #[must_use]
-    pub fn view(&self, key: usize) -> &View {
+    pub fn view(&self, key: usize) -> View {
         self.bank.view(key - 1)
     }
 
