@@ -144,16 +144,19 @@ fn interrupted_it_leaves_nothing() {
     let folder = folder("interrupted");
     // A goal that takes long to be found out of reach.
     let goals = ["--norms", "--repetition-rise", "20mm", "--out", "new/grand.toml"];
-    let mut child = folder.command(&goals).stdout(std::process::Stdio::piped()).spawn().unwrap();
-    // A folder to write in is made after the interrupt is listened for.
-    while folder.names().is_empty() {
-        assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
-        std::thread::sleep(std::time::Duration::from_millis(2));
+    // At once after the folder appears, and at later instants: while what is to be written is prepared too.
+    for microseconds in [0, 0, 0, 0, 50, 100, 200, 500, 1000, 20_000] {
+        let mut child = folder.command(&goals).stdout(std::process::Stdio::piped()).spawn().unwrap();
+        // A folder to write in is made after the interrupt is listened for.
+        while folder.names().is_empty() {
+            assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
+        }
+        std::thread::sleep(std::time::Duration::from_micros(microseconds));
+        let pid = rustix::process::Pid::from_child(&child);
+        rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130));
+        assert!(output.stdout.is_empty());
+        assert_eq!(folder.names(), Vec::<String>::new(), "after {microseconds} us");
     }
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(kill.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
-    assert!(output.stdout.is_empty());
-    assert_eq!(folder.names(), Vec::<String>::new());
 }

@@ -26,7 +26,8 @@ const RESULTS: &str = "results";
 /// What was there before.
 pub const OLD: &str = "old";
 
-/// Stages of this process, and the folders made for them: for who ends the process from outside.
+/// Stages of this process, and the folders made for them: for who ends the process from outside. Held while one is made, so that whoever
+/// clears up knows of all that stand; and from then on for ever, so that no other is made.
 static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A stage of this process; gone when dropped, with what is in it.
@@ -50,9 +51,11 @@ impl Stage {
             .map(Path::to_path_buf)
             .collect();
         made.reverse();
-        open().extend(made.iter().cloned());
-        let stage = fs::create_dir_all(&parent).and_then(|()| Self::new(&prefix(folder), &parent));
+        let mut open = open();
+        let stage = fs::create_dir_all(&parent).and_then(|()| Self::new(&prefix(folder), &parent, &mut open));
         let mut stage = stage.inspect_err(|_| remove_empty(&made))?;
+        open.extend(made.iter().cloned());
+        drop(open);
         stage.beside = true;
         stage.made = made;
         if let Ok(found) = fs::metadata(folder) {
@@ -63,7 +66,7 @@ impl Stage {
 
     /// Within a folder that exists.
     pub fn within(folder: &Path) -> io::Result<Self> {
-        Self::new(WITHIN, folder)
+        Self::new(WITHIN, folder, &mut open())
     }
 
     /// What a stage beside a folder holds, within it.
@@ -74,7 +77,7 @@ impl Stage {
         Ok(stage)
     }
 
-    fn new(prefix: &str, parent: &Path) -> io::Result<Self> {
+    fn new(prefix: &str, parent: &Path, open: &mut Vec<PathBuf>) -> io::Result<Self> {
         loop {
             let folder = tempfile::Builder::new().prefix(prefix).suffix(END).tempdir_in(parent)?;
             let path = folder.path().join(LOCK);
@@ -90,7 +93,7 @@ impl Stage {
             if !path.exists() {
                 continue;
             }
-            open().push(folder.path().to_path_buf());
+            open.push(folder.path().to_path_buf());
             // Made by the usual rules, whatever those for temporary folders are: it is to stay.
             fs::create_dir(folder.path().join(RESULTS))?;
             return Ok(Stage { folder, _lock: lock, beside: false, made: Vec::new() });
@@ -146,7 +149,10 @@ impl Drop for Stage {
 
 /// Clears what this process has begun to write. For its end: whoever still writes then finds that there is no folder.
 pub fn clear() {
-    let folders = std::mem::take(&mut *open());
+    let mut open = open();
+    let folders = std::mem::take(&mut *open);
+    // Never given back.
+    std::mem::forget(open);
     let (stages, made): (Vec<_>, Vec<_>) = folders.into_iter().partition(|folder| folder.join(LOCK).exists());
     for stage in stages {
         // A file that is created meanwhile is in the way once or twice.
