@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 
 use common::Folder;
 
-/// Longest time between a request and the end of the process: 0.2 s on a machine that does nothing else.
-const AT_ONCE: Duration = Duration::from_millis(if cfg!(debug_assertions) { 1000 } else { 400 });
+/// A request that was heard ends the process within this time, however busy the machine is: none of the commands here would be over by then.
+/// How long it takes on an idle machine, some hundredths of a second, is not for a test to say.
+const HEARD: Duration = Duration::from_secs(8);
 
 fn send(signal: &str, to: i64) {
     assert!(Command::new("kill").args([signal, "--", &to.to_string()]).status().unwrap().success());
@@ -18,14 +19,14 @@ fn send(signal: &str, to: i64) {
 
 fn ended(child: &mut Child, what: &str) -> ExitStatus {
     let asked = Instant::now();
-    while asked.elapsed() < AT_ONCE {
+    while asked.elapsed() < HEARD {
         if let Some(status) = child.try_wait().unwrap() {
             return status;
         }
         std::thread::sleep(Duration::from_millis(1));
     }
     child.kill().unwrap();
-    panic!("{what}: not ended after {AT_ONCE:?}");
+    panic!("{what}: not ended after {HEARD:?}");
 }
 
 /// A mill in the water, which finds no rest.

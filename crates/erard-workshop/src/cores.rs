@@ -1,5 +1,6 @@
 //! Independent work on several of the processor's cores.
 
+use std::cell::RefCell;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
@@ -7,7 +8,7 @@ use std::time::Duration;
 use erard::simulation::SimulationError;
 
 /// Asked now and then during long work; false ends it.
-pub type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
+pub type Interrupt<'a> = &'a dyn Fn() -> bool;
 
 /// How often the caller is told, and asked whether to go on.
 const TELL_EVERY: Duration = Duration::from_millis(20);
@@ -43,7 +44,7 @@ impl Ending for SimulationError {
     }
 }
 
-/// Does all jobs on so many threads. `progress` is told the share that is done and ends the work by returning false. The results do
+/// Does all jobs on so many threads; with one, on the caller's own, so that it also works where there are no threads. `progress` is told the share that is done and ends the work by returning false. The results do
 /// not depend on the number of threads: no job sees another's.
 ///
 /// # Errors
@@ -53,13 +54,16 @@ pub fn do_all<E: Ending>(
     threads: usize,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), E> {
+    if threads <= 1 {
+        return do_all_here(jobs, progress);
+    }
     let count = jobs.len();
     let queue: Vec<Mutex<Option<Job<'_, E>>>> = jobs.into_iter().map(|job| Mutex::new(Some(job))).collect();
     let failures: Mutex<Vec<(usize, E)>> = Mutex::new(Vec::new());
     let (next, done, stop) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
     let caller = std::thread::current();
-    let going = || !stop.load(Ordering::Relaxed);
     let work = || {
+        let going = || !stop.load(Ordering::Relaxed);
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(place) = queue.get(index) else { break };
@@ -93,6 +97,20 @@ pub fn do_all<E: Ending>(
     // What was stopped because another failed is not the reason.
     failures.sort_by_key(|(index, error)| (error.is_interruption(), *index));
     failures.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
+}
+
+/// [`do_all`] on the caller's thread, one job after the other. `progress` is asked by the jobs themselves.
+fn do_all_here<E: Ending>(jobs: Vec<Job<'_, E>>, progress: &mut dyn FnMut(f64) -> bool) -> Result<(), E> {
+    let count = jobs.len() as f64;
+    let progress = RefCell::new(progress);
+    for (done, job) in jobs.into_iter().enumerate() {
+        let going = || (progress.borrow_mut())(done as f64 / count);
+        if !going() {
+            return Err(SimulationError::Interrupted.into());
+        }
+        job(&going)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -48,9 +48,9 @@ impl Watch {
         }
     }
 
-    /// Looks once: after every step, and before the first. `key_m` is the key front's travel, `hammer_m` the head's rise.
-    pub fn look(&mut self, time_s: f64, key_m: f64, hammer_m: f64, mechanism: &dyn Visible) {
-        let met = mechanism.met();
+    /// Looks once: after every step, and before the first. `key_m` is the key front's travel, `hammer_m` the head's rise, `met` the meeting of
+    /// hammer and string in the step, if there was one.
+    pub fn look(&mut self, time_s: f64, key_m: f64, hammer_m: f64, met: Option<Meeting>, mechanism: &dyn Visible) {
         if self.sees_blows_only() {
             self.events.strikes.extend(met.map(Strike::from));
             return;

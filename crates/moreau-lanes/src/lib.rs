@@ -146,8 +146,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         settings: &Settings<f64>,
         lanes: Lanes,
     ) -> Self {
-        assert_eq!(models.len(), states.len(), "a state for each model");
-        assert!(models.iter().all(|model| model.laws() <= N), "room for all set-valued laws");
+        check(models, states, N);
         #[cfg(target_arch = "x86_64")]
         let kind = match lanes {
             Lanes::One => None,
@@ -165,6 +164,40 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             return Group { kind };
         }
         let _ = lanes;
+        Group::one_by_one(models, states, settings)
+    }
+
+    /// Four at once in doubles, or one by one: no other lanes are compiled for a size of which only such groups are made.
+    ///
+    /// # Panics
+    /// As [`Group::new`].
+    pub fn in_fours(models: &[Model<f64, B, Z>], states: &[State<f64, B, Z>], settings: &Settings<f64>) -> Self {
+        check(models, states, N);
+        #[cfg(target_arch = "x86_64")]
+        if models.len() == Lanes::Four.count()
+            && let Some(four) = kernels::four(models, states, settings)
+        {
+            return Group { kind: Kind::Four(Box::new(four)) };
+        }
+        Group::one_by_one(models, states, settings)
+    }
+
+    /// Eight at once in single precision, or one by one: no other lanes are compiled for a size of which only such groups are made.
+    ///
+    /// # Panics
+    /// As [`Group::new`].
+    pub fn in_eights_single(
+        models: &[Model<f64, B, Z>],
+        states: &[State<f64, B, Z>],
+        settings: &Settings<f64>,
+    ) -> Self {
+        check(models, states, N);
+        #[cfg(target_arch = "x86_64")]
+        if models.len() == Lanes::EightSingle.count()
+            && let Some(eight) = kernels::eight_single(models, states, settings)
+        {
+            return Group { kind: Kind::EightSingle(Box::new(eight)) };
+        }
         Group::one_by_one(models, states, settings)
     }
 
@@ -276,4 +309,9 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::OneByOne(one) => one.states[index].clone(),
         }
     }
+}
+
+fn check<const B: usize, const Z: usize>(models: &[Model<f64, B, Z>], states: &[State<f64, B, Z>], room: usize) {
+    assert_eq!(models.len(), states.len(), "a state for each model");
+    assert!(models.iter().all(|model| model.laws() <= room), "room for all set-valued laws");
 }

@@ -3,8 +3,8 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Controller, Halves, Input, Ledger, Model, ModelError, Outcome, Pose, Settings,
-    Sleep, State, StepReport, TrackedPoint, Workspace, controlled_step, step_apart,
+    Accuracy, Contact, ControlledStep, Controller, GROUND, Halves, Input, Ledger, Model, ModelError, Outcome, Pose,
+    Settings, Sleep, State, StepReport, TrackedPoint, Workspace, controlled_step, step_apart,
 };
 
 use crate::flight::Flight;
@@ -18,7 +18,8 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub state: State<f64, B, Z>,
     pub sleep: Sleep<f64>,
     pub flight: Flight<B>,
-    pub site: Option<(TrackedPoint<f64, B>, [f64; 2])>,
+    /// The driven point and the drive's direction, which is zero where nothing is driven.
+    pub site: (TrackedPoint<f64, B>, [f64; 2]),
     pub bodies: usize,
     /// Absolute angular velocities before the last step, rad/s.
     pub velocity_before: [f64; B],
@@ -51,6 +52,12 @@ impl Clock {
         self.before_s = self.now_s;
         self.now_s = self.origin_s + self.steps as f64 * step_s;
     }
+
+    /// The last tick did not happen.
+    #[cold]
+    fn take_back(&mut self) {
+        (self.steps, self.now_s) = (self.steps - 1, self.before_s);
+    }
 }
 
 impl<const B: usize, const Z: usize> Stepped<B, Z> {
@@ -59,7 +66,8 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         let state = State::at_rest(description.first_angles());
         let mut flight = Flight::new(&model, marks);
         flight.look(&model, 0.0, &state.angle, &state.velocity);
-        let site = model.site().map(|s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
+        let nowhere = (TrackedPoint::of(&model, GROUND, [0.0; 2]), [0.0; 2]);
+        let site = model.site().map_or(nowhere, |s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
         Ok(Stepped {
             bodies: description.bodies.len(),
             velocity_before: state.velocity,
@@ -120,13 +128,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         input: &Input<f64>,
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> StepReport {
-        if !self.may_rest {
-            self.sleep.wake();
-        }
         let before_s = self.clock.now_s;
         self.clock.tick(settings.step);
         let Stepped { model, state, sleep, .. } = self;
-        if let Some(report) = sleep.would_rest(input) {
+        if self.may_rest
+            && let Some(report) = sleep.would_rest(input)
+        {
             self.skipped = true;
             return report;
         }
@@ -172,11 +179,9 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     #[inline(always)]
     pub fn view(&self, drive_n: f64, zone_n: f64) -> View {
         let State { angle, velocity, .. } = &self.state;
-        let [site_m, site_m_s] = self.site.as_ref().map_or([0.0; 2], |(point, [dx, dy])| {
-            let [x, v] = point.motion(angle, velocity);
-            [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]]
-        });
-        let [point_m, point_m_s] = self.flight.point(angle, velocity);
+        let (site, [dx, dy]) = &self.site;
+        let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.flight.point()], angle, velocity);
+        let [site_m, site_m_s] = [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]];
         View { site_m, site_m_s, drive_n, point_m, point_m_s, zone_n, met: self.flight_met() }
     }
 }
@@ -189,9 +194,10 @@ pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
     pub workspace: Workspace<f64, B, Z, N>,
     /// While steps are controlled.
     pub control: Option<Box<Control<B, Z, N>>>,
-    /// Worked out when they are asked for: the pose now, and the zones as they acted in the last step.
+    /// The pose now, worked out when it is asked for.
     pose: OnceCell<Pose<f64, B>>,
-    contacts: OnceCell<[Option<Contact<f64>>; Z]>,
+    /// The zones as they acted in the last step, where somebody wants to know of each step.
+    contacts: Option<Box<[Option<Contact<f64>>; Z]>>,
 }
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
@@ -212,7 +218,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
             workspace,
             control: None,
             pose: OnceCell::new(),
-            contacts: OnceCell::new(),
+            contacts: None,
         })
     }
 
@@ -224,10 +230,9 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         }
     }
 
-    pub fn forget_last(&mut self) {
+    pub fn forget_pose(&mut self) {
         // Not `take`, which would move out what is there.
         self.pose = OnceCell::new();
-        self.contacts = OnceCell::new();
     }
 
     pub fn sight(&self) -> Sight<'_, B, Z> {
@@ -239,16 +244,33 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         self.sight().pose
     }
 
-    /// The zones as they acted in the last step; those that were not touched are `None`.
-    pub fn contacts(&self) -> &[Option<Contact<f64>>; Z] {
-        self.contacts.get_or_init(|| {
-            let (settings, workspace) = self.last();
-            let mut contacts = [None; Z];
-            for &z in workspace.touched_zones() {
-                contacts[z] = workspace.contact(&self.core.model, settings, z);
-            }
-            contacts
-        })
+    /// From now on the zones are looked at after every step.
+    pub fn keep_contacts(&mut self) {
+        self.contacts.get_or_insert_with(|| Box::new([None; Z]));
+        self.look_at_contacts();
+    }
+
+    /// The zones as they acted in the last step; none where they are not kept.
+    pub fn contacts(&self) -> &[Option<Contact<f64>>] {
+        self.contacts.as_deref().map_or(&[], |contacts| contacts)
+    }
+
+    fn look_at_contacts(&mut self) {
+        let Engine { core, settings, workspace, control, contacts: Some(contacts), .. } = self else { return };
+        let (settings, workspace) = match control.as_deref() {
+            Some(control) => (&control.halves.settings, &control.halves.workspace[control.half]),
+            None => (&*settings, &*workspace),
+        };
+        contacts.fill(None);
+        for &z in workspace.touched_zones() {
+            contacts[z] = workspace.contact(&core.model, settings, z);
+        }
+    }
+
+    /// A step has been taken.
+    pub fn look_again(&mut self) {
+        self.forget_pose();
+        self.look_at_contacts();
     }
 
     /// What there is to be seen now.
@@ -263,8 +285,12 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         self.control = None;
         let rested = self.core.rests();
         let report = self.core.step(&self.settings, input, &mut self.workspace);
+        if report.outcome == Outcome::NonFinite {
+            // It is where it was, and when.
+            self.core.clock.take_back();
+        }
         if !(rested && self.core.rests()) {
-            self.forget_last();
+            self.look_again();
         }
         report
     }
@@ -273,7 +299,9 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     pub fn book(&self, ledger: &mut Ledger) {
         let (settings, workspace) = self.last();
         let Stepped { model, state, velocity_before, .. } = &self.core;
-        ledger.record_contacts(model, settings, velocity_before, state, workspace, self.contacts());
+        if let Some(contacts) = &self.contacts {
+            ledger.record_contacts(model, settings, velocity_before, state, workspace, contacts);
+        }
     }
 
     pub fn controlled_step(
@@ -314,7 +342,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
 
     /// A half of a controlled step has ended.
     fn arrive(&mut self, velocity_before: [f64; B], now_s: f64) {
-        self.forget_last();
+        self.look_again();
         let core = &mut self.core;
         core.velocity_before = velocity_before;
         core.set_clock(Clock::at(now_s));

@@ -67,10 +67,10 @@ impl<const B: usize> Flight<B> {
         self.met
     }
 
-    /// Place and velocity of the point.
+    /// The watched point.
     #[inline(always)]
-    pub fn point(&self, angle: &[f64; B], velocity: &[f64; B]) -> [[f64; 2]; 2] {
-        self.point.motion(angle, velocity)
+    pub fn point(&self) -> &TrackedPoint<f64, B> {
+        &self.point
     }
 
     /// Whether the zone could not be touched at the last look.

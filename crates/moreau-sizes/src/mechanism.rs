@@ -90,14 +90,15 @@ pub trait Mechanism: Visible + Send {
     fn pivot_friction(&self) -> &[f64];
     /// Sets all velocities to zero.
     fn stop(&mut self);
-    /// The zones as they acted in the last step; those that were not touched are `None`. There may be more places than zones.
+    /// From now on [`Mechanism::contacts`] tells of every step. Allocates the first time.
+    fn keep_contacts(&mut self);
+    /// The zones as they acted in the last step, once [`Mechanism::keep_contacts`] or [`Mechanism::open_ledger`] has asked for them, else none;
+    /// those that were not touched are `None`. There may be more places than zones.
     fn contacts(&self) -> &[Option<Contact<f64>>];
     /// Coulomb forces of the zones in the last step, N. There may be more places than zones.
     fn tangential_forces(&self) -> &[f64];
     /// Normal force of a zone in the last step, N.
-    fn normal_force(&self, zone: usize) -> f64 {
-        self.contacts()[zone].map_or(0.0, |contact| contact.force)
-    }
+    fn normal_force(&self, zone: usize) -> f64;
     /// Coulomb force of a zone in the last step, N.
     fn tangential_force(&self, zone: usize) -> f64 {
         self.tangential_forces()[zone]
@@ -110,7 +111,7 @@ pub trait Mechanism: Visible + Send {
     fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64>;
     /// Stored energies if the mechanism moved at the given velocities from where it is, J.
     fn energies_at(&self, velocities: &[f64]) -> Energies;
-    /// A ledger that is opened here.
+    /// A ledger that is opened here. Allocates the first time.
     fn open_ledger(&mut self) -> Ledger;
     /// Books the last step in a ledger.
     fn book(&self, ledger: &mut Ledger);
@@ -223,7 +224,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.settings = settings;
         self.core.sleep.wake();
         self.core.set_clock(Clock::at(self.core.now_s()));
-        self.forget_last();
+        self.forget_pose();
     }
 
     fn angles(&self) -> &[f64] {
@@ -244,8 +245,17 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.core.state.velocity = [0.0; B];
     }
 
+    fn keep_contacts(&mut self) {
+        Engine::keep_contacts(self);
+    }
+
     fn contacts(&self) -> &[Option<Contact<f64>>] {
         Engine::contacts(self)
+    }
+
+    fn normal_force(&self, zone: usize) -> f64 {
+        let (settings, workspace) = self.last();
+        workspace.normal_force(&self.core.model, settings, zone)
     }
 
     fn tangential_forces(&self) -> &[f64] {
@@ -273,6 +283,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     fn open_ledger(&mut self) -> Ledger {
         // So that what rests is booked at least once.
         self.core.sleep.wake();
+        Engine::keep_contacts(self);
         Ledger::open(&self.core.model, &self.core.state)
     }
 
@@ -293,7 +304,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.core.restore(saved);
         // What acted last is not part of it.
         self.workspace = Workspace::new();
-        self.forget_last();
+        self.look_again();
     }
 }
 

@@ -3,6 +3,7 @@
 use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
 use moreau_lanes::{Group, Lanes};
 
+use crate::size::with_size;
 use crate::{OwnedDescription, Size};
 
 /// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`] allocates.
@@ -26,7 +27,7 @@ pub trait SideBySide: Send {
 }
 
 /// Mechanisms in given states. Where there are as many of them as the processor has `lanes` for, and they differ in their numbers only, they
-/// are stepped at once; otherwise one by one.
+/// are stepped at once, or in several parts where lanes that wide are not compiled for their size ([`Size::lanes`]); otherwise one by one.
 ///
 /// # Errors
 /// [`ModelError`] if no size holds one of them.
@@ -39,15 +40,93 @@ pub fn side_by_side(
     settings: &Settings<f64>,
     lanes: Lanes,
 ) -> Result<Box<dyn SideBySide>, ModelError> {
+    assert_eq!(descriptions.len(), states.len(), "a state for each description");
     let size = descriptions.iter().map(|d| Size::of(d)).max().unwrap_or(Size::One);
-    match size {
-        Size::Six => boxed::<6, 14, 10>(descriptions, states, settings, lanes),
-        Size::Seven => boxed::<7, 20, 48>(descriptions, states, settings, lanes),
-        Size::Eight => boxed::<8, 20, 49>(descriptions, states, settings, lanes),
-        Size::Nine => boxed::<9, 20, 50>(descriptions, states, settings, lanes),
-        // Lanes of these are not compiled.
-        Size::One => one_by_one::<1, 4, 6>(descriptions, states, settings),
-        Size::Most => one_by_one::<12, 32, 77>(descriptions, states, settings),
+    let compiled = size.lanes(lanes);
+    let width = compiled.count();
+    if 1 < width && width < descriptions.len() {
+        let parts = descriptions.chunks(width).zip(states.chunks(width));
+        let parts = parts.map(|(d, s)| one_part(size, d, s, settings, compiled)).collect::<Result<_, _>>()?;
+        return Ok(Box::new(Parts { parts, lanes: compiled }));
+    }
+    one_part(size, descriptions, states, settings, compiled)
+}
+
+fn one_part(
+    size: Size,
+    descriptions: &[&OwnedDescription],
+    states: &[SavedState<f64, 12, 32>],
+    settings: &Settings<f64>,
+    lanes: Lanes,
+) -> Result<Box<dyn SideBySide>, ModelError> {
+    match (size, lanes) {
+        (Size::Six, _) => {
+            let (models, states) = assembled(descriptions, states)?;
+            Ok(Box::new(Group::<6, 14, 10>::new(&models, &states, settings, lanes)))
+        }
+        (Size::Seven, Lanes::Four) => in_fours::<7, 20, 48>(descriptions, states, settings),
+        (Size::Eight, Lanes::Four) => in_fours::<8, 20, 49>(descriptions, states, settings),
+        (Size::Nine, Lanes::Four) => in_fours::<9, 20, 50>(descriptions, states, settings),
+        (Size::Eight, Lanes::EightSingle) => {
+            let (models, states) = assembled(descriptions, states)?;
+            Ok(Box::new(Group::<8, 20, 49>::in_eights_single(&models, &states, settings)))
+        }
+        _ => with_size!(size, one_by_one, descriptions, states, settings),
+    }
+}
+
+fn in_fours<const B: usize, const Z: usize, const N: usize>(
+    descriptions: &[&OwnedDescription],
+    states: &[SavedState<f64, 12, 32>],
+    settings: &Settings<f64>,
+) -> Result<Box<dyn SideBySide>, ModelError> {
+    let (models, states) = assembled(descriptions, states)?;
+    Ok(Box::new(Group::<B, Z, N>::in_fours(&models, &states, settings)))
+}
+
+/// Mechanisms in several groups of so many each, the last one perhaps of fewer.
+struct Parts {
+    parts: Vec<Box<dyn SideBySide>>,
+    lanes: Lanes,
+}
+
+impl Parts {
+    fn place(&self, index: usize) -> (&dyn SideBySide, usize) {
+        let width = self.lanes.count();
+        (self.parts[index / width].as_ref(), index % width)
+    }
+
+    fn each(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome], step: StepOfPart) {
+        let width = self.lanes.count();
+        for ((part, inputs), outcomes) in self.parts.iter_mut().zip(inputs.chunks(width)).zip(outcomes.chunks_mut(width)) {
+            step(part.as_mut(), inputs, outcomes);
+        }
+    }
+}
+
+type StepOfPart = fn(&mut dyn SideBySide, &[Input<f64>], &mut [Outcome]);
+
+impl SideBySide for Parts {
+    fn lanes(&self) -> Lanes {
+        self.parts.first().map_or(Lanes::One, |part| part.lanes())
+    }
+
+    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        self.each(inputs, outcomes, |part, inputs, outcomes| part.step(inputs, outcomes));
+    }
+
+    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        self.each(inputs, outcomes, |part, inputs, outcomes| part.step_or_rest(inputs, outcomes));
+    }
+
+    fn motion(&self, index: usize, angles: &mut [f64], velocities: &mut [f64]) {
+        let (part, index) = self.place(index);
+        part.motion(index, angles, velocities);
+    }
+
+    fn state(&self, index: usize) -> SavedState<f64, 12, 32> {
+        let (part, index) = self.place(index);
+        part.state(index)
     }
 }
 
@@ -68,16 +147,6 @@ fn one_by_one<const B: usize, const Z: usize, const N: usize>(
 ) -> Result<Box<dyn SideBySide>, ModelError> {
     let (models, states) = assembled(descriptions, states)?;
     Ok(Box::new(Group::<B, Z, N>::one_by_one(&models, &states, settings)))
-}
-
-fn boxed<const B: usize, const Z: usize, const N: usize>(
-    descriptions: &[&OwnedDescription],
-    states: &[SavedState<f64, 12, 32>],
-    settings: &Settings<f64>,
-    lanes: Lanes,
-) -> Result<Box<dyn SideBySide>, ModelError> {
-    let (models, states) = assembled(descriptions, states)?;
-    Ok(Box::new(Group::<B, Z, N>::new(&models, &states, settings, lanes)))
 }
 
 impl<const B: usize, const Z: usize, const N: usize> SideBySide for Group<B, Z, N> {

@@ -1,5 +1,7 @@
 //! The sizes that the engine is compiled for.
 
+use moreau_lanes::Lanes;
+
 use crate::OwnedDescription;
 
 /// A size: so many bodies B, zones Z and set-valued laws N at most.
@@ -60,8 +62,19 @@ impl Size {
         Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
     }
 
+    /// The widest lanes up to these that are compiled for this size. Six bodies have all. Beyond, each kind of lanes takes as long to compile as
+    /// a whole library: seven to nine bodies have four doubles, eight bodies have single precision, too; other sizes have none.
+    pub fn lanes(self, wanted: Lanes) -> Lanes {
+        match (self, wanted) {
+            (Size::Six, _) => wanted,
+            (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,
+            (Size::Eight, Lanes::EightSingle | Lanes::SixteenSingle) => Lanes::EightSingle,
+            (Size::Seven | Size::Eight | Size::Nine, _) => Lanes::Four,
+        }
+    }
+
     /// Whether there are lanes of this size.
     pub fn has_lanes(self) -> bool {
-        matches!(self, Size::Six | Size::Seven | Size::Eight | Size::Nine)
+        self.lanes(Lanes::Four) != Lanes::One
     }
 }

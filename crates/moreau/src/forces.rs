@@ -221,7 +221,8 @@ fn drive_force<T: Real, const B: usize, const Z: usize>(
             let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
             drive.pull = force;
             drive.tangent = h_theta * (site.damping + h_theta * site.stiffness);
-            let pushes = T::ZERO.lt(force);
+            // What is not a number must not pass for a finger that does not touch.
+            let pushes = T::ZERO.lt(force).or(force.finite().not());
             let only = |x: T| T::only(pushes, x);
             pushes.any().then_some((only(force), only(drive.tangent)))
         }

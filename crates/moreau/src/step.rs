@@ -114,7 +114,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let mut w = if smooth { extrapolate(model, settings, &w0, &state.increment) } else { w0 };
     warm_start_pivots(model, settings, state, &w0, &w, workspace);
     let mut done = no;
-    let next = if T::LANES > 1 {
+    let next = if const { T::LANES > 1 } {
         iterate_to_the_end(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0)
     } else {
         // The compiler hoists loop-invariant loads out of a loop and spills them to the stack. This loop usually runs once, so that only

@@ -36,19 +36,42 @@ impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
     /// Where the point is in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities (rad/s).
     #[inline(always)]
     pub fn motion(&self, angle: &[T; B], velocity: &[T; B]) -> [Vector<T>; 2] {
-        let (mut x, mut v) = (self.root, [T::ZERO; 2]);
+        let mut moving = [self.root, [T::ZERO; 2]];
         for &(body, arm) in &self.links[..self.count] {
             let (mut s, mut c) = ([T::ZERO], [T::ZERO]);
             sin_cos(&[angle[body]], &mut s, &mut c);
-            let pivot = x;
-            x[0] += (c[0] * arm[0]).sub_product(s[0], arm[1]);
-            x[1] += (s[0] * arm[0]).add_product(c[0], arm[1]);
-            let rate = velocity[body];
-            v[0] += (pivot[1] - x[1]) * rate;
-            v[1] += (x[0] - pivot[0]) * rate;
+            carry(&mut moving, arm, s[0], c[0], velocity[body]);
         }
-        [x, v]
+        moving
     }
+
+    /// [`TrackedPoint::motion`] of two points, the same bits: the sines and cosines of both are worked out side by side.
+    #[inline(always)]
+    pub fn motions(points: [&Self; 2], angle: &[T; B], velocity: &[T; B]) -> [[Vector<T>; 2]; 2] {
+        let mut moving = points.map(|p| [p.root, [T::ZERO; 2]]);
+        for k in 0..points[0].count.max(points[1].count).min(B) {
+            let links = points.map(|p| p.links[k]);
+            let (mut s, mut c) = ([T::ZERO; 2], [T::ZERO; 2]);
+            sin_cos(&links.map(|(body, _)| angle[body]), &mut s, &mut c);
+            for i in 0..2 {
+                let (body, arm) = links[i];
+                if k < points[i].count {
+                    carry(&mut moving[i], arm, s[i], c[i], velocity[body]);
+                }
+            }
+        }
+        moving
+    }
+}
+
+/// From a pivot (place, m, and velocity, m/s) to the end of a body's arm.
+#[inline(always)]
+fn carry<T: Scalar>([x, v]: &mut [Vector<T>; 2], arm: Vector<T>, s: T, c: T, rate: T) {
+    let pivot = *x;
+    x[0] += (c * arm[0]).sub_product(s, arm[1]);
+    x[1] += (s * arm[0]).add_product(c, arm[1]);
+    v[0] += (pivot[1] - x[1]) * rate;
+    v[1] += (x[0] - pivot[0]) * rate;
 }
 
 /// How far the joints may turn before an open zone can touch.

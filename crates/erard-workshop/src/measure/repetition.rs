@@ -95,7 +95,7 @@ fn held(
         if step > 0 {
             let travel_m = action.reading().key_m;
             // Nothing but blows is asked of the watch: the head's height does not matter to them.
-            watch.look(now, travel_m, 0.0, action.mechanism());
+            watch.look(now, travel_m, 0.0, action.mechanism().met(), action.mechanism());
             match finger {
                 Finger::Presses(_) if action.gap(bottom) > 0.0 => finger = Finger::Stays(now),
                 Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),

@@ -202,7 +202,7 @@ impl<'a> Lane<'a> {
         }
         let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.seen.as_ref());
         let hammer_m = head_m - self.rest.head_m;
-        self.watch.look(time_s, site_m - self.rest.site_m, hammer_m, self.seen.as_ref());
+        self.watch.look(time_s, site_m - self.rest.site_m, hammer_m, self.seen.met(), self.seen.as_ref());
         self.highest_m = self.highest_m.max(hammer_m);
     }
 

@@ -114,15 +114,8 @@ impl Keys {
     /// # Panics
     /// If there is no such key; keys count from 1.
     pub fn drive(&mut self, key: usize, input: Input) {
-        let rest_m = self.own[key - 1].rest.site_m;
-        let input = match input {
-            Input::Free => moreau::Input::Free,
-            Input::Force(force_n) => moreau::Input::Force(force_n),
-            Input::Motion { position_m, velocity_m_s } => {
-                moreau::Input::Motion { position: rest_m + position_m, velocity: velocity_m_s }
-            }
-            Input::Rigid { velocity_m_s, .. } => moreau::Input::Rigid { velocity: velocity_m_s },
-        };
+        let imposed = || if let Input::Rigid { velocity_m_s, .. } = input { velocity_m_s } else { 0.0 };
+        let input = self.own[key - 1].rest.engine_input(&input, imposed);
         self.bank.drive(key - 1, &input);
     }
 

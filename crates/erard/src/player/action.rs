@@ -331,6 +331,11 @@ impl Action {
         self.digest
     }
 
+    /// What there is to be seen now, before it is referred to the rest.
+    pub(crate) fn view(&self) -> &View {
+        &self.view
+    }
+
     /// The mechanism that is played: energies, rows, contacts.
     pub fn mechanism(&self) -> &dyn Mechanism {
         self.mechanism.as_ref()
@@ -358,31 +363,21 @@ impl Action {
     /// The engine's input for the next step.
     #[inline]
     fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {
-        match input {
-            Input::Free => moreau::Input::Free,
-            Input::Force(force_n) => moreau::Input::Force(force_n),
-            Input::Motion { position_m, velocity_m_s } => {
-                moreau::Input::Motion { position: self.rest.site_m + position_m, velocity: velocity_m_s }
-            }
-            Input::Rigid { position_m, velocity_m_s } => {
-                let h = self.mechanism.settings().step;
-                // What the key lags behind the motion is taken back little by little.
-                let aimed_m = self.aimed_m.unwrap_or(position_m - velocity_m_s * h);
-                let behind_m = self.rest.site_m + aimed_m - self.view.site_m;
-                self.aimed_m = position_m.is_finite().then_some(position_m);
-                moreau::Input::Rigid { velocity: velocity_m_s + RIGID_CORRECTION * behind_m / h }
-            }
-        }
+        let Action { mechanism, rest, view, aimed_m, .. } = self;
+        rest.engine_input(&input, || {
+            let Input::Rigid { position_m, velocity_m_s } = input else { return 0.0 };
+            let h = mechanism.settings().step;
+            // What the key lags behind the motion is taken back little by little.
+            let aimed = aimed_m.unwrap_or(position_m - velocity_m_s * h);
+            let behind_m = rest.site_m + aimed - view.site_m;
+            *aimed_m = position_m.is_finite().then_some(position_m);
+            velocity_m_s + RIGID_CORRECTION * behind_m / h
+        })
     }
 
     /// One step under an input of the engine's.
     #[inline]
     fn step_engine(&mut self, input: &moreau::Input<f64>) -> StepReport {
-        // An elastic drive only pushes, and what is not a number does not push: it would pass for no finger.
-        if !is_finite(input) {
-            self.outcome = Outcome::NonFinite;
-            return StepReport { outcome: Outcome::NonFinite, newton: 0, solver: 0 };
-        }
         let (report, view) = self.mechanism.step_and_view(input);
         (self.view, self.outcome) = (view, report.outcome);
         report
@@ -400,17 +395,6 @@ impl Action {
 
 /// Asked for the engine's input of each step, told the report of the last one; `None` ends the loop.
 type NextInput<'a> = dyn FnMut(&mut Action, Option<&StepReport>) -> Option<moreau::Input<f64>> + 'a;
-
-/// Whether all numbers of an input are finite.
-#[inline]
-fn is_finite(input: &moreau::Input<f64>) -> bool {
-    match *input {
-        moreau::Input::Free => true,
-        moreau::Input::Force(force) => force.is_finite(),
-        moreau::Input::Motion { position, velocity } => position.is_finite() && velocity.is_finite(),
-        moreau::Input::Rigid { velocity } => velocity.is_finite(),
-    }
-}
 
 /// Every so many steps the caller is asked whether to go on: well below a tenth of a second.
 const ASK_EVERY: u64 = 512;

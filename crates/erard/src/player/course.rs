@@ -2,10 +2,11 @@
 
 use moreau::{Accuracy, ControlledStep, Input, Outcome, Settings, StepReport};
 
+use super::recorder::Recorded;
 use super::{Action, Drive, LedgerBook, PlayError, Recorder};
 use crate::events::Watch;
 use crate::instrument::Instrument;
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, View};
 use crate::run::{ControlWork, Run, Work};
 use crate::sight::Visible;
 use crate::simulation::{LARGEST_STEP_S, MOST_ROWS, Setup, SimulationError};
@@ -53,12 +54,12 @@ impl<'a> Course<'a> {
     ) -> Self {
         action.begin_at(setup.start_s);
         let every = setup.record_every.unwrap_or(1 + (steps - 1) / MOST_ROWS).max(1);
-        let recorder = Recorder::new(instrument, (steps / every) as usize + 2);
+        let recorder = Recorder::new(instrument, (steps / every) as usize + 2, action.mechanism_mut());
         let ledger = setup.ledger.then(|| LedgerBook::open(action.mechanism_mut()));
         let mut observers =
             Observers { watch: Watch::new(instrument), recorder, ledger, peak_force_n: 0.0, rested: false };
         let rest = action.rest();
-        observers.look(&rest, setup.start_s, true, action.mechanism());
+        observers.look(&rest, setup.start_s, true, &action.mechanism().view(), action.mechanism());
         let work = Work {
             steps: 0,
             unconverged_steps: 0,
@@ -80,14 +81,16 @@ impl<'a> Course<'a> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let Course { drive, setup, steps, every, rest, action, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
-        let mut n = 0;
+        let (mut n, mut due) = (0, every);
         let taken = std::cell::Cell::new(0_u64);
         let mut going = || progress(taken.get() as f64 / steps as f64);
         let played = action.play_engine(&mut going, &mut |action, last| {
             let t = start_s + n as f64 * h;
             if let Some(report) = last {
                 work.count(report, 1);
-                observers.step(&rest, t, n % every == 0 || n == steps, action.mechanism());
+                let row = n == due || n == steps;
+                due += if n == due { every } else { 0 };
+                observers.step(&rest, t, row, action.view(), action.mechanism());
             }
             taken.set(n);
             if n == steps {
@@ -122,7 +125,7 @@ impl<'a> Course<'a> {
                 let ends = |after_s: f64| if after_s >= limit { row_s } else { t0 + after_s };
                 let mut look = |m: &dyn Mechanism| {
                     let now_s = m.now_s();
-                    observers.step(&rest, now_s, now_s == row_s, m);
+                    observers.step(&rest, now_s, now_s == row_s, &m.view(), m);
                 };
                 let mechanism = self.action.mechanism_mut();
                 let report = mechanism.controlled_step(&accuracy, limit, &ends, &mut input, &mut look);
@@ -144,14 +147,15 @@ impl<'a> Course<'a> {
     pub fn finish(self, instrument: &Instrument) -> Run {
         let Observers { watch, recorder, ledger, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
+        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones } = recorder.finish();
         Run {
             instrument: instrument.name.clone(),
-            time_s: recorder.time_s,
-            force_n: recorder.force_n,
-            key_m: recorder.key_m,
-            hammer_head_m: recorder.hammer_head_m,
-            bodies: recorder.bodies,
-            zones: recorder.zones,
+            time_s,
+            force_n,
+            key_m,
+            hammer_head_m,
+            bodies,
+            zones,
             events: watch.finish(),
             peak_force_n,
             final_pivot_friction_n_m: mechanism.pivot_friction().to_vec(),
@@ -163,24 +167,24 @@ impl<'a> Course<'a> {
 
 impl Observers {
     /// After a step.
-    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism) {
-        self.peak_force_n = self.peak_force_n.max(m.drive_force());
+    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, view: &View, m: &dyn Mechanism) {
+        self.peak_force_n = self.peak_force_n.max(view.drive_n);
         if let Some(ledger) = &mut self.ledger {
             ledger.look(m);
         }
-        self.look(rest, time_s, row, m);
+        self.look(rest, time_s, row, view, m);
     }
 
-    fn look(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism) {
+    fn look(&mut self, rest: &Rest, time_s: f64, row: bool, view: &View, m: &dyn Mechanism) {
         let rested = std::mem::replace(&mut self.rested, m.rests());
-        let view = m.view();
         let (key_m, hammer_m) = (view.site_m - rest.site_m, view.point_m[1] - rest.head_m);
         if rested && self.rested {
             self.watch.stood(time_s);
+            self.recorder.stood();
         } else {
-            self.watch.look(time_s, key_m, hammer_m, m);
+            self.watch.look(time_s, key_m, hammer_m, view.met, m);
+            self.recorder.step(m);
         }
-        self.recorder.step(m);
         if row {
             self.recorder.row(time_s, key_m, hammer_m, m);
         }
@@ -260,20 +264,27 @@ impl Rest {
         correction_s: f64,
         site_m: &dyn Fn() -> f64,
     ) -> Input<f64> {
-        match drive(t0 + theta * h) {
+        let input = drive(t0 + theta * h);
+        self.engine_input(&input, || {
+            let behind = self.site_m + drive(t0).position_m() - site_m();
+            let velocity = match drive(t0 + h) {
+                super::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
+                _ => 0.0,
+            };
+            velocity + RIGID_CORRECTION * behind / correction_s
+        })
+    }
+
+    /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the motion is rigid, m/s.
+    #[inline]
+    pub fn engine_input(&self, input: &super::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
+        match *input {
             super::Input::Free => Input::Free,
             super::Input::Force(force_n) => Input::Force(force_n),
             super::Input::Motion { position_m, velocity_m_s } => {
                 Input::Motion { position: self.site_m + position_m, velocity: velocity_m_s }
             }
-            super::Input::Rigid { .. } => {
-                let behind = self.site_m + drive(t0).position_m() - site_m();
-                let velocity = match drive(t0 + h) {
-                    super::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
-                    _ => 0.0,
-                };
-                Input::Rigid { velocity: velocity + RIGID_CORRECTION * behind / correction_s }
-            }
+            super::Input::Rigid { .. } => Input::Rigid { velocity: imposed() },
         }
     }
 }

@@ -11,5 +11,5 @@ mod snapshot;
 pub use action::{Action, ActionError, PlayError, Reading};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use ledger::LedgerBook;
-pub use recorder::Recorder;
+pub use recorder::{Recorded, Recorder};
 pub use snapshot::{Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};

@@ -6,30 +6,47 @@ use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::run::{BodySeries, ZoneSeries};
 
-/// An observer that writes an action's series down: told of every step, and of every instant that makes a row. Units and signs as in
-/// [`crate::run::Run`].
+/// What was written down. Units and signs as in [`crate::run::Run`].
+#[derive(Debug)]
+pub struct Recorded {
+    /// Instants of the rows, s.
+    pub time_s: Vec<f64>,
+    /// Force of the drive, N.
+    pub force_n: Vec<f64>,
+    /// Travel of the key front, m.
+    pub key_m: Vec<f64>,
+    /// Rise of the hammer's strike point, m; empty without a hammer.
+    pub hammer_head_m: Vec<f64>,
+    /// The bodies, in the instrument's order.
+    pub bodies: Vec<BodySeries>,
+    /// The zones, in the instrument's order.
+    pub zones: Vec<ZoneSeries>,
+}
+
+/// An observer that writes an action's series down: told of every step, and of every instant that makes a row.
+///
+/// Memory for all rows is asked for at once, as zeros, which an operating system gives only where they are overwritten: a zone that is never
+/// touched costs neither time nor memory.
 #[derive(Debug)]
 pub struct Recorder {
-    pub(super) time_s: Vec<f64>,
-    pub(super) force_n: Vec<f64>,
-    pub(super) key_m: Vec<f64>,
-    pub(super) hammer_head_m: Vec<f64>,
-    pub(super) bodies: Vec<BodySeries>,
-    pub(super) zones: Vec<ZoneSeries>,
+    recorded: Recorded,
+    rows: usize,
     has_hammer: bool,
     /// The last row's forces are those of a step of this length, s, and still wait for those of the step after it.
     pending: Option<f64>,
 }
 
 impl Recorder {
-    /// For so many rows of an instrument: memory for them is taken now.
-    pub fn new(instrument: &Instrument, rows: usize) -> Self {
-        let series = || Vec::with_capacity(rows);
-        Recorder {
+    /// For at most so many rows of an instrument that plays as this mechanism.
+    pub fn new(instrument: &Instrument, rows: usize, m: &mut dyn Mechanism) -> Self {
+        m.keep_contacts();
+        let series = || vec![0.0; rows];
+        let has_hammer = instrument.roles.hammer.is_some();
+        let recorded = Recorded {
             time_s: series(),
             force_n: series(),
             key_m: series(),
-            hammer_head_m: Vec::new(),
+            hammer_head_m: if has_hammer { series() } else { Vec::new() },
             bodies: instrument
                 .bodies
                 .iter()
@@ -42,14 +59,13 @@ impl Recorder {
                     name: z.name.clone(),
                     label: z.label.clone(),
                     normal_n: series(),
-                    tangential_n: Vec::with_capacity(if z.friction_coefficient > 0.0 { rows } else { 0 }),
+                    tangential_n: if z.friction_coefficient > 0.0 { series() } else { Vec::new() },
                     has_friction: z.friction_coefficient > 0.0,
-                    contact: Vec::with_capacity(rows),
+                    contact: vec![[0.0; 4]; rows],
                 })
                 .collect(),
-            has_hammer: instrument.roles.hammer.is_some(),
-            pending: None,
-        }
+        };
+        Recorder { recorded, rows: 0, has_hammer, pending: None }
     }
 
     /// After every step, before [`Recorder::row`]: centres the last row's forces on its instant.
@@ -57,59 +73,86 @@ impl Recorder {
         let Some(before) = self.pending.take() else { return };
         // Forces belong to the middles of their steps: the mean, where the steps are equal.
         let share = before / (before + m.last_step());
-        let mean = |series: &mut Vec<f64>, next: f64| {
-            if let Some(last) = series.last_mut() {
-                *last = (1.0 - share) * *last + share * next;
-            }
-        };
-        mean(&mut self.force_n, m.drive_force());
+        let mean = |last: &mut f64, next: f64| *last = (1.0 - share) * *last + share * next;
+        let row = self.rows - 1;
+        mean(&mut self.recorded.force_n[row], m.drive_force());
         let contacts = m.contacts();
-        for ((zone, contact), tangential) in self.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
+        for ((zone, contact), tangential) in self.recorded.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
             let Some(contact) = contact else {
                 // Nothing now, and nothing in the last row: nothing between.
-                if zone.normal_n.last().is_some_and(|last| *last != 0.0) {
-                    mean(&mut zone.normal_n, 0.0);
+                if zone.normal_n[row] != 0.0 {
+                    mean(&mut zone.normal_n[row], 0.0);
                 }
-                if zone.tangential_n.last().is_some_and(|last| *last != 0.0) {
-                    mean(&mut zone.tangential_n, *tangential);
+                if zone.has_friction && zone.tangential_n[row] != 0.0 {
+                    mean(&mut zone.tangential_n[row], *tangential);
                 }
                 continue;
             };
-            mean(&mut zone.normal_n, contact.force);
+            mean(&mut zone.normal_n[row], contact.force);
             if zone.has_friction {
-                mean(&mut zone.tangential_n, *tangential);
+                mean(&mut zone.tangential_n[row], *tangential);
             }
             // A contact that began with this step pushes in the last row too, and has its place from here.
-            if let Some(place) = zone.contact.last_mut()
-                && place[2..] == [0.0; 2]
-            {
+            let place = &mut zone.contact[row];
+            if place[2..] == [0.0; 2] {
                 *place = place_of(contact);
             }
         }
     }
 
+    /// In the place of [`Recorder::step`] where the last step and the one before it changed nothing: their forces, being the same, are their own
+    /// mean.
+    pub fn stood(&mut self) {
+        self.pending = None;
+    }
+
     /// A row: key travel and hammer rise from rest, m.
+    ///
+    /// # Panics
+    /// If there are more than was said at first.
     pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
         self.pending = Some(m.last_step());
-        self.time_s.push(time_s);
-        self.force_n.push(m.drive_force());
-        self.key_m.push(key_m);
+        let row = self.rows;
+        self.rows += 1;
+        let to = &mut self.recorded;
+        to.time_s[row] = time_s;
+        to.force_n[row] = m.drive_force();
+        to.key_m[row] = key_m;
         if self.has_hammer {
-            self.hammer_head_m.push(hammer_m);
+            to.hammer_head_m[row] = hammer_m;
         }
-        for ((body, angle), rate) in self.bodies.iter_mut().zip(m.angles()).zip(m.velocities()) {
-            body.angle_rad.push(*angle);
-            body.rate_rad_per_s.push(*rate);
+        for ((body, angle), rate) in to.bodies.iter_mut().zip(m.angles()).zip(m.velocities()) {
+            body.angle_rad[row] = *angle;
+            body.rate_rad_per_s[row] = *rate;
         }
-        let contacts = m.contacts();
-        for ((zone, contact), tangential) in self.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
-            let (force, place) = contact.as_ref().map_or((0.0, [0.0; 4]), |c| (c.force, place_of(c)));
-            zone.normal_n.push(force);
-            zone.contact.push(place);
-            if zone.has_friction {
-                zone.tangential_n.push(*tangential);
+        for ((zone, contact), tangential) in to.zones.iter_mut().zip(m.contacts()).zip(m.tangential_forces()) {
+            if let Some(contact) = contact {
+                zone.normal_n[row] = contact.force;
+                zone.contact[row] = place_of(contact);
+            }
+            if zone.has_friction && *tangential != 0.0 {
+                zone.tangential_n[row] = *tangential;
             }
         }
+    }
+
+    /// What was written down.
+    pub fn finish(self) -> Recorded {
+        let Recorder { mut recorded, rows, .. } = self;
+        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones } = &mut recorded;
+        for column in [time_s, force_n, key_m, hammer_head_m] {
+            column.truncate(rows);
+        }
+        for body in bodies {
+            body.angle_rad.truncate(rows);
+            body.rate_rad_per_s.truncate(rows);
+        }
+        for zone in zones {
+            zone.normal_n.truncate(rows);
+            zone.tangential_n.truncate(rows);
+            zone.contact.truncate(rows);
+        }
+        recorded
     }
 }
 
