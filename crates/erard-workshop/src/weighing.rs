@@ -47,11 +47,12 @@ fn weigh_key(key: usize, instrument: &Instrument, going: Interrupt<'_>) -> Resul
     let lifted = pedal_down(instrument, &parts);
     let way = free_way(&lifted, &parts, going)?;
     let weights = by_loop(&lifted, way.end_m, going)?;
-    let (scale, _) = on_the_scale(instrument, &parts, way.end_m, weights.decided_m)?;
+    let (scale, _) = on_the_scale(instrument, way.end_m, weights.decided_m)?;
+    let rigid = instrument.locked();
     Ok(WeighedKey {
         key,
         note: note_name(key),
-        hammer_mass_g: instrument.bodies[parts.hammer].mass_kg * 1e3,
+        hammer_mass_g: rigid.bodies[Parts::of(&rigid)?.hammer].mass_kg * 1e3,
         strike_weight_g: scale.strike_weight_g,
         front_weight_g: scale.front_weight_g,
         touch: weights.touch,

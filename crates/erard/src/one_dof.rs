@@ -43,7 +43,7 @@ pub enum OneDofError {
 pub struct OneDof {
     /// The one-body instrument.
     pub instrument: Instrument,
-    /// Velocity ratio of every body of the full instrument to the key, at rest.
+    /// Velocity ratio of every body of the full instrument, its bends locked, to the key, at rest.
     pub ratios: Vec<f64>,
     /// Inertia about the key's pivot, kg m2.
     pub inertia_kg_m2: f64,
@@ -51,11 +51,12 @@ pub struct OneDof {
     pub moment_n_m: f64,
 }
 
-/// Derives the one-degree-of-freedom model of an instrument.
+/// Derives the one-degree-of-freedom model of an instrument, its bends locked.
 ///
 /// # Errors
 /// See [`OneDofError`].
 pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
+    let full = &full.locked();
     let key = full.roles.key.ok_or(OneDofError::NoKey)?;
     let settings = Settings::new(equilibrium::STEP_S);
     let action = Action::with(full, settings)?;

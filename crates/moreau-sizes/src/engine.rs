@@ -211,15 +211,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     pub fn new(description: &OwnedDescription, marks: &Marks, settings: Settings<f64>) -> Result<Self, ModelError> {
         let core: Stepped<B, Z> = Stepped::new(description, marks)?;
         let workspace = Workspace::for_model(&core.model)?;
-        Ok(Engine {
-            core,
-            marks: *marks,
-            settings,
-            workspace,
-            control: None,
-            pose: OnceCell::new(),
-            contacts: None,
-        })
+        Ok(Engine { core, marks: *marks, settings, workspace, control: None, pose: OnceCell::new(), contacts: None })
     }
 
     /// What acted in the last step, and how it was taken: of a controlled step its last half, else the step itself.

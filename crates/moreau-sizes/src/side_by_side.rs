@@ -98,7 +98,9 @@ impl Parts {
 
     fn each(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome], step: StepOfPart) {
         let width = self.lanes.count();
-        for ((part, inputs), outcomes) in self.parts.iter_mut().zip(inputs.chunks(width)).zip(outcomes.chunks_mut(width)) {
+        for ((part, inputs), outcomes) in
+            self.parts.iter_mut().zip(inputs.chunks(width)).zip(outcomes.chunks_mut(width))
+        {
             step(part.as_mut(), inputs, outcomes);
         }
     }

@@ -38,11 +38,16 @@ pub(super) fn section(_: &Instrument, _: &mut Progress) -> Result<Section, Repro
         "no",
         "most numbers of the instrument file are estimates, and say so",
     );
-    row("bending of the hammer shank and of the key", "[T13]", "no", "all bodies are rigid");
+    row(
+        "bending of the hammer shank and of the key",
+        "[H]",
+        "as an option",
+        "bodies may be joined by bends (`bend = true`); the built-in instruments are rigid",
+    );
     row("the string's own motion", "[T13]", "no", "the string is a felt on the ground");
     row(
         "the finger as part of a hand and an arm",
-        "[T12]",
+        "[T13]",
         "no",
         "a spring and a damper between a prescribed motion and the key",
     );

@@ -120,7 +120,7 @@ struct AtRest<'i> {
     mechanism: &'i dyn Mechanism,
 }
 
-/// Finds the three levers of an instrument.
+/// Finds the three levers of an instrument, which are rigid: bends are locked.
 ///
 /// They are: the key of `roles`; the hammer of `roles`; and the whippen, the body on the ground that carries (or is) what
 /// pushes the knuckle. That is the zone of `roles.knuckle` whose pusher meets the let-off button, or the first one. The
@@ -129,6 +129,7 @@ struct AtRest<'i> {
 /// # Errors
 /// When a part is missing, the instrument finds no rest, or a contact is one of two discs.
 pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
+    let instrument = &instrument.locked();
     let roles = &instrument.roles;
     let Some(key) = roles.key else { return Err(NotThreeLevers::NoRole { role: "key" }.into()) };
     let Some(hammer) = roles.hammer else { return Err(NotThreeLevers::NoRole { role: "hammer" }.into()) };

@@ -68,6 +68,8 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
         tolerance: None,
         ledger: false,
     };
+    // The levers that it is compared with are rigid.
+    let instrument = &instrument.locked();
     let run = simulate(instrument, &motion(finger), &setup, &mut |_| true)?;
     let angles = instrument.roles.key.map_or(&[][..], |key| &run.bodies[key].angle_rad);
     let rest = angles.first().copied().unwrap_or(0.0);

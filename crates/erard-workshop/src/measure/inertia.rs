@@ -54,11 +54,12 @@ impl Shares {
     }
 }
 
-/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins.
+/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins. Bends are locked: it is that of the geometry.
 ///
 /// # Errors
 /// See [`MeasureError`].
 pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<InertiaCurve, MeasureError> {
+    let instrument = &instrument.locked();
     let parts = Parts::of(instrument)?;
     let levers = derive(instrument)?.levers;
     let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;

@@ -60,7 +60,7 @@ pub fn midi_velocity(speed_m_s: f64) -> Option<u8> {
 pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), Goebl 2003 (Bösendorfer SE290)";
 
 /// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2: weight
-/// and the pivot's dry friction about the pin over the inertia.
+/// and the pivot's dry friction about the pin over the inertia. The hammer is one rigid body ([`Instrument::locked`]).
 #[must_use]
 pub fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     let body = &instrument.bodies[hammer];
@@ -104,15 +104,18 @@ pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<S
     }
     let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s) else { return Ok(None) };
     let row = |t: f64| blow.time_s.partition_point(|&time| time < t).min(blow.time_s.len() - 1);
-    let [along, above] = instrument.roles.hammer_head_m;
+    let rigid = instrument.locked();
+    let rigid_hammer = Parts::of(&rigid)?.hammer;
+    let [along, above] = rigid.roles.hammer_head_m;
     let flight_m = blow.hammer_head_m[row(contact)] - blow.hammer_head_m[row(off)];
-    let rate = blow.bodies[parts.hammer].rate_rad_per_s[row(off)];
+    // The head moves along its part's arc about the centre pin; what it rocks on a bending shank is no part of its flight.
+    let rate = blow.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
     Ok(Some(Softest {
         force_n: high,
         let_off_speed_m_s: rate.abs() * along.hypot(above),
         flight_m,
         flight_s: contact - off,
-        fall_speed_m_s: (2.0 * fall_m_s2(instrument, parts.hammer) * flight_m.max(0.0)).sqrt(),
+        fall_speed_m_s: (2.0 * fall_m_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
     }))
 }
 

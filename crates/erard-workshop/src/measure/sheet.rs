@@ -294,7 +294,7 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
     }
     do_all(jobs, cores::count(), &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
     let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
-    let scale = on_the_scale(instrument, &parts, way.end_m, decided_m)?;
+    let scale = on_the_scale(instrument, way.end_m, decided_m)?;
     r.sheet(instrument, way, &distances, scale).ok_or(MeasureError::Lost)
 }
 

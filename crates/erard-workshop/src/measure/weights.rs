@@ -145,7 +145,7 @@ pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, M
         None => None,
     };
     let pedal_down = on_the_key(&lifted, free_way.end_m, going)?;
-    let (parts, strike_ratio) = on_the_scale(instrument, &parts, free_way.end_m, pedal_down.decided_m)?;
+    let (parts, strike_ratio) = on_the_scale(instrument, free_way.end_m, pedal_down.decided_m)?;
     Ok(Weights { free_way, pedal_down, dampers_down, parts, strike_ratio })
 }
 
@@ -227,17 +227,18 @@ pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> 
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
 
-/// Weighs the parts as they come off the action, from masses, centres of mass and where they touch at rest; and finds the
+/// Weighs the parts as they come off the action, unbent, from masses, centres of mass and where they touch at rest; and finds the
 /// strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight were decided.
 ///
 /// # Errors
 /// When no three levers are found in it.
 pub fn on_the_scale(
     instrument: &Instrument,
-    parts: &Parts,
     way_m: f64,
     decided_m: [f64; 2],
 ) -> Result<(PartWeights, StrikeRatio), MeasureError> {
+    let instrument = &instrument.locked();
+    let parts = &Parts::of(instrument)?;
     let levers = derive(instrument)?.levers;
     let train = levers.assemble().map_err(DeriveError::from)?;
     // From the key's pivot, in the world at rest.

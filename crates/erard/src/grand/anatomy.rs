@@ -33,7 +33,7 @@ pub enum AnatomyError {
 pub struct Anatomy {
     /// The key.
     pub key: usize,
-    /// The body on the ground that carries, or is, the jack.
+    /// The body on the ground that carries, or is, the jack; of a whippen that bends, its first piece.
     pub whippen: usize,
     /// The hammer.
     pub hammer: usize,
@@ -75,7 +75,7 @@ impl Anatomy {
         let Some(jack) = zones[button].disc_body.or(zones[button].curve_body) else {
             return Err(AnatomyError::LetOffTouchesNothing { zone: zones[button].name.clone() });
         };
-        let pushers = || roles.knuckle.iter().map(|&zone| (zone, other_than(&zones[zone], hammer)));
+        let pushers = || roles.knuckle.iter().map(|&zone| (zone, other_than(instrument, &zones[zone], hammer)));
         let Some((jack_knuckle, _)) = pushers().find(|(_, body)| *body == Some(jack)) else {
             return Err(AnatomyError::JackPushesNothing { body: instrument.bodies[jack].name.clone() });
         };
@@ -84,11 +84,13 @@ impl Anatomy {
         while let Some(parent) = instrument.bodies[whippen].parent {
             whippen = parent;
         }
-        let lifted = zones.iter().enumerate().filter(|(_, zone)| touches(zone, key)).find_map(|(index, zone)| {
-            let other = other_than(zone, key)?;
-            let stands_alone = other != whippen && other != hammer && instrument.bodies[other].parent.is_none();
-            stands_alone.then_some((other, index))
-        });
+        let lifted =
+            zones.iter().enumerate().filter(|(_, zone)| touches(instrument, zone, key)).find_map(|(index, zone)| {
+                let other = other_than(instrument, zone, key)?;
+                let is_part = |body| instrument.is_same_part(other, body);
+                let stands_alone = !is_part(whippen) && !is_part(hammer) && instrument.bodies[other].parent.is_none();
+                stands_alone.then_some((other, index))
+            });
         Ok(Anatomy {
             key,
             whippen,
@@ -106,12 +108,15 @@ impl Anatomy {
     }
 }
 
-fn touches(zone: &Zone, body: usize) -> bool {
-    zone.disc_body == Some(body) || zone.curve_body == Some(body)
+/// Whether a side of the zone is a piece of a body's part.
+fn touches(instrument: &Instrument, zone: &Zone, body: usize) -> bool {
+    [zone.disc_body, zone.curve_body].into_iter().flatten().any(|side| instrument.is_same_part(side, body))
 }
 
-fn other_than(zone: &Zone, body: usize) -> Option<usize> {
-    if zone.disc_body == Some(body) { zone.curve_body } else { zone.disc_body }
+/// The side of a zone that is no piece of a body's part.
+fn other_than(instrument: &Instrument, zone: &Zone, body: usize) -> Option<usize> {
+    let is_piece = zone.disc_body.is_some_and(|side| instrument.is_same_part(side, body));
+    if is_piece { zone.curve_body } else { zone.disc_body }
 }
 
 #[cfg(test)]

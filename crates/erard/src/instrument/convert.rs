@@ -47,6 +47,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
         let spring = read_spring(spring, &mut reader, &instrument)?;
         instrument.springs.push(spring);
     }
+    check_bends(&file.body, &instrument)?;
     for zone in &file.zone {
         let zone = read_zone(zone, &mut reader, &instrument)?;
         instrument.zones.push(zone);
@@ -171,7 +172,37 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
         center_of_mass_m,
         friction_torque_n_m: reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?,
         viscous_n_m_s: reader.scalar_or_zero(table.viscous_n_m_s.as_ref(), Limits::up_to(1e6, "N m s"))?,
+        is_bend: read_bend(table, parent)?,
     })
+}
+
+fn read_bend(table: &BodyToml, parent: Option<usize>) -> Result<bool, Fault> {
+    match &table.bend {
+        Some(bend) if **bend && parent.is_none() => Err(Fault::at(
+            bend.span(),
+            "the ground does not bend",
+            "a body that is `hinged_on` another piece of the same part",
+        )),
+        bend => Ok(bend.as_ref().is_some_and(|bend| **bend)),
+    }
+}
+
+/// A bend without stiffness is a hinge.
+fn check_bends(tables: &[At<BodyToml>], instrument: &Instrument) -> Result<(), Fault> {
+    for (index, body) in instrument.bodies.iter().enumerate().filter(|(_, body)| body.is_bend) {
+        let stiffness: f64 = instrument
+            .springs
+            .iter()
+            .filter(|spring| spring.body == index)
+            .map(|spring| spring.stiffness_n_m_per_rad)
+            .sum();
+        let bend = tables.iter().find(|table| table.name.as_str() == body.name).and_then(|table| table.bend.as_ref());
+        if let (false, Some(bend)) = (stiffness > 0.0, bend) {
+            let expected = format!("a [[spring]] on `{}` with a stiffness greater than 0", body.name);
+            return Err(Fault::at(bend.span(), "this bend has no stiffness", expected));
+        }
+    }
+    Ok(())
 }
 
 fn read_spring(table: &At<SpringToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Spring, Fault> {

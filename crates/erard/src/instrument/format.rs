@@ -91,6 +91,10 @@ pub(crate) struct BodyToml {
     /// Viscous friction of the pivot, N m s per radian; 0 when absent.
     #[serde(rename = "viscous_N_m_s")]
     pub viscous_n_m_s: Option<Num<NonNegative>>,
+    /// Whether the hinge is a bend, false when absent: this body and what it is hinged on are two pieces of one part (a key, a shank), and the
+    /// hinge stands for the bending of its wood. Its stiffness is that of a spring on this body. What means the rigid geometry or
+    /// the weights of parts takes both for one body.
+    pub bend: Option<At<bool>>,
 }
 
 /// A torsion spring at the pivot of a body.

@@ -4,12 +4,13 @@
 //! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is given
 //! in that frame, all geometry on the ground in the world frame.
 //!
-//! `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
+//! Parts may bend: `bends` says what then belongs together. `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
 //! `provenance` keeps where every number comes from, `screws` turns the regulating screws, `rewrite` puts their settings
 //! back into the file, and `edit` is how numbers in its text are changed.
 
 // Hidden modules are the reader that all kinds of files share; the linkage files of `erard-workshop` are read by it, too. They promise
 // nothing to others.
+mod bends;
 mod convert;
 pub(crate) mod edit;
 #[doc(hidden)]
@@ -97,6 +98,8 @@ pub struct Body {
     pub friction_torque_n_m: f64,
     /// Viscous friction of the pivot, N m s/rad.
     pub viscous_n_m_s: f64,
+    /// Whether the hinge is a bend: this body and what it is hinged on are pieces of one part, and the hinge stands for its bending.
+    pub is_bend: bool,
 }
 
 /// A torsion spring at the pivot of `body`: torque on the body `torque - stiffness (relative angle - as drawn)`,

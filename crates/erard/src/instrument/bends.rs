@@ -1,0 +1,198 @@
+//! Parts that bend: pieces of one part, joined by hinges that stand for the bending of wood, and the rigid part that they make.
+//!
+//! A bend is a hinge between two rigid pieces with the stiffness that the part has there (a pseudo-rigid-body model): a key at its fulcrum,
+//! a shank beyond the knuckle. Whoever means the part's geometry or its weights, and not what it gives, locks the bends
+//! ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
+
+use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
+
+/// A rigid placement: a point x of one frame stands at `offset` + R(`angle`) x in the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Placement {
+    offset: Vec2,
+    angle: f64,
+}
+
+impl Placement {
+    const SAME: Placement = Placement { offset: [0.0; 2], angle: 0.0 };
+
+    fn direction(&self, [x, y]: Vec2) -> Vec2 {
+        if self.angle == 0.0 {
+            return [x, y];
+        }
+        let (s, c) = (libm::sin(self.angle), libm::cos(self.angle));
+        [c * x - s * y, s * x + c * y]
+    }
+
+    fn point(&self, x: Vec2) -> Vec2 {
+        let [x, y] = self.direction(x);
+        [self.offset[0] + x, self.offset[1] + y]
+    }
+}
+
+impl Instrument {
+    /// Whether a part of it bends.
+    #[must_use]
+    pub fn has_bends(&self) -> bool {
+        self.bodies.iter().any(|body| body.is_bend)
+    }
+
+    /// The first piece of the part that a body belongs to: the one that is not hinged by a bend. Of a body that does not bend, itself.
+    #[must_use]
+    pub fn first_piece(&self, mut body: usize) -> usize {
+        while self.bodies[body].is_bend {
+            let Some(parent) = self.bodies[body].parent else { break };
+            body = parent;
+        }
+        body
+    }
+
+    /// Whether two bodies are pieces of one part.
+    #[must_use]
+    pub fn is_same_part(&self, a: usize, b: usize) -> bool {
+        self.first_piece(a) == self.first_piece(b)
+    }
+
+    /// The instrument with all bends locked as drawn: the pieces of a part are one rigid body, in the frame of the first, with their masses and
+    /// moments of inertia (Steiner's theorem). It bears the name of the piece that has a role (key, hammer), else of the first.
+    ///
+    /// The dry torque, damping and springs of the bends are gone, and the screws that turned them.
+    #[must_use]
+    pub fn locked(&self) -> Instrument {
+        if !self.has_bends() {
+            return self.clone();
+        }
+        let count = self.bodies.len();
+        // Of every piece: the rigid body that it becomes a part of, and its place in that body's frame.
+        let (mut becomes, mut placed) = (vec![0; count], vec![Placement::SAME; count]);
+        let mut bodies: Vec<Body> = Vec::new();
+        for (i, body) in self.bodies.iter().enumerate() {
+            let Some(parent) = body.parent.filter(|_| body.is_bend) else {
+                becomes[i] = bodies.len();
+                let on = body.parent.map(|parent| (becomes[parent], placed[parent]));
+                bodies.push(Body {
+                    parent: on.map(|(body, _)| body),
+                    pivot_m: on.map_or(body.pivot_m, |(_, place)| place.point(body.pivot_m)),
+                    ..body.clone()
+                });
+                continue;
+            };
+            becomes[i] = becomes[parent];
+            placed[i] = Placement {
+                offset: placed[parent].point(body.pivot_m),
+                angle: placed[parent].angle + body.angle_rad - self.bodies[parent].angle_rad,
+            };
+            let whole = &mut bodies[becomes[i]];
+            add(whole, body, placed[i].point(body.center_of_mass_m));
+            if self.roles.key == Some(i) || self.roles.hammer == Some(i) {
+                whole.name.clone_from(&body.name);
+            }
+        }
+        let rigid = Rigid { becomes, placed };
+        let (springs, kept) = rigid.springs(self);
+        let roles = &self.roles;
+        let on = |body: Option<usize>, point: Vec2| body.map_or(point, |body| rigid.placed[body].point(point));
+        Instrument {
+            name: self.name.clone(),
+            gravity_m_s2: self.gravity_m_s2,
+            springs,
+            zones: self.zones.iter().map(|zone| rigid.zone(zone)).collect(),
+            roles: Roles {
+                key: rigid.body(roles.key),
+                key_front_m: on(roles.key, roles.key_front_m),
+                hammer: rigid.body(roles.hammer),
+                hammer_head_m: on(roles.hammer, roles.hammer_head_m),
+                ..roles.clone()
+            },
+            finger: self.finger,
+            screws: self.screws.iter().filter_map(|screw| rigid.screw(self, screw, &kept)).collect(),
+            parts: self.parts.iter().map(|part| rigid.part(part)).collect(),
+            bodies,
+        }
+    }
+}
+
+/// Adds a piece's mass, whose centre stands at `center` in the whole's frame.
+fn add(whole: &mut Body, piece: &Body, center: Vec2) {
+    let square = |[x, y]: Vec2| x * x + y * y;
+    let about_center = piece.inertia_kg_m2 - piece.mass_kg * square(piece.center_of_mass_m);
+    whole.inertia_kg_m2 += about_center + piece.mass_kg * square(center);
+    let mass_kg = whole.mass_kg + piece.mass_kg;
+    for (own, other) in whole.center_of_mass_m.iter_mut().zip(center) {
+        *own = (whole.mass_kg * *own + piece.mass_kg * other) / mass_kg;
+    }
+    whole.mass_kg = mass_kg;
+}
+
+/// What becomes of the pieces.
+struct Rigid {
+    becomes: Vec<usize>,
+    placed: Vec<Placement>,
+}
+
+impl Rigid {
+    fn body(&self, body: Option<usize>) -> Option<usize> {
+        body.map(|body| self.becomes[body])
+    }
+
+    fn place(&self, body: Option<usize>) -> Placement {
+        body.map_or(Placement::SAME, |body| self.placed[body])
+    }
+
+    fn zone(&self, zone: &Zone) -> Zone {
+        let (disc, curve) = (self.place(zone.disc_body), self.place(zone.curve_body));
+        Zone {
+            disc_body: self.body(zone.disc_body),
+            disc_center_m: disc.point(zone.disc_center_m),
+            curve_body: self.body(zone.curve_body),
+            curve: match zone.curve {
+                Curve::Line { point_m, normal } => {
+                    Curve::Line { point_m: curve.point(point_m), normal: curve.direction(normal) }
+                }
+                Curve::Segment { from_m, to_m, rounding_m } => {
+                    Curve::Segment { from_m: curve.point(from_m), to_m: curve.point(to_m), rounding_m }
+                }
+                Curve::Disc { center_m, radius_m } => Curve::Disc { center_m: curve.point(center_m), radius_m },
+            },
+            ..zone.clone()
+        }
+    }
+
+    /// The springs that are not of bends, and where each of the old ones is now.
+    fn springs(&self, instrument: &Instrument) -> (Vec<Spring>, Vec<Option<usize>>) {
+        let (mut springs, mut kept) = (Vec::new(), Vec::new());
+        for spring in &instrument.springs {
+            let of_bend = instrument.bodies[spring.body].is_bend;
+            kept.push((!of_bend).then_some(springs.len()));
+            if !of_bend {
+                springs.push(Spring { body: self.becomes[spring.body], ..spring.clone() });
+            }
+        }
+        (springs, kept)
+    }
+
+    fn screw(&self, instrument: &Instrument, screw: &Screw, springs: &[Option<usize>]) -> Option<Screw> {
+        let action = match screw.action {
+            ScrewAction::Disc { zone, direction } => {
+                let place = self.place(instrument.zones[zone].disc_body);
+                ScrewAction::Disc { zone, direction: place.direction(direction) }
+            }
+            ScrewAction::Curve { zone, direction } => {
+                let place = self.place(instrument.zones[zone].curve_body);
+                ScrewAction::Curve { zone, direction: place.direction(direction) }
+            }
+            ScrewAction::Turn { zone } => ScrewAction::Turn { zone },
+            ScrewAction::Spring { spring } => ScrewAction::Spring { spring: springs[spring]? },
+        };
+        Some(Screw { action, ..screw.clone() })
+    }
+
+    fn part(&self, part: &Part) -> Part {
+        let place = self.place(part.body);
+        Part {
+            body: self.body(part.body),
+            outline_m: part.outline_m.iter().map(|&corner| place.point(corner)).collect(),
+            ..part.clone()
+        }
+    }
+}
