@@ -118,7 +118,7 @@ fn touch_weights_follow_the_norms() {
         let lifted = pedal_down(instrument, &parts);
         let way = weights::free_way(&lifted, &parts, &|| true).expect("let off");
         let touch = weights::on_the_key(&lifted, way.end_m, &|| true).expect("weighed");
-        let (scale, _) = weights::on_the_scale(instrument, &parts, way.end_m, touch.decided_m).expect("weighed");
+        let (scale, _) = weights::on_the_scale(instrument, way.end_m, touch.decided_m).expect("weighed");
         let [down, up] = [touch.by_weights.down_weight_g, touch.by_weights.up_weight_g].map(|w| w.expect("moves"));
         println!(
             "key {key}: strike weight {:.2} g, front weight {:.1} g, down {down:.1} g, up {up:.1} g",
