@@ -2,64 +2,15 @@
 
 mod common;
 
+use common::digests::{GOLDEN, LOADED, digest, loaded, long_run};
 use common::{Play, USUAL_STEP_S, grand};
-use erard::instrument::Instrument;
-use erard::keyboard::Keyboard;
-use erard::run::Run;
 use erard::stroke::Touch;
 use moreau::Settings;
-
-/// FNV-1a over the bits of all series that the mechanics produce, and of the ledger.
-fn digest(run: &Run) -> u64 {
-    let l = run.ledger.as_ref().expect("it is kept");
-    let totals = [l.now.total(), l.drive_work, l.pivot_dry, l.pivot_viscous, l.felt_damping, l.coulomb];
-    let angles = run.bodies.iter().flat_map(|b| b.angle_rad.iter().chain(&b.rate_rad_per_s));
-    let forces = run.zones.iter().flat_map(|z| z.normal_n.iter().chain(&z.tangential_n));
-    angles
-        .chain(forces)
-        .chain(&run.key_m)
-        .chain(&run.force_n)
-        .chain(&run.final_pivot_friction_n_m)
-        .chain(&totals)
-        .flat_map(|x| x.to_bits().to_le_bytes())
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-}
-
-/// Twelve notes of one second, soft to loud, one after the other: 240 000 steps.
-fn long_run() -> u64 {
-    let grand = grand();
-    let plays = Play::strokes().chain([Play::ForceStep(12.0, 0.6), Play::Rigid("mf", Touch::Pressed)]);
-    plays.fold(0, |all, play| {
-        let run = play.run_every(&grand, Settings::new(USUAL_STEP_S), 1.0, Some(100));
-        all.rotate_left(5) ^ digest(&run)
-    })
-}
-
-/// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine, to the shipped instrument and to the
-/// built-in strokes, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
-/// value, which the failing test prints, here.
-const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
-
-/// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on which side of the loader a
-/// difference between two targets arises.
-const LOADED: u64 = 0x0a76_c604_7274_2979;
-
-/// FNV-1a over what a value prints; a float prints the shortest digits that read back as the same number.
-fn printed(hash: u64, value: &impl std::fmt::Debug) -> u64 {
-    format!("{value:?}").bytes().fold(hash, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-}
 
 /// Loading uses `libm` wherever the standard library's answer differs from target to target.
 #[test]
 fn what_is_loaded_has_its_digest() {
-    let mut found = 0xcbf2_9ce4_8422_2325;
-    for name in Instrument::builtin_names() {
-        found = printed(found, &Instrument::builtin(name).expect("built in"));
-    }
-    let keyboard = Keyboard::builtin("concert-grand").expect("built in");
-    for key in [1, 40, 88] {
-        found = printed(found, &keyboard.key(key).expect("a key"));
-    }
+    let found = loaded();
     assert_eq!(found, LOADED, "what is loaded has changed; if it was meant to: LOADED = {found:#018x}");
 }
 

@@ -1,6 +1,7 @@
 //! What the physical tests share: the grand, and runs of it under named drives.
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
+pub mod digests;
 pub mod ladder;
 pub mod perturb;
 
