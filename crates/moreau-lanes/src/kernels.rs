@@ -106,6 +106,29 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
         )
     }
 
+    /// Copies one lane's angles and velocities.
+    #[inline]
+    pub fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+        // A lane that is known when this is compiled is read from memory where it stands; any other by way of all lanes.
+        macro_rules! copy {
+            ($($known:literal)*) => {
+                match lane {
+                    $($known => self.copy_lane::<$known>(angles, velocities),)*
+                    _ => (*angles, *velocities) = self.motion(lane),
+                }
+            };
+        }
+        copy!(0 1 2 3 4 5 6 7);
+    }
+
+    #[inline(always)]
+    fn copy_lane<const LANE: usize>(&self, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+        let State { angle, velocity, .. } = &self.stepped.state;
+        for i in 0..B {
+            (angles[i], velocities[i]) = (angle[i].lane(LANE).to_f64(), velocity[i].lane(LANE).to_f64());
+        }
+    }
+
     /// One lane's state.
     pub fn state(&self, lane: usize) -> State<f64, B, Z> {
         self.stepped.state.lane(lane)

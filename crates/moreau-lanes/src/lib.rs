@@ -295,6 +295,22 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
+    /// [`Group::motion`] into places that are there: what is looked at after every step of a study.
+    #[inline]
+    pub fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+        match &self.kind {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Eight(eight) => eight.copy_motion(index, angles, velocities),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Four(four) => four.copy_motion(index, angles, velocities),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.copy_motion(index, angles, velocities),
+            #[cfg(target_arch = "x86_64")]
+            Kind::SixteenSingle(sixteen) => sixteen.copy_motion(index, angles, velocities),
+            Kind::OneByOne(one) => (*angles, *velocities) = (one.states[index].angle, one.states[index].velocity),
+        }
+    }
+
     /// One mechanism's state.
     pub fn state(&self, index: usize) -> State<f64, B, Z> {
         match &self.kind {

@@ -26,4 +26,4 @@ pub use mechanism::{InputDuring, Mechanism, Saved, View, mechanism};
 pub use moreau_lanes::Lanes;
 pub use placed::{Placed, Visible, placed};
 pub use side_by_side::{SideBySide, side_by_side};
-pub use size::Size;
+pub use size::{EveryBody, Size};

@@ -6,7 +6,7 @@ use moreau::{GROUND, Model, ModelError, Pose};
 
 use crate::flight::Flight;
 use crate::size::with_size;
-use crate::{Marks, Meeting, OwnedDescription, Size};
+use crate::{EveryBody, Marks, Meeting, OwnedDescription, Size};
 
 /// What can be seen of a mechanism. Indices follow the description's bodies and zones.
 pub trait Visible {
@@ -25,7 +25,7 @@ pub trait Visible {
 /// A mechanism's model, put into poses from outside: what looks on where steps are taken in lanes.
 pub trait Placed: Visible + Send {
     /// Takes note of an instant; the pose is worked out only when it is asked for. Bodies beyond the model's are left out.
-    fn look(&mut self, time_s: f64, angles: &[f64], velocities: &[f64]);
+    fn look(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody);
     /// Whether the marked zone could not be touched at the last look.
     fn is_far(&self) -> bool;
 }
@@ -57,9 +57,11 @@ struct Poser<const B: usize, const Z: usize> {
 }
 
 impl<const B: usize, const Z: usize> Placed for Poser<B, Z> {
-    fn look(&mut self, time_s: f64, angles: &[f64], velocities: &[f64]) {
-        let of = |values: &[f64]| core::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
-        (self.angle, self.velocity) = (of(angles), of(velocities));
+    fn look(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
+        // No size has more bodies.
+        if let (Some(angles), Some(velocities)) = (angles.first_chunk(), velocities.first_chunk()) {
+            (self.angle, self.velocity) = (*angles, *velocities);
+        }
         self.pose = OnceCell::new();
         self.flight.look(&self.model, time_s, &self.angle, &self.velocity);
     }

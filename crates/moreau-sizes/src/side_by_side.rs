@@ -4,7 +4,7 @@ use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
 use moreau_lanes::{Group, Lanes};
 
 use crate::size::with_size;
-use crate::{OwnedDescription, Size};
+use crate::{EveryBody, OwnedDescription, Size};
 
 /// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`] allocates.
 pub trait SideBySide: Send {
@@ -20,8 +20,8 @@ pub trait SideBySide: Send {
     /// # Panics
     /// As [`SideBySide::step`].
     fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
-    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s; there may be fewer or more places than bodies.
-    fn motion(&self, index: usize, angles: &mut [f64], velocities: &mut [f64]);
+    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s; places beyond its size are left as they are.
+    fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody);
     /// One mechanism's state.
     fn state(&self, index: usize) -> SavedState<f64, 12, 32>;
 }
@@ -121,7 +121,7 @@ impl SideBySide for Parts {
         self.each(inputs, outcomes, |part, inputs, outcomes| part.step_or_rest(inputs, outcomes));
     }
 
-    fn motion(&self, index: usize, angles: &mut [f64], velocities: &mut [f64]) {
+    fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody) {
         let (part, index) = self.place(index);
         part.motion(index, angles, velocities);
     }
@@ -164,11 +164,10 @@ impl<const B: usize, const Z: usize, const N: usize> SideBySide for Group<B, Z, 
         Group::step_or_rest(self, inputs, outcomes);
     }
 
-    fn motion(&self, index: usize, angles: &mut [f64], velocities: &mut [f64]) {
-        let (angle, velocity) = Group::motion(self, index);
-        for (to, from) in [(angles, angle), (velocities, velocity)] {
-            let count = to.len().min(B);
-            to[..count].copy_from_slice(&from[..count]);
+    fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody) {
+        // No size has more bodies.
+        if let (Some(angles), Some(velocities)) = (angles.first_chunk_mut(), velocities.first_chunk_mut()) {
+            Group::copy_motion(self, index, angles, velocities);
         }
     }
 

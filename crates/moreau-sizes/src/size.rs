@@ -39,6 +39,9 @@ macro_rules! with_size {
 }
 pub(crate) use with_size;
 
+/// A number for every body of the largest size.
+pub type EveryBody = [f64; Size::Most.holds()[0]];
+
 impl Size {
     /// All of them, the small ones first.
     pub const ALL: [Size; 6] = [Size::One, Size::Six, Size::Seven, Size::Eight, Size::Nine, Size::Most];

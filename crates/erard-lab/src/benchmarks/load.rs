@@ -145,7 +145,7 @@ impl Load {
                 group.step(&inputs[..width], &mut outcomes[..width]);
                 assert!(!outcomes[..width].contains(&Outcome::NonFinite));
             }
-            let (mut angles, mut velocities) = ([0.0; 6], [0.0; 6]);
+            let (mut angles, mut velocities) = ([0.0; 12], [0.0; 12]);
             for i in 0..width {
                 group.motion(i, &mut angles, &mut velocities);
                 sum += angles.iter().sum::<f64>();

@@ -1,7 +1,7 @@
 //! Mechanisms side by side: brought to rest, and played.
 
 use moreau::{Input, ModelError, Outcome, SavedState, Settings};
-use moreau_sizes::{Lanes, OwnedDescription, Placed, SideBySide, placed, side_by_side};
+use moreau_sizes::{EveryBody, Lanes, OwnedDescription, Placed, SideBySide, Size, placed, side_by_side};
 
 use super::{JobResult, Played, Stroke};
 use crate::cores::Interrupt;
@@ -16,7 +16,7 @@ use erard::simulation::{Setup, SimulationError};
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 1024;
 /// Places for a mechanism's angles.
-const BODIES: usize = 12;
+const BODIES: usize = Size::Most.holds()[0];
 
 /// A state, whatever the mechanism's size.
 type State = SavedState<f64, 12, 32>;
@@ -195,7 +195,7 @@ impl<'a> Lane<'a> {
     }
 
     /// Looks at the mechanism where it is now. What is seen to happen is what a run sees.
-    fn look(&mut self, time_s: f64, angles: &[f64], velocities: &[f64]) {
+    fn look(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
         self.seen.look(time_s, angles, velocities);
         if self.seen.is_far() && self.watch.sees_blows_only() {
             return;
