@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use erard::keyboard::KEYS;
+use erard::trust::worst_of_each;
+use erard_workshop::trying::Tried;
 use erard_workshop::weighing::WeighedKey;
 
 use crate::table::shortest;
@@ -15,7 +17,7 @@ use erard_figures::figure::{self, Dash, Figure, Layout, PALETTE, Panel, Scale, T
 const SAMPLES: [usize; 8] = [1, 16, 17, 40, 41, 64, 65, 88];
 
 /// The columns.
-const COLUMNS: [&str; 9] = [
+const COLUMNS: [&str; 11] = [
     "key",
     "note",
     "hammer_mass_g",
@@ -25,10 +27,14 @@ const COLUMNS: [&str; 9] = [
     "up_weight_g",
     "balance_weight_g",
     "friction_weight_g",
+    "mf_hammer_speed_m_per_s",
+    "trusted",
 ];
+/// Of these stand in the text: those in grams.
+const GRAMS: std::ops::Range<usize> = 2..9;
 
 /// The numbers of a row, in the order of the columns after the note; not a number where there is none.
-fn numbers(weighed: &WeighedKey) -> [f64; 7] {
+fn numbers(weighed: &WeighedKey) -> [f64; 9] {
     let number = |weight: Option<f64>| weight.unwrap_or(f64::NAN);
     [
         weighed.hammer_mass_g,
@@ -38,7 +44,23 @@ fn numbers(weighed: &WeighedKey) -> [f64; 7] {
         number(weighed.touch.up_weight_g),
         number(weighed.touch.balance_weight_g()),
         number(weighed.touch.friction_weight_g()),
+        number(weighed.tried.hammer_speed_m_s),
+        f64::from(u8::from(weighed.tried.warnings.is_empty())),
     ]
+}
+
+/// Why keys are not to be trusted, each tried with its number: of every kind and part how many keys, and the worst of them.
+pub fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
+    let all = tried.clone().count();
+    worst_of_each(tried.clone().flat_map(|(_, one)| &one.warnings))
+        .into_iter()
+        .map(|(count, worst)| {
+            let key = tried.clone().find(|(_, one)| one.warnings.contains(worst)).map_or(0, |(key, _)| key);
+            format!(
+                "{count} of {all} keys are not to be trusted, pressed with a mezzo forte; the worst, key {key}: {worst}"
+            )
+        })
+        .collect()
 }
 
 /// Sample notes as text, grams to a tenth.
@@ -53,7 +75,7 @@ pub fn text(weighed: &[WeighedKey]) -> String {
     };
     row("key", "", samples.iter().map(|w| w.key.to_string()).collect());
     row("note", "", samples.iter().map(|w| w.note.clone()).collect());
-    for (column, name) in COLUMNS[2..].iter().enumerate() {
+    for (column, name) in COLUMNS[GRAMS].iter().enumerate() {
         let name = name.trim_end_matches("_g").replace('_', " ");
         row(&name, "g", samples.iter().map(|w| format!("{:.1}", numbers(w)[column])).collect());
     }

@@ -5,6 +5,7 @@ use std::io::Write;
 
 use erard::run::Run;
 use erard::simulation::Setup;
+use erard::trust::Warning;
 use moreau::Ledger;
 use serde::Serialize;
 
@@ -66,6 +67,10 @@ pub struct Summary {
     pub final_pivot_friction_N_m: Vec<f64>,
     /// Every blow on the string.
     pub strikes: Vec<StrikeReport>,
+    /// Whether nothing speaks against the numbers.
+    pub trusted: bool,
+    /// What does.
+    pub warnings: Vec<Warning>,
 }
 
 /// Control of the error.
@@ -161,6 +166,8 @@ impl Summary {
             smallest_dissipation_J: booked(|l| l.smallest_term),
             final_pivot_friction_N_m: run.final_pivot_friction_n_m.clone(),
             strikes: e.strikes.iter().map(|s| StrikeReport { time_s: s.time_s, speed_m_s: s.speed_m_s }).collect(),
+            trusted: run.is_trusted(),
+            warnings: run.warnings.clone(),
         }
     }
 

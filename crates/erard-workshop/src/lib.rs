@@ -8,4 +8,5 @@ pub mod kinematics;
 pub mod measure;
 pub mod regulate;
 pub mod study;
+pub mod trying;
 pub mod weighing;

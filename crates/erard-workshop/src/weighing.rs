@@ -3,6 +3,7 @@
 use crate::cores::{self, do_all, job};
 use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
 use crate::measure::{Interrupt, MeasureError};
+use crate::trying::{Tried, try_once};
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::keyboard::note_name;
@@ -22,6 +23,8 @@ pub struct WeighedKey {
     pub front_weight_g: f64,
     /// Down-weight and up-weight from a slow loop, dampers lifted, g.
     pub touch: Touch,
+    /// The key pressed once with a mezzo forte: its hammer's speed, and why the press is not to be trusted.
+    pub tried: Tried,
 }
 
 /// Weighs keys, each given with its number. `progress` is told the share that is done, and ends the work by returning false.
@@ -50,6 +53,7 @@ fn weigh_key(key: usize, instrument: &Instrument, going: Interrupt<'_>) -> Resul
     let (scale, _) = on_the_scale(instrument, way.end_m, weights.decided_m)?;
     let rigid = instrument.locked();
     Ok(WeighedKey {
+        tried: try_once(instrument, going)?,
         key,
         note: note_name(key),
         hammer_mass_g: rigid.bodies[Parts::of(&rigid)?.hammer].mass_kg * 1e3,

@@ -333,3 +333,72 @@ fn assert_stroke_error_helpful(error: &StrokeError, bytes: &[u8]) {
     assert!(error.line <= bytes.split(|&byte| byte == b'\n').count() as u64);
     assert!(!error.message.is_empty() && !error.to_string().contains('\n'), "{error}");
 }
+
+/// The seeds of the fuzzers' corpus: files that once meant something else to each parser, one for every message and a few that read. They are what a
+/// coverage-guided fuzzer begins with, and here they are ordinary tests. `ERARD_CORPUS=write` makes the folder anew.
+#[test]
+fn the_corpus_reads_or_is_refused_with_a_reason() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (corpus, instruments) = (here.join("../../fuzz/seeds"), here.join("../erard/tests/instruments"));
+    let linkage = LinkageFile::builtin_text("c7f-like").expect("a text");
+    // What is told of an input; `read` where it reads.
+    let told = |target: &str, bytes: &[u8]| -> String {
+        let of = |error: Box<FileError>| {
+            assert_helpful(&error);
+            error.message.clone()
+        };
+        match target {
+            "instrument" => match InstrumentFile::parse_bytes(bytes, "corpus.toml") {
+                Ok(file) => {
+                    assert_sound(&file.instrument);
+                    "read".to_owned()
+                }
+                Err(error) => of(error),
+            },
+            "linkage" => LinkageFile::parse_bytes(bytes, "corpus.toml").map_or_else(of, |_| "read".to_owned()),
+            "keyboard" => match Keyboard::parse_bytes(bytes, "corpus.toml", &instruments) {
+                Ok(keyboard) => keyboard.key(88).map_or_else(of, |key| {
+                    assert_sound(&key);
+                    "read".to_owned()
+                }),
+                Err(error) => of(error),
+            },
+            _ => match Series::read(bytes, "corpus.csv") {
+                Ok(series) => {
+                    assert_stroke_sound(&series);
+                    "read".to_owned()
+                }
+                Err(error) => {
+                    assert_stroke_error_helpful(&error, bytes);
+                    error.message.clone()
+                }
+            },
+        }
+    };
+    for (target, good) in [("instrument", CLOCK), ("linkage", linkage), ("keyboard", KEYBOARD), ("stroke", STROKE)] {
+        let folder = corpus.join(target);
+        if std::env::var("ERARD_CORPUS").is_ok_and(|asked| asked == "write") {
+            let _ = std::fs::remove_dir_all(&folder);
+            std::fs::create_dir_all(&folder).expect("a folder");
+            let (mut chance, mut messages) = (Chance::new(0x00c0_ffee), std::collections::BTreeMap::new());
+            for _ in 0..20_000 {
+                let bytes = damaged(good, &mut chance);
+                // Without numbers and names, which differ from one to the next.
+                let kind: String = told(target, &bytes).chars().filter(|c| !c.is_ascii_digit()).take(24).collect();
+                let kept = messages.entry(kind).or_insert_with(|| bytes.clone());
+                if bytes.len() < kept.len() {
+                    *kept = bytes;
+                }
+            }
+            for (n, bytes) in messages.values().take(40).enumerate() {
+                std::fs::write(folder.join(format!("{n:02}")), bytes).expect("a file");
+            }
+        }
+        let mut messages = std::collections::BTreeSet::new();
+        for entry in std::fs::read_dir(&folder).expect("the corpus is there") {
+            let bytes = std::fs::read(entry.expect("an entry").path()).expect("a file");
+            messages.insert(told(target, &bytes));
+        }
+        assert!(messages.len() >= 10 && messages.contains("read"), "{target}: {messages:?}");
+    }
+}

@@ -1,5 +1,5 @@
-//! Random instruments under random strokes: `cargo run --release -p erard --example robustness [COUNT [FIRST]]`, ten thousand unless
-//! told otherwise. Progress on stderr; a seed in the report makes the same instrument again.
+//! Random instruments under random strokes: `cargo run --release -p erard --example robustness [COUNT [FIRST [THETA [STEP_US]]]]`, ten
+//! thousand from 0 at theta = 1/2 and 50 us unless told otherwise. Progress on stderr; a seed in the report makes the same instrument again.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -15,8 +15,8 @@ use moreau::Settings;
 /// Simulated time of a stroke, s.
 const DURATION_S: f64 = 0.4;
 
-fn all(first: u64, count: u64) -> Vec<Fate> {
-    let (grand, settings) = (grand(), Settings::new(USUAL_STEP_S));
+fn all(first: u64, count: u64, theta: f64, step_s: f64) -> Vec<Fate> {
+    let (grand, settings) = (grand(), Settings { theta, ..Settings::new(step_s) });
     let (next, fates) = (AtomicU64::new(0), Mutex::new(Vec::new()));
     let start = Instant::now();
     let workers = std::thread::available_parallelism().map_or(1, |n| n.get());
@@ -61,9 +61,10 @@ fn worst(title: &str, fates: &[Fate], by: impl Fn(&Fate) -> f64) {
 }
 
 fn main() {
-    let mut numbers = std::env::args().skip(1).map(|a| a.parse().expect("a number"));
-    let (count, first) = (numbers.next().unwrap_or(10_000), numbers.next().unwrap_or(0));
-    let fates = all(first, count);
+    let mut numbers = std::env::args().skip(1).map(|a| a.parse::<f64>().expect("a number"));
+    let (count, first) = (numbers.next().unwrap_or(1e4) as u64, numbers.next().unwrap_or(0.0) as u64);
+    let (theta, step_s) = (numbers.next().unwrap_or(0.5), numbers.next().map_or(USUAL_STEP_S, |us| us * 1e-6));
+    let fates = all(first, count, theta, step_s);
     let sum = |f: fn(&Fate) -> u64| fates.iter().map(f).sum::<u64>();
     let (steps, unconverged) = (sum(|f| f.steps), sum(|f| f.unconverged));
     println!(
@@ -85,5 +86,6 @@ fn main() {
     worst("most unconverged steps", &fates, |f| f.unconverged as f64);
     worst("largest energy residual", &fates, |f| f.residual);
     worst("largest energy gain", &fates, |f| f.gain);
+    worst("largest energy gain that turning does not explain", &fates, |f| f.unexplained);
     worst("longest settling, s", &fates, |f| f.settling_s);
 }

@@ -30,6 +30,7 @@ pub mod run;
 pub mod sight;
 pub mod simulation;
 pub mod stroke;
+pub mod trust;
 
 pub use instrument::Instrument;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};

@@ -2,6 +2,8 @@
 
 use moreau::Ledger;
 
+use crate::trust::{Extremes, Warning};
+
 /// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
 ///
 /// Angles and velocities are those at the row's instant; forces are the mean of the steps before and after it, which is
@@ -32,6 +34,17 @@ pub struct Run {
     pub ledger: Option<Ledger>,
     /// Steps and iterations.
     pub work: Work,
+    /// How far the bodies turned, and how deep the felts were pressed.
+    pub extremes: Extremes,
+    /// Why the run is not to be trusted; empty if nothing speaks against it.
+    pub warnings: Vec<Warning>,
+}
+
+impl Run {
+    /// Whether nothing speaks against the run's numbers ([`crate::trust`]).
+    pub fn is_trusted(&self) -> bool {
+        self.warnings.is_empty()
+    }
 }
 
 /// One body's motion.

@@ -212,4 +212,42 @@ mod tests {
             }
         }
     }
+
+    /// What one Newton iteration leaves to the next, by its definition: bent by the felt's curvature to second order, or to first where the
+    /// clamp may have come or gone; of a felt that was not touched, the largest force that it may have now.
+    #[test]
+    fn the_remainder_is_what_it_says() {
+        let felt = Felt { stiffness: 4e7, exponent: Exponent::Two, loss: Loss::Quadratic(8e7) };
+        let curve = Curve::Line { point: [0.0, -0.1], normal: [0.0, 1.0] };
+        let zone =
+            Zone { disc_body: 0, center: [0.4, 0.0], radius: 0.1, curve_body: GROUND, curve, felt, friction: None };
+        let bodies = [Body { mass: 1.0, ..Body::inert() }];
+        let description = Description { bodies: &bodies, zones: &[zone], ..Description::default() };
+        let model = description.compile::<1, 1>().unwrap();
+        let (compiled, support) = (&model.compiled[0], &model.supports[0]);
+        for theta in [0.5, 0.8] {
+            let timing = Timing::new(1e-3, theta);
+            for (angle, w) in [(-2e-3, 0.0), (-2e-3, -1.0), (-1e-2, 0.5)] {
+                let mut contact = ContactState::<f64, 1>::apart();
+                let pose = Pose::of(&model, &[angle]);
+                contact.evaluate::<1>(compiled, support, &pose, &[w], &timing, true, &mut Margins::new());
+                for change in [1e-3, -0.2, 3.0] {
+                    let rate = theta * (contact.row[0] * change).abs();
+                    let bend = compiled.felt.press(contact.gap, contact.rate, &timing, true).curvature;
+                    let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
+                    let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
+                    let reach = timing.h_theta + timing.node;
+                    let deepest = (contact.gap + timing.node * contact.rate.abs() + reach * rate).max(0.0);
+                    let onset = (felt.stiffness + 8e7 * (contact.rate.abs() + rate)) * deepest * deepest;
+                    for (active, expected) in [(true, bent), (false, onset)] {
+                        let found = contact.remainder(compiled, support, &[change], &timing, active);
+                        assert!(
+                            (found - expected).abs() <= 1e-12 * expected,
+                            "{theta} {angle} {w} {change}: {found} {expected}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

@@ -596,4 +596,108 @@ mod tests {
             }
         }
     }
+
+    /// Compressions and rates at which both points of the quadrature are touched, for every law; theta between its ends and at them.
+    fn touched() -> impl Iterator<Item = (Felt<f64>, FeltLaw<f64>, f64, f64, Timing<f64>)> {
+        let timings = [(50e-6, 0.5), (1e-3, 0.5), (2e-4, 0.7), (50e-6, 1.0)].map(|(h, theta)| Timing::new(h, theta));
+        laws().flat_map(move |(felt, law)| {
+            timings.into_iter().flat_map(move |timing| {
+                [(1e-3, 0.3), (2e-3, -0.4), (0.01, 2.0), (0.02, -0.01)]
+                    .map(|(gap, rate)| (felt, law, gap, rate, timing))
+            })
+        })
+    }
+
+    /// The closed form for a square is the quadrature, in all that it tells.
+    #[test]
+    fn the_closed_form_is_the_quadrature() {
+        for (felt, law, gap, rate, timing) in touched().filter(|(_, law, ..)| law.square) {
+            let (closed, points) =
+                (law.press_square(gap, rate, &timing, true), law.press_points(gap, rate, &timing, true));
+            let same = |a: f64, b: f64, what: &str| {
+                assert!((a - b).abs() <= 1e-12 * b.abs(), "{felt:?} {gap} {rate} {timing:?}: {what} {a} {b}");
+            };
+            same(closed.force, points.force, "force");
+            same(closed.damping_force, points.damping_force, "damping force");
+            same(closed.tangent, points.tangent, "tangent");
+            same(closed.curvature.linear, points.curvature.linear, "linear");
+            same(closed.curvature.quadratic, points.curvature.quadratic, "quadratic");
+            same(closed.curvature.slack, points.curvature.slack, "slack");
+        }
+    }
+
+    /// The mean force is that of the two points of Gauss, and the tangent its derivative by the rate, the compression going along with it by
+    /// theta h (a central difference, right to 1e-8).
+    #[test]
+    fn the_quadrature_and_its_tangent() {
+        for (felt, law, gap, rate, timing) in touched() {
+            let written = |g: f64, v: f64| {
+                let elastic = felt.stiffness * libm::pow(g, felt.exponent.value());
+                match felt.loss {
+                    Loss::Quadratic(b) => elastic + b * g * g * v,
+                    Loss::HuntCrossley(a) => elastic * (1.0 + a * v),
+                }
+                .max(0.0)
+            };
+            let mean = |gap: f64, rate: f64| {
+                let offset = (timing.step - timing.h_theta) / 3f64.sqrt() * rate;
+                0.5 * (written(gap + offset, rate) + written(gap - offset, rate))
+            };
+            let pressed = law.press(gap, rate, &timing, true);
+            let force = mean(gap, rate);
+            assert!((pressed.force - force).abs() <= 1e-12 * force, "{felt:?} {gap} {rate}: {} {force}", pressed.force);
+            let e = 1e-6;
+            let slope =
+                (mean(gap + timing.h_theta * e, rate + e) - mean(gap - timing.h_theta * e, rate - e)) / (2.0 * e);
+            let tangent = timing.h_theta * slope;
+            // Where it would pull with the rate it is cut off at zero.
+            let off = (pressed.tangent - tangent.max(0.0)).abs();
+            assert!(
+                off <= 1e-6 * tangent.abs() + 1e-12,
+                "{felt:?} {gap} {rate} {timing:?}: {} {tangent}",
+                pressed.tangent
+            );
+        }
+    }
+
+    /// What the step takes for the second derivatives is what they are, where the felt is being compressed: central differences of the first ones.
+    #[test]
+    fn second_derivatives() {
+        for (felt, law) in laws() {
+            for (g, v) in [(1e-3, 0.5), (0.02, 2.0)] {
+                let e = 1e-5 * g;
+                let state = |g: f64| law.at(&law.elastic(g), g, v);
+                let (up, down, bend) = (state(g + e), state(g - e), law.bend(&law.elastic(g), g, v));
+                let by_gap = 0.5 * (up.stiffness - down.stiffness) / (2.0 * e);
+                let mixed = (up.damping - down.damping) / (2.0 * e);
+                assert!((bend.by_gap - by_gap).abs() < 1e-6 * by_gap, "{felt:?} {g}: {} {by_gap}", bend.by_gap);
+                assert!((bend.mixed - mixed).abs() < 1e-6 * mixed, "{felt:?} {g}: {} {mixed}", bend.mixed);
+                assert!(
+                    (bend.largest_damping - state(g).damping).abs() <= 1e-14 * bend.largest_damping,
+                    "{felt:?} {g}"
+                );
+                let elastic = law.elastic(g);
+                let curvature = (law.elastic(g + e).slope - law.elastic(g - e).slope) / (2.0 * e);
+                assert!(
+                    (elastic.curvature - curvature).abs() < 1e-6 * curvature,
+                    "{felt:?} {g}: {elastic:?} {curvature}"
+                );
+            }
+        }
+    }
+
+    /// No deeper and no faster: the largest force is the one at both limits.
+    #[test]
+    fn the_largest_force_is_the_deepest_and_fastest() {
+        for (felt, law) in laws() {
+            for (g, v) in [(1e-3, 0.5), (0.02, 3.0)] {
+                let largest = law.largest_force(g, v);
+                assert!((largest - law.at(&law.elastic(g), g, v).force).abs() <= 1e-14 * largest, "{felt:?}");
+                for (share, part) in [(0.3, 1.0), (1.0, -0.7), (0.9, 0.2)] {
+                    let force = law.at(&law.elastic(share * g), share * g, part * v).force;
+                    assert!(force <= largest, "{felt:?}");
+                }
+            }
+        }
+    }
 }

@@ -10,7 +10,10 @@ use erard_lab::compare::LONGEST_S;
 
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
-use crate::say;
+use crate::keyboard::doubts;
+use crate::progress::Progress;
+use crate::{say, tell};
+use erard_workshop::trying::try_all;
 
 /// Checks an instrument or keyboard (TOML) or stroke (CSV) file and says what it holds.
 #[derive(Debug, Args)]
@@ -96,10 +99,14 @@ impl Check {
         Ok(())
     }
 
-    /// Every key's instrument is read, so that a file that is called sound has none that is not.
+    /// Every key's instrument is read and pressed once, so that a file that is called sound has none that is not.
     fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
-        keyboard.instruments()?;
+        let instruments = keyboard.instruments()?;
+        let mut progress = Progress::new("pressing every key");
+        let tried = try_all(&instruments, &mut |share| progress.tell(share))
+            .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
+        drop(progress);
         say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
         say!();
         let points = || keyboard.gradings.iter().flat_map(|grading| &grading.curve.points);
@@ -114,11 +121,18 @@ impl Check {
         }
         say!();
         say!(
-            "  {} gradings of {} points, {} of them without a source; the instruments of all {KEYS} keys are sound",
+            "  {} gradings of {} points, {} of them without a source; {}",
             keyboard.gradings.len(),
             points().count(),
-            points().filter(|point| point.citation.is_none()).count()
+            points().filter(|point| point.citation.is_none()).count(),
+            match tried.iter().filter(|one| !one.warnings.is_empty()).count() {
+                0 => format!("the instruments of all {KEYS} keys are sound"),
+                doubtful => format!("{doubtful} of the {KEYS} keys are not to be trusted"),
+            }
         );
+        for doubt in doubts((1..).zip(&tried)) {
+            tell!("warning: {doubt}");
+        }
         Ok(())
     }
 

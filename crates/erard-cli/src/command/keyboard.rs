@@ -9,17 +9,19 @@ use super::options::{KeyboardKey, load_keyboard};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::keyboard::{figure_svg, text, write_csv};
+use crate::keyboard::{doubts, figure_svg, text, write_csv};
 use crate::progress::Progress;
 use crate::say;
 use crate::say::verbatim;
+use crate::tell;
 use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\
 Writes keyboard.csv, and keyboard.svg and keyboard.png: hammers, leads and touch weights over the number of the key. The touch
 weights are measured, key by key, in a slow loop with the dampers lifted. Every command takes a key of a keyboard as its
-instrument: erard measure concert-grand:key=1 concert-grand:key=88";
+instrument: erard measure concert-grand:key=1 concert-grand:key=88. Every key is pressed once with a mezzo forte, too: the
+hammer's speed, and whether the press can be trusted, are columns of the table.";
 
 /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
 #[derive(Debug, Args)]
@@ -67,6 +69,9 @@ impl Keyboard {
         say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
         say!();
         say!("{}", text(&weighed).trim_end_matches('\n'));
+        for doubt in doubts(weighed.iter().map(|one| (one.key, &one.tried))) {
+            tell!("warning: {doubt}");
+        }
         say!();
         for path in written {
             say!("{}", shown(&path));

@@ -12,9 +12,10 @@ use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};
-use crate::measure::{Measured, page, table};
+use crate::measure::{Measured, doubts, page, table};
 use crate::progress::Progress;
 use crate::say;
+use crate::tell;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
 use erard_figures::figure::png_from_svg;
 
@@ -85,6 +86,11 @@ impl Measure {
         say!();
         say!("{}", table::text(&measured).trim_end_matches('\n'));
         say!();
+        for one in &measured {
+            for doubt in doubts(&one.sheet) {
+                tell!("warning: {}: not to be trusted: {doubt}", one.label);
+            }
+        }
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
         say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));

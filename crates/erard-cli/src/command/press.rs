@@ -15,6 +15,7 @@ use crate::progress::Progress;
 use crate::say;
 use crate::summary::Summary;
 use crate::table;
+use crate::tell;
 use erard_figures::figure::{png_from_svg, run_svg};
 use erard_figures::page::page_html;
 
@@ -85,6 +86,9 @@ impl Press {
         say!("{summary}");
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
+        for warning in &summary.warnings {
+            tell!("warning: not to be trusted: {warning}");
+        }
         say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
         Ok(())
     }

@@ -13,8 +13,9 @@ use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::chart_svg;
 use crate::say;
-use crate::study::{Axis, Row, Target, chart, columns, lines};
+use crate::study::{Axis, Row, Target, chart, columns, doubts, lines};
 use crate::table;
+use crate::tell;
 use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
@@ -26,7 +27,7 @@ every combination is played, the last one fastest.
 
 Strokes that are alike but for numbers are simulated side by side in the lanes of the processor's vectors, and on all its
 cores; each comes out as `press` would compute it. Writes study.csv and study.parquet (what was varied, then instants in
-s, the hammer's speed in m/s, and whether the stroke failed), and study.svg and study.png where there are at most six curves.";
+s, the hammer's speed in m/s, whether the stroke failed, and whether it can be trusted), and study.svg and study.png where there are at most six curves.";
 
 /// Plays a stroke on many variants of an instrument: a parameter study.
 #[derive(Debug, Args)]
@@ -92,6 +93,9 @@ impl Study {
         say!();
         for line in lines(&axes, &rows, SHOWN) {
             say!("{line}");
+        }
+        for doubt in doubts(&rows) {
+            tell!("warning: not to be trusted: {doubt}");
         }
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();

@@ -5,7 +5,20 @@ pub mod page;
 pub mod table;
 
 use erard::instrument::Instrument;
+use erard::trust::worst_of_each;
 use erard_workshop::measure::Sheet;
+
+/// Why presses of a sheet are not to be trusted: of every kind and part how many, and the worst of them.
+pub fn doubts(sheet: &Sheet) -> Vec<String> {
+    let presses = sheet.timing.len() + sheet.dynamic_range.len();
+    worst_of_each(sheet.warnings.iter().map(|doubt| &doubt.warning))
+        .into_iter()
+        .map(|(count, worst)| {
+            let during = sheet.warnings.iter().find(|doubt| doubt.warning == *worst).map_or("", |doubt| &doubt.during);
+            format!("{count} of {presses} presses; the worst, {during}: {worst}")
+        })
+        .collect()
+}
 
 /// One action that was measured.
 #[derive(Debug, Clone)]

@@ -4,8 +4,8 @@ use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::norms::{GROUPS, Line};
 use erard_workshop::measure::range::MIDI_MAP;
 
-use super::Measured;
 use super::figures::Drawn;
+use super::{Measured, doubts};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -52,6 +52,10 @@ fn flags(one: &Measured, named: bool) -> Markup {
         } @else {
             p.out { (whose) "out of the norm" }
             ul.flags { @for flag in &one.sheet.flags { li { (flag.message) } } }
+        }
+        @if !one.sheet.trusted {
+            p.out { (whose) "not to be trusted" }
+            ul.flags { @for doubt in doubts(&one.sheet) { li { (doubt) } } }
         }
     }
 }

@@ -5,5 +5,5 @@ mod table;
 mod vary;
 
 pub use figure::chart;
-pub use table::{Row, columns, lines};
+pub use table::{Row, columns, doubts, lines};
 pub use vary::{Axis, Target};

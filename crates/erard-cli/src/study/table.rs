@@ -1,6 +1,7 @@
 //! The rows of a study: printed, and as columns of a file.
 
 use erard::run::Events;
+use erard::trust::worst_of_each;
 use erard_workshop::study::Played;
 
 use super::Axis;
@@ -13,6 +14,20 @@ pub struct Row {
     pub values: Vec<f64>,
     /// What came of it, or why nothing did.
     pub outcome: Result<Played, String>,
+}
+
+impl Row {
+    /// Whether it was played and nothing speaks against it.
+    pub fn is_trusted(&self) -> bool {
+        self.outcome.as_ref().is_ok_and(|played| played.warnings.is_empty())
+    }
+}
+
+/// What speaks against the strokes of a study: of every kind and part how many strokes, and the worst of them as a sentence.
+pub fn doubts(rows: &[Row]) -> Vec<String> {
+    let warnings = rows.iter().filter_map(|row| row.outcome.as_ref().ok()).flat_map(|played| &played.warnings);
+    let each = worst_of_each(warnings).into_iter();
+    each.map(|(count, worst)| format!("{count} of {} strokes; the worst: {worst}", rows.len())).collect()
 }
 
 /// A number of a row; `None` is what did not happen.
@@ -32,7 +47,8 @@ const OUTCOMES: [(&str, Get); 10] = [
     ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
 ];
 
-/// Name and values of every column: what was varied, what came of it, and whether the stroke failed (1, and nothing came of it).
+/// Name and values of every column: what was varied, what came of it, whether the stroke failed (1, and nothing came of it), whether it can be
+/// trusted (1) and what of its energy is not explained.
 pub fn columns(axes: &[Axis], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
     let varied = axes.iter().enumerate().map(|(i, axis)| {
         let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
@@ -43,7 +59,10 @@ pub fn columns(axes: &[Axis], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
         ((*name).to_owned(), values)
     });
     let failed = rows.iter().map(|row| Some(f64::from(u8::from(row.outcome.is_err())))).collect();
-    varied.chain(outcomes).chain([("failed".to_owned(), failed)]).collect()
+    let trusted = rows.iter().map(|row| Some(f64::from(u8::from(row.is_trusted())))).collect();
+    let residual = rows.iter().map(|row| row.outcome.as_ref().ok().and_then(|p| p.energy_residual)).collect();
+    let last = [("failed", failed), ("trusted", trusted), ("energy_residual_relative", residual)];
+    varied.chain(outcomes).chain(last.map(|(name, values)| (name.to_owned(), values))).collect()
 }
 
 /// A column of the printed table: its heading and its cell.
@@ -80,6 +99,9 @@ pub fn lines(axes: &[Axis], rows: &[Row], most: usize) -> Vec<String> {
                     line += &format!(" {:>11}", get(&played.events).map_or("-".to_owned(), three));
                 }
                 line += &format!(" {:>8}", played.events.strikes.len());
+                if !played.warnings.is_empty() {
+                    line += "  not trusted";
+                }
             }
             Err(error) => line += &format!("  failed: {error}"),
         }

@@ -32,6 +32,8 @@ pub struct Axis {
 
 /// The name of the force.
 const FORCE: &str = "force";
+/// Most degrees that a screw turns a curve.
+const MOST_TURNED_DEG: f64 = 90.0;
 /// Most values of one axis.
 const MOST: usize = 100_000;
 
@@ -124,8 +126,10 @@ impl Axis {
         match &self.target {
             Target::Force => shown.abs() <= MAX_FORCE_N,
             Target::Parameter(parameter) if parameter.is_factor() => (1e-3..=1e3).contains(&shown),
-            // Metres and radians; a spring's torque has its own limit, its sign.
-            Target::Parameter(_) => (shown / self.per_si).abs() <= 0.1 || self.unit == "degrees",
+            // As far as a file's own setting may turn a curve.
+            Target::Parameter(_) if self.unit == "degrees" => shown.abs() <= MOST_TURNED_DEG,
+            // Metres; a spring's torque has its own limit beside this one, its sign.
+            Target::Parameter(_) => (shown / self.per_si).abs() <= 0.1,
         }
     }
 
@@ -133,6 +137,7 @@ impl Axis {
         match &self.target {
             Target::Force => format!("at most {MAX_FORCE_N} N"),
             Target::Parameter(parameter) if parameter.is_factor() => "a factor from 0.001 to 1000".into(),
+            Target::Parameter(_) if self.unit == "degrees" => format!("at most {MOST_TURNED_DEG} degrees either way"),
             Target::Parameter(_) => format!("at most {} {}", 0.1 * self.per_si, self.unit),
         }
     }
@@ -176,6 +181,8 @@ mod tests {
             ("body.hammer.mass=0..2:3", "a factor from 0.001 to 1000"),
             ("body.hammer.mass=one", "expected a factor"),
             ("force=1e9", "out of range"),
+            ("back_check_angle=1e9", "at most 90 degrees either way"),
+            ("back_check_angle=-91deg..0deg:3", "at most 90 degrees either way"),
         ] {
             let error = Axis::parse(text, &grand()).unwrap_err();
             assert!(error.contains(told), "{text}: {error}");

@@ -18,6 +18,7 @@ fn body(name: &str, parent: Option<usize>, pivot_m: [f64; 2]) -> Body {
         friction_torque_n_m: 0.0,
         viscous_n_m_s: 0.0,
         is_bend: false,
+        turn_rad: None,
     }
 }
 

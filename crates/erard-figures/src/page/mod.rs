@@ -57,7 +57,9 @@ pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)
          script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n"
     );
-    out.push_str(&filled(BODY, &[("{title}", &title), ("{summary}", &rows), ("{picture}", &picture)]));
+    let doubts = doubts(run);
+    let marks = [("{title}", title.as_str()), ("{doubts}", &doubts), ("{summary}", &rows), ("{picture}", &picture)];
+    out.push_str(&filled(BODY, &marks));
     let _ = write!(out, "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n", inline(&data));
     out.push_str("\"use strict\";\n(() => {\n");
     for script in SCRIPTS {
@@ -65,6 +67,17 @@ pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)
     }
     out.push_str("})();\n</script>\n</body>\n</html>\n");
     out
+}
+
+/// Why the run is not to be trusted; nothing where nothing speaks against it.
+fn doubts(run: &Run) -> String {
+    if run.is_trusted() {
+        return String::new();
+    }
+    let each: String = run.warnings.iter().map(|w| format!("<li>{}</li>", escape(&w.what))).collect();
+    format!(
+        "<section class=\"warning\" id=\"doubts\" role=\"alert\"><strong>This run is not to be trusted</strong><ul>{each}</ul></section>\n"
+    )
 }
 
 /// A template with its marks replaced. What replaces them is not looked at again: a name may hold a mark.

@@ -8,6 +8,7 @@ use erard::instrument::Instrument;
 use erard::player::force;
 use erard::run::Run;
 use erard::simulation::{Setup, simulate};
+use erard::trust::Warning;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -20,7 +21,7 @@ const LARGEST_SOFT_N: f64 = 10.0;
 const CLOSE_N: f64 = 2e-4;
 
 /// Hammer speed under a constant force.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Loudness {
     /// Constant force on the key front, from rest, N.
     #[serde(rename = "force_N")]
@@ -29,6 +30,9 @@ pub struct Loudness {
     pub hammer_speed_m_s: Option<f64>,
     /// The same as MIDI velocity; see [`midi_velocity`].
     pub midi_velocity: Option<u8>,
+    /// Why the press is not to be trusted.
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
 }
 
 /// The softest blow that reaches the string.
@@ -76,8 +80,10 @@ pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Res
     FORCES_N
         .into_iter()
         .map(|force_n| {
-            let hammer_speed_m_s = press(instrument, force_n, going)?.events.hammer_speed_m_s;
-            Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity: hammer_speed_m_s.and_then(midi_velocity) })
+            let run = press(instrument, force_n, true, going)?;
+            let hammer_speed_m_s = run.events.hammer_speed_m_s;
+            let midi_velocity = hammer_speed_m_s.and_then(midi_velocity);
+            Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity, warnings: run.warnings })
         })
         .collect()
 }
@@ -89,13 +95,13 @@ pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Res
 pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<Softest>, MeasureError> {
     let parts = Parts::of(instrument)?;
     let (mut low, mut high) = (0.0, LARGEST_SOFT_N);
-    let mut blow = press(instrument, high, going)?;
+    let mut blow = press(instrument, high, false, going)?;
     if blow.events.hammer_contact_s.is_none() {
         return Ok(None);
     }
     while high - low > CLOSE_N {
         let middle = 0.5 * (low + high);
-        let run = press(instrument, middle, going)?;
+        let run = press(instrument, middle, false, going)?;
         if run.events.hammer_contact_s.is_some() {
             (high, blow) = (middle, run);
         } else {
@@ -119,14 +125,14 @@ pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<S
     }))
 }
 
-fn press(instrument: &Instrument, force_n: f64, going: Interrupt<'_>) -> Result<Run, MeasureError> {
+fn press(instrument: &Instrument, force_n: f64, ledger: bool, going: Interrupt<'_>) -> Result<Run, MeasureError> {
     let setup = Setup {
         settings: Settings::new(STEP_S),
         start_s: 0.0,
         duration_s: PATIENCE_S,
         record_every: Some(1),
         tolerance: None,
-        ledger: false,
+        ledger,
     };
     Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| going())?)
 }

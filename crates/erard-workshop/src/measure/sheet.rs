@@ -16,7 +16,7 @@ use crate::cores::{self, do_all, job};
 use crate::distances::{self, Distances, Protocol};
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
-use erard::stroke::Touch as FingerTouch;
+use erard::trust::Warning;
 
 const MM_PER_M: f64 = 1e3;
 const MS_PER_S: f64 = 1e3;
@@ -126,6 +126,20 @@ pub struct Sheet {
     pub inertia: InertiaNumbers,
     /// What is out of the norm.
     pub flags: Vec<Flag>,
+    /// Whether nothing speaks against the presses of `timing` and `dynamic_range`.
+    pub trusted: bool,
+    /// What does, press by press.
+    pub warnings: Vec<Doubt>,
+}
+
+/// Why a press of the sheet is not to be trusted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Doubt {
+    /// Which: `ff struck`, or `30 N`.
+    pub during: String,
+    /// What speaks against it.
+    #[serde(flatten)]
+    pub warning: Warning,
 }
 
 /// D, U, BW and F of one kind, g.
@@ -224,10 +238,7 @@ impl From<&Timing> for TimingRow {
         let e = &t.events;
         TimingRow {
             nuance: t.nuance,
-            touch: match t.touch {
-                FingerTouch::Pressed => "pressed",
-                FingerTouch::Struck => "struck",
-            },
+            touch: t.touch_name(),
             peak_force_N: t.peak_force_n,
             key_start_ms: ms(e.key_start_s),
             let_off_ms: since(e.let_off_s),
@@ -312,6 +323,13 @@ impl Results {
         let tried = TouchNumbers::from(touch.by_weights);
         let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
         let half_way_balance = touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2);
+        let (loudness, timing) = (self.loudness?, self.timing?);
+        let strokes = timing.iter().map(|t| (format!("{} {}", t.nuance, t.touch_name()), &t.warnings));
+        let forces = loudness.iter().map(|l| (format!("{} N", l.force_n), &l.warnings));
+        let doubts = strokes.chain(forces).flat_map(|(during, warnings)| {
+            warnings.iter().map(move |warning| Doubt { during: during.clone(), warning: warning.clone() })
+        });
+        let warnings: Vec<Doubt> = doubts.collect();
         let mut sheet = Sheet {
             instrument: instrument.name.clone(),
             down_weight_g: tried.down_weight_g,
@@ -353,9 +371,9 @@ impl Results {
             softest_fall_speed_m_s: soft.map(|s| s.fall_speed_m_s),
             let_off_resistance_N: way.let_off.then(|| let_off_resistance(&hysteresis, way.end_m, distances)).flatten(),
             loop_loss_mJ: hysteresis.lost_j() * 1e3,
-            dynamic_range: self.loudness?,
+            dynamic_range: loudness,
             midi_map: range::MIDI_MAP,
-            timing: self.timing?.iter().map(TimingRow::from).collect(),
+            timing: timing.iter().map(TimingRow::from).collect(),
             hysteresis: (&hysteresis).into(),
             hysteresis_dampers_down: self.hysteresis_damped.as_ref().map(LoopNumbers::from),
             inertia: InertiaNumbers {
@@ -364,6 +382,8 @@ impl Results {
                 dampers_down_kg: curve.dampers_down_kg,
             },
             flags: Vec::new(),
+            trusted: warnings.is_empty(),
+            warnings,
         };
         sheet.flags = flags(&sheet);
         Some(sheet)

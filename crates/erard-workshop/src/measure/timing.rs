@@ -8,6 +8,7 @@ use erard::player;
 use erard::run::Events;
 use erard::simulation::{Setup, simulate};
 use erard::stroke::{NUANCES, Series, Touch};
+use erard::trust::Warning;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -23,9 +24,20 @@ pub struct Timing {
     pub peak_force_n: f64,
     /// What happened when.
     pub events: Events,
+    /// Why the run is not to be trusted.
+    pub warnings: Vec<Warning>,
 }
 
 impl Timing {
+    /// `pressed` or `struck`.
+    #[must_use]
+    pub fn touch_name(&self) -> &'static str {
+        match self.touch {
+            Touch::Pressed => "pressed",
+            Touch::Struck => "struck",
+        }
+    }
+
     /// From key start to an event, s.
     #[must_use]
     pub fn since_key_start(&self, event: Option<f64>) -> Option<f64> {
@@ -56,10 +68,16 @@ pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timin
                 duration_s: series.end_s() - series.start_s(),
                 record_every: Some(100),
                 tolerance: None,
-                ledger: false,
+                ledger: true,
             };
             let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going())?;
-            sheet.push(Timing { nuance, touch, peak_force_n: run.peak_force_n, events: run.events });
+            sheet.push(Timing {
+                nuance,
+                touch,
+                peak_force_n: run.peak_force_n,
+                events: run.events,
+                warnings: run.warnings,
+            });
         }
     }
     Ok(sheet)

@@ -12,6 +12,7 @@ use erard::instrument::Instrument;
 use erard::player::course::Rest;
 use erard::player::{self, Action, ActionError};
 use erard::simulation::{Setup, SimulationError};
+use erard::trust::{self, Books, Extremes};
 
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 1024;
@@ -170,6 +171,9 @@ struct Lane<'a> {
     watch: Watch,
     highest_m: f64,
     unconverged_steps: u64,
+    steps: u64,
+    books: Option<Books<'a>>,
+    extremes: Extremes,
     failed: Option<SimulationError>,
 }
 
@@ -190,6 +194,9 @@ impl<'a> Lane<'a> {
             watch: Watch::new(player.instrument),
             highest_m: 0.0,
             unconverged_steps: 0,
+            steps: 0,
+            books: None,
+            extremes: Extremes::new(player.instrument),
             failed: None,
         })
     }
@@ -221,15 +228,33 @@ impl<'a> Lane<'a> {
         }
     }
 
-    fn finish(self) -> JobResult {
-        match self.failed {
-            Some(error) => Err(error),
-            None => Ok(Played {
-                events: self.watch.finish(),
-                highest_m: self.highest_m,
-                unconverged_steps: self.unconverged_steps,
-            }),
+    /// Looks at what a step in lanes tells of energy and bounds.
+    fn audit(&mut self, time_s: f64, input: &Input<f64>, angles: &[f64], state: impl FnOnce() -> State) {
+        self.extremes.look_at_angles(time_s, angles);
+        let Some(books) = &mut self.books else { return };
+        books.look(input, &state());
+        for zone in 0..self.player.instrument.zones.len() {
+            self.extremes.look_at_gap(time_s, zone, books.gap(zone));
         }
+    }
+
+    fn finish(self) -> JobResult {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        let energy_residual = self.books.as_ref().map(Books::residual);
+        let mut warnings: Vec<_> = energy_residual.and_then(trust::of_energy).into_iter().collect();
+        warnings.extend(trust::of_steps(self.unconverged_steps, self.steps));
+        warnings.extend(trust::of_extremes(self.player.instrument, &self.extremes));
+        let events = self.watch.finish();
+        warnings.extend(trust::of_blows(&events));
+        Ok(Played {
+            events,
+            highest_m: self.highest_m,
+            unconverged_steps: self.unconverged_steps,
+            energy_residual,
+            warnings,
+        })
     }
 }
 
@@ -266,9 +291,13 @@ fn step_all(
     let mut outcomes = vec![Outcome::Converged; inputs.len()];
     let steps = setup.check()?;
     let h = setup.settings.step;
+    let bodies = own.first().map_or(0, |lane| lane.player.instrument.bodies.len());
     for (i, lane) in own.iter_mut().enumerate() {
         group.motion(i, &mut angles, &mut velocities);
         lane.look(setup.start_s, &angles, &velocities);
+        lane.books = setup.ledger.then(|| {
+            Books::open(lane.player.instrument, setup.settings.theta, h, &angles[..bodies], &velocities[..bodies])
+        });
     }
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) {
@@ -292,7 +321,10 @@ fn step_all(
                 }
             }
             group.motion(i, &mut angles, &mut velocities);
-            lane.look(setup.start_s + (n + 1) as f64 * h, &angles, &velocities);
+            let now_s = setup.start_s + (n + 1) as f64 * h;
+            lane.look(now_s, &angles, &velocities);
+            lane.steps = n + 1;
+            lane.audit(now_s, &inputs[i], &angles, || group.state(i));
         }
     }
     Ok(())

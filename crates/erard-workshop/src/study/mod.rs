@@ -20,6 +20,7 @@ use erard::mechanism::Size;
 use erard::player::Input;
 use erard::run::Events;
 use erard::simulation::{Setup, SimulationError, simulate};
+use erard::trust::{Warning, energy_residual};
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, groups};
 
@@ -64,6 +65,10 @@ pub struct Played {
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
+    /// What the energy books leave unexplained, a share of what was turned over ([`erard::trust`]); `None` without the setup's ledger.
+    pub energy_residual: Option<f64>,
+    /// Why the stroke is not to be trusted; without the setup's ledger neither energy nor felts are judged.
+    pub warnings: Vec<Warning>,
 }
 
 /// How a job ended: a job that fails fails alone.
@@ -105,7 +110,7 @@ fn play_alone(
     results: &mut [Option<JobResult>],
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), SimulationError> {
-    let setup = Setup { record_every: Some(1), ledger: false, ..*setup };
+    let setup = Setup { record_every: Some(1), ..*setup };
     let indices: Vec<usize> = jobs.iter().map(|(index, _)| *index).collect();
     let mut outcomes: Vec<_> = jobs.iter().map(|_| None).collect();
     let work = jobs.into_iter().zip(&mut outcomes).map(|((_, Job { instrument, stroke }), outcome)| {
@@ -116,6 +121,8 @@ fn play_alone(
                 highest_m: run.hammer_head_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
                 events: run.events,
                 unconverged_steps: run.work.unconverged_steps,
+                energy_residual: run.ledger.as_ref().map(energy_residual),
+                warnings: run.warnings,
             })),
         })
     });

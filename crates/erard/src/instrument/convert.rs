@@ -7,7 +7,7 @@ use super::format::{
     BodyToml, DiscToml, FORMAT, FeltToml, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml,
     SpringToml, ZoneToml,
 };
-use super::quantity::{At, Num, Real};
+use super::quantity::{At, Num, Pair, Real};
 use super::reader::{
     G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title,
 };
@@ -173,6 +173,7 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
         friction_torque_n_m: reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?,
         viscous_n_m_s: reader.scalar_or_zero(table.viscous_n_m_s.as_ref(), Limits::up_to(1e6, "N m s"))?,
         is_bend: read_bend(table, parent)?,
+        turn_rad: table.turn_deg.as_ref().map(|turn| read_turn(turn, reader)).transpose()?,
     })
 }
 
@@ -203,6 +204,19 @@ fn check_bends(tables: &[At<BodyToml>], instrument: &Instrument) -> Result<(), F
         }
     }
     Ok(())
+}
+
+/// How far a body may turn either way, rad.
+fn read_turn(turn: &Num<Pair>, reader: &mut Reader<'_>) -> Result<[f64; 2], Fault> {
+    let [low, high] = reader.pair(turn, Limits::symmetric(360.0, "degrees"))?;
+    if !(low <= 0.0 && high >= 0.0 && low < high) {
+        return Err(Fault::at(
+            turn.value_span(),
+            "a body as drawn must be within what its stops allow",
+            "[lowest, highest] in degrees, such as [-2, 4]",
+        ));
+    }
+    Ok([low, high].map(f64::to_radians))
 }
 
 fn read_spring(table: &At<SpringToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Spring, Fault> {
@@ -314,6 +328,10 @@ fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Felt, Fault> {
         exponent: reader.scalar(&table.exponent, Limits::between(1.0, 6.0, ""))?,
         damping: reader.scalar_or_zero(table.damping_n_s_per_m3.as_ref(), Limits::up_to(1e18, "N s/m3"))?,
         hunt_crossley: reader.scalar_or_zero(table.hunt_crossley_s_per_m.as_ref(), Limits::up_to(1e6, "s/m"))?,
+        thickness_m: match &table.thickness_mm {
+            None => None,
+            Some(thickness) => Some(reader.scalar(thickness, Limits::between(1e-3, 1e3, "mm"))? / MM_PER_M),
+        },
     })
 }
 

@@ -95,6 +95,9 @@ pub(crate) struct BodyToml {
     /// hinge stands for the bending of its wood. Its stiffness is that of a spring on this body. What means the rigid geometry or
     /// the weights of parts takes both for one body.
     pub bend: Option<At<bool>>,
+    /// How far its stops let it turn against what it is hinged on, from as drawn, degrees counter-clockwise: `[lowest, highest]`, from at most
+    /// 0 to at least 0. It takes no part in the mechanics: a run in which the body turns further is not trusted. Not looked at when absent.
+    pub turn_deg: Option<Num<Pair>>,
 }
 
 /// A torsion spring at the pivot of a body.
@@ -197,6 +200,9 @@ pub(crate) struct FeltToml {
     pub damping_n_s_per_m3: Option<Num<NonNegative>>,
     /// a of Hunt and Crossley's law, s/m; in place of `damping_N_s_per_m3`.
     pub hunt_crossley_s_per_m: Option<Num<NonNegative>>,
+    /// Thickness of felt, cloth or leather, of both sides together, mm. It takes no part in the mechanics: a run that compresses it by more is
+    /// not trusted. Not looked at when absent.
+    pub thickness_mm: Option<Num<Positive>>,
 }
 
 /// Who is who: names of bodies and zones.

@@ -100,6 +100,9 @@ pub struct Body {
     pub viscous_n_m_s: f64,
     /// Whether the hinge is a bend: this body and what it is hinged on are pieces of one part, and the hinge stands for its bending.
     pub is_bend: bool,
+    /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and the highest. It moves
+    /// nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not known.
+    pub turn_rad: Option<[f64; 2]>,
 }
 
 /// A torsion spring at the pivot of `body`: torque on the body `torque - stiffness (relative angle - as drawn)`,
@@ -178,6 +181,9 @@ pub struct Felt {
     pub damping: f64,
     /// a, s/m; 0 for the papers' law.
     pub hunt_crossley: f64,
+    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is not to be trusted
+    /// ([`crate::trust`]). `None`: not known.
+    pub thickness_m: Option<f64>,
 }
 
 impl Felt {

@@ -11,6 +11,7 @@ use crate::mechanism::{Mechanism, View};
 use crate::run::{ControlWork, Run, Work};
 use crate::sight::Visible;
 use crate::simulation::{LARGEST_STEP_S, MOST_ROWS, Setup, SimulationError};
+use crate::trust::{Extremes, assess};
 
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
 /// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
@@ -42,6 +43,7 @@ struct Observers {
     watch: Watch,
     recorder: Recorder,
     ledger: Option<LedgerBook>,
+    extremes: Extremes,
     peak_force_n: f64,
     rested: bool,
 }
@@ -59,8 +61,8 @@ impl<'a> Course<'a> {
         let every = setup.record_every.unwrap_or(1 + (steps - 1) / MOST_ROWS).max(1);
         let recorder = Recorder::new(instrument, (steps / every) as usize + 2, action.mechanism_mut());
         let ledger = setup.ledger.then(|| LedgerBook::open(action.mechanism_mut()));
-        let mut observers =
-            Observers { watch: Watch::new(instrument), recorder, ledger, peak_force_n: 0.0, rested: false };
+        let (watch, extremes) = (Watch::new(instrument), Extremes::new(instrument));
+        let mut observers = Observers { watch, recorder, ledger, extremes, peak_force_n: 0.0, rested: false };
         let rest = action.rest();
         observers.look(&rest, setup.start_s, true, &action.mechanism().view(), action.mechanism());
         let work = Work {
@@ -169,9 +171,12 @@ impl<'a> Course<'a> {
 
     /// What the run leaves behind.
     pub fn finish(self, instrument: &Instrument) -> Run {
-        let Observers { watch, recorder, ledger, peak_force_n, .. } = self.observers;
+        let Observers { watch, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
         let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones } = recorder.finish();
+        let ledger = ledger.map(|ledger| ledger.close(mechanism));
+        let events = watch.finish();
+        let warnings = assess(instrument, &extremes, &events, ledger.as_ref(), &self.work);
         Run {
             instrument: instrument.name.clone(),
             time_s,
@@ -180,11 +185,13 @@ impl<'a> Course<'a> {
             hammer_head_m,
             bodies,
             zones,
-            events: watch.finish(),
+            events,
             peak_force_n,
             final_pivot_friction_n_m: mechanism.pivot_friction().to_vec(),
-            ledger: ledger.map(|ledger| ledger.close(mechanism)),
+            ledger,
             work: self.work,
+            extremes,
+            warnings,
         }
     }
 }
@@ -206,6 +213,7 @@ impl Observers {
             self.watch.stood(time_s);
             self.recorder.stood();
         } else {
+            self.extremes.look(time_s, m);
             self.watch.look(time_s, key_m, hammer_m, view.met, m);
             self.recorder.step(m);
         }

@@ -1,0 +1,60 @@
+//! Does an instrument play? Each is pressed once, and what speaks against the run is told.
+
+use crate::cores::{self, Interrupt, do_all, job};
+use crate::measure::MeasureError;
+use erard::instrument::Instrument;
+use erard::player;
+use erard::simulation::{Setup, SimulationError, simulate};
+use erard::stroke::{Series, Touch};
+use erard::trust::Warning;
+
+/// The built-in stroke that an instrument is tried with.
+pub const NUANCE: &str = "mf";
+
+/// An instrument that was pressed once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tried {
+    /// Speed of the strike point at the string, m/s; `None` where it is not reached.
+    pub hammer_speed_m_s: Option<f64>,
+    /// Why the press is not to be trusted: a bound that it broke, or why it could not be played.
+    pub warnings: Vec<Warning>,
+}
+
+/// Presses an instrument with a mezzo forte, pressed. Without a key to press there is nothing to be tried, and nothing speaks against it.
+///
+/// # Errors
+/// An interruption, or what is no fault of a run ([`Warning::of_error`]).
+pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, SimulationError> {
+    let silent = Tried { hammer_speed_m_s: None, warnings: Vec::new() };
+    // It is there: a test of strokes reads them all.
+    let Some(force) = Series::builtin(NUANCE, Touch::Pressed).and_then(|series| series.force) else {
+        return Ok(silent);
+    };
+    if instrument.roles.key.is_none() {
+        return Ok(silent);
+    }
+    let end_s = force.times_s().last().copied().unwrap_or_default();
+    let setup = Setup { record_every: Some(100), ..Setup::new(end_s) };
+    match simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going()) {
+        Ok(run) => Ok(Tried { hammer_speed_m_s: run.events.hammer_speed_m_s, warnings: run.warnings }),
+        Err(error) => match Warning::of_error(&error) {
+            Some(warning) => Ok(Tried { warnings: vec![warning], ..silent }),
+            None => Err(error),
+        },
+    }
+}
+
+/// The same for many, on all cores. `progress` is told the share that is done, and ends the work by returning false.
+///
+/// # Errors
+/// See [`try_once`].
+pub fn try_all(instruments: &[Instrument], progress: &mut dyn FnMut(f64) -> bool) -> Result<Vec<Tried>, MeasureError> {
+    let mut tried: Vec<Option<Tried>> = vec![None; instruments.len()];
+    let jobs = tried
+        .iter_mut()
+        .zip(instruments)
+        .map(|(place, instrument)| job(place, move |going| Ok(try_once(instrument, going)?)))
+        .collect();
+    do_all::<MeasureError>(jobs, cores::count(), progress)?;
+    tried.into_iter().map(|one| one.ok_or(MeasureError::Lost)).collect()
+}

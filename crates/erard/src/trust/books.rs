@@ -1,0 +1,262 @@
+//! An energy ledger kept from outside: from nothing but the angles and velocities at the ends of steps, the friction that acted, and the
+//! instrument's own numbers.
+//!
+//! Where steps are taken side by side in vector lanes nobody keeps [`moreau::Ledger`]. These books say the same to some h^2, and use none of the
+//! engine's arithmetic: a test holds the two beside each other.
+
+use moreau::{Input, SavedState};
+
+use super::LEAST_TURNOVER_J;
+use crate::grand::KEY_DOWN;
+use crate::instrument::{Curve, Felt, Instrument, Vec2};
+
+/// A state of any size.
+type State = SavedState<f64, 12, 32>;
+
+/// A mechanism at the end of a step.
+#[derive(Debug, Clone, Default)]
+struct Moment {
+    /// Of every body: cosine and sine, pivot in the world, m, its velocity, m/s, and the angular velocity, rad/s.
+    bodies: Vec<Placed>,
+    /// Of every zone: compression, m, and slip, m/s (0 where there is no friction or no touch).
+    zones: Vec<[f64; 2]>,
+    /// The driven point along its direction, m, and its speed, m/s.
+    site: [f64; 2],
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Placed {
+    angle: f64,
+    turn: Vec2,
+    pivot: Vec2,
+    pivot_velocity: Vec2,
+    rate: f64,
+}
+
+impl Placed {
+    /// What does not move.
+    const GROUND: Self = Placed { angle: 0.0, turn: [1.0, 0.0], pivot: [0.0; 2], pivot_velocity: [0.0; 2], rate: 0.0 };
+
+    /// A direction of the body's frame, in the world.
+    fn turned(&self, [x, y]: Vec2) -> Vec2 {
+        let [c, s] = self.turn;
+        [c * x - s * y, s * x + c * y]
+    }
+
+    fn point(&self, point: Vec2) -> Vec2 {
+        add(self.pivot, self.turned(point))
+    }
+
+    /// Velocity of what is fixed to the body at a place of the world.
+    fn velocity(&self, at: Vec2) -> Vec2 {
+        let [x, y] = sub(at, self.pivot);
+        add(self.pivot_velocity, [-self.rate * y, self.rate * x])
+    }
+}
+
+/// Where a function is looked at for its integral over a step, as shares of it: 1/2 -+ 1/(2 sqrt 3).
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
+
+fn add(a: Vec2, b: Vec2) -> Vec2 {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn sub(a: Vec2, b: Vec2) -> Vec2 {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn dot(a: Vec2, b: Vec2) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// The books of one mechanism: opened where it stands, told of every step.
+#[derive(Debug, Clone)]
+pub struct Books<'a> {
+    instrument: &'a Instrument,
+    theta: f64,
+    step_s: f64,
+    start_j: f64,
+    work_j: f64,
+    work_in_j: f64,
+    lost_j: f64,
+    before: Moment,
+    now: Moment,
+}
+
+impl<'a> Books<'a> {
+    /// Opens the books at absolute angles, rad, and velocities, rad/s, for steps of so many s at a theta.
+    #[must_use]
+    pub fn open(instrument: &'a Instrument, theta: f64, step_s: f64, angles: &[f64], velocities: &[f64]) -> Self {
+        let mut books = Books {
+            instrument,
+            theta,
+            step_s,
+            start_j: 0.0,
+            work_j: 0.0,
+            work_in_j: 0.0,
+            lost_j: 0.0,
+            before: Moment::default(),
+            now: Moment::default(),
+        };
+        books.place(angles, velocities);
+        books.start_j = books.stored_j();
+        books.before = books.now.clone();
+        books
+    }
+
+    /// Books a step that ended in such a state, under an input of the engine's.
+    pub fn look(&mut self, input: &Input<f64>, after: &State) {
+        std::mem::swap(&mut self.before, &mut self.now);
+        self.place(&after.angle, &after.velocity);
+        let (h, theta) = (self.step_s, self.theta);
+        let at_theta = |before: f64, after: f64| (1.0 - theta) * before + theta * after;
+        let [place, speed] = [0, 1].map(|k| at_theta(self.before.site[k], self.now.site[k]));
+        let finger = &self.instrument.finger;
+        let force = match *input {
+            Input::Free => 0.0,
+            Input::Force(force) => force,
+            Input::Motion { position, velocity } => {
+                let push = finger.stiffness_n_per_m * (position - place);
+                (push + finger.damping_n_s_per_m * (velocity - speed)).max(0.0)
+            }
+            Input::Rigid { .. } => after.rigid_force,
+        };
+        let work = force * speed * h;
+        self.work_j += work;
+        self.work_in_j += work.max(0.0);
+        for (i, body) in self.instrument.bodies.iter().enumerate() {
+            let rate = |moment: &Moment| moment.bodies[i].rate - body.parent.map_or(0.0, |p| moment.bodies[p].rate);
+            let [before, now] = [rate(&self.before), rate(&self.now)];
+            let middle = at_theta(before, now);
+            self.lost_j += body.viscous_n_m_s * middle * middle * h;
+            self.lost_j += after.pivot_friction[i].abs() * path(before, now) * h;
+        }
+        for (z, zone) in self.instrument.zones.iter().enumerate() {
+            let ([gap_before, slip_before], [gap, slip]) = (self.before.zones[z], self.now.zones[z]);
+            if gap_before.max(gap) > 0.0 && zone.felt.is_lossy() {
+                let rate = (gap - gap_before) / h;
+                // Two points of Gauss: a felt may begin or end to be touched within the step.
+                for share in GAUSS {
+                    let deep = gap_before + share * (gap - gap_before);
+                    if deep > 0.0 {
+                        self.lost_j += 0.5 * loss_n(&zone.felt, deep, rate) * rate * h;
+                    }
+                }
+            }
+            self.lost_j += after.tangential[z].abs() * path(slip_before, slip) * h;
+        }
+    }
+
+    /// Compression of a zone now, m; negative where it is open.
+    #[must_use]
+    pub fn gap(&self, zone: usize) -> f64 {
+        self.now.zones[zone][0]
+    }
+
+    /// What the books leave unexplained, as [`super::energy_residual`] does.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        let left = self.stored_j() - self.start_j - self.work_j + self.lost_j;
+        left.abs() / self.work_in_j.max(self.lost_j).max(LEAST_TURNOVER_J)
+    }
+
+    fn place(&mut self, angles: &[f64], velocities: &[f64]) {
+        let Self { instrument, now, .. } = self;
+        now.bodies.clear();
+        for (body, (&angle, &rate)) in instrument.bodies.iter().zip(angles.iter().zip(velocities)) {
+            let parent = body.parent.map_or(Placed::GROUND, |parent| now.bodies[parent]);
+            let (sin, cos) = libm::sincos(angle);
+            let pivot = parent.point(body.pivot_m);
+            let pivot_velocity = parent.velocity(pivot);
+            now.bodies.push(Placed { angle, turn: [cos, sin], pivot, pivot_velocity, rate });
+        }
+        let on = |bodies: &[Placed], body: Option<usize>| body.map_or(Placed::GROUND, |body| bodies[body]);
+        now.zones.clear();
+        for zone in &instrument.zones {
+            let (disc, curve) = (on(&now.bodies, zone.disc_body), on(&now.bodies, zone.curve_body));
+            let center = disc.point(zone.disc_center_m);
+            let (gap, normal, out) = touch(&zone.curve, &curve, center, zone.disc_radius_m);
+            let slip = if zone.friction_coefficient > 0.0 && gap > -1e-3 {
+                // The point of the curve under the disc's centre; the tangent is the normal turned clockwise.
+                let at = sub(center, [normal[0] * out, normal[1] * out]);
+                dot([normal[1], -normal[0]], sub(disc.velocity(at), curve.velocity(at)))
+            } else {
+                0.0
+            };
+            now.zones.push([gap, slip]);
+        }
+        now.site = instrument.roles.key.map_or([0.0; 2], |key| {
+            let body = now.bodies[key];
+            let at = body.point(instrument.roles.key_front_m);
+            [dot(KEY_DOWN, at), dot(KEY_DOWN, body.velocity(at))]
+        });
+    }
+
+    /// Energy stored now, J.
+    fn stored_j(&self) -> f64 {
+        let Self { instrument, now, .. } = self;
+        let mut energy = 0.0;
+        for (body, placed) in instrument.bodies.iter().zip(&now.bodies) {
+            let center = placed.point(body.center_of_mass_m);
+            let velocity = placed.velocity(center);
+            let [x, y] = body.center_of_mass_m;
+            let about_center = body.inertia_kg_m2 - body.mass_kg * (x * x + y * y);
+            energy += 0.5 * body.mass_kg * dot(velocity, velocity) + 0.5 * about_center * placed.rate * placed.rate;
+            energy += body.mass_kg * instrument.gravity_m_s2 * center[1];
+        }
+        for spring in &instrument.springs {
+            let parent = instrument.bodies[spring.body].parent;
+            let drawn =
+                instrument.bodies[spring.body].angle_rad - parent.map_or(0.0, |p| instrument.bodies[p].angle_rad);
+            let turned = now.bodies[spring.body].angle - parent.map_or(0.0, |p| now.bodies[p].angle) - drawn;
+            energy += 0.5 * spring.stiffness_n_m_per_rad * turned * turned - spring.torque_n_m * turned;
+        }
+        for (zone, [gap, _]) in instrument.zones.iter().zip(&now.zones) {
+            if *gap > 0.0 {
+                let power = zone.felt.exponent + 1.0;
+                energy += zone.felt.stiffness * libm::pow(*gap, power) / power;
+            }
+        }
+        energy
+    }
+}
+
+/// Compression, the normal out of the curve in the world, and how far the disc's centre is from the curve along it.
+fn touch(curve: &Curve, body: &Placed, center: Vec2, radius: f64) -> (f64, Vec2, f64) {
+    let around = |middle: Vec2, own: f64| {
+        let [x, y] = sub(center, middle);
+        let distance = (x * x + y * y).sqrt();
+        let normal = if distance > 0.0 { [x / distance, y / distance] } else { [0.0, 1.0] };
+        (radius + own - distance, normal, distance - own)
+    };
+    match *curve {
+        Curve::Line { point_m, normal } => {
+            let normal = body.turned(normal);
+            let out = dot(normal, sub(center, body.point(point_m)));
+            (radius - out, normal, out)
+        }
+        Curve::Segment { from_m, to_m, rounding_m } => {
+            let (from, to) = (body.point(from_m), body.point(to_m));
+            let along = sub(to, from);
+            let share = (dot(along, sub(center, from)) / dot(along, along)).clamp(0.0, 1.0);
+            around(add(from, [share * along[0], share * along[1]]), rounding_m)
+        }
+        Curve::Disc { center_m, radius_m } => around(body.point(center_m), radius_m),
+    }
+}
+
+/// The part of a felt's force that is lost, N; what the clamp at zero leaves of it where the felt opens fast.
+fn loss_n(felt: &Felt, gap: f64, rate: f64) -> f64 {
+    let elastic = felt.stiffness * libm::pow(gap, felt.exponent);
+    let loss = if felt.hunt_crossley > 0.0 { elastic * felt.hunt_crossley } else { felt.damping * gap * gap };
+    (loss * rate).max(-elastic)
+}
+
+/// Mean of |u| over a step in which u runs linearly.
+fn path(before: f64, now: f64) -> f64 {
+    if before * now >= 0.0 {
+        (before + now).abs() / 2.0
+    } else {
+        (before * before + now * now) / (2.0 * (before - now).abs())
+    }
+}

@@ -1,0 +1,81 @@
+//! An observer: how far bodies have turned, and how deep felts were pressed.
+
+use crate::instrument::Instrument;
+use crate::mechanism::Mechanism;
+
+/// The largest of a quantity so far, and when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Furthest {
+    /// In the quantity's own unit.
+    pub value: f64,
+    /// s.
+    pub time_s: f64,
+}
+
+impl Furthest {
+    const NOT_YET: Self = Furthest { value: 0.0, time_s: 0.0 };
+
+    /// Takes note of what is larger.
+    fn up(&mut self, value: f64, time_s: f64) {
+        if value > self.value {
+            *self = Furthest { value, time_s };
+        }
+    }
+
+    /// Takes note of what is smaller.
+    fn down(&mut self, value: f64, time_s: f64) {
+        if value < self.value {
+            *self = Furthest { value, time_s };
+        }
+    }
+}
+
+/// How far the bodies of an instrument have turned, and how deep its felts were pressed: told of every step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extremes {
+    /// Of every body: turned against what it is hinged on, from as drawn, rad counter-clockwise; the lowest, at most 0, and the highest, at
+    /// least 0.
+    pub turned: Vec<[Furthest; 2]>,
+    /// Of every zone: the deepest compression, m, at least 0.
+    pub deepest: Vec<Furthest>,
+    /// Of every body: what it is hinged on, and the angle as drawn against that, rad.
+    hinges: Vec<(Option<usize>, f64)>,
+}
+
+impl Extremes {
+    /// Nothing has moved yet.
+    #[must_use]
+    pub fn new(instrument: &Instrument) -> Self {
+        let drawn = |body: usize| instrument.bodies[body].angle_rad;
+        let hinges = instrument.bodies.iter().map(|b| (b.parent, b.angle_rad - b.parent.map_or(0.0, drawn)));
+        Extremes {
+            turned: vec![[Furthest::NOT_YET; 2]; instrument.bodies.len()],
+            deepest: vec![Furthest::NOT_YET; instrument.zones.len()],
+            hinges: hinges.collect(),
+        }
+    }
+
+    /// After a step that ended at `time_s`.
+    pub fn look(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
+        self.look_at_angles(time_s, mechanism.angles());
+        for (deepest, contact) in self.deepest.iter_mut().zip(mechanism.contacts()) {
+            if let Some(contact) = contact {
+                deepest.up(contact.gap, time_s);
+            }
+        }
+    }
+
+    /// Absolute angles of the bodies at an instant, rad.
+    pub fn look_at_angles(&mut self, time_s: f64, angles: &[f64]) {
+        for ((turned, (parent, drawn)), angle) in self.turned.iter_mut().zip(&self.hinges).zip(angles) {
+            let by = angle - parent.map_or(0.0, |parent| angles[parent]) - drawn;
+            turned[0].down(by, time_s);
+            turned[1].up(by, time_s);
+        }
+    }
+
+    /// The compression of a zone at an instant, m; negative where it is open.
+    pub fn look_at_gap(&mut self, time_s: f64, zone: usize, gap_m: f64) {
+        self.deepest[zone].up(gap_m, time_s);
+    }
+}

@@ -1,0 +1,334 @@
+//! Whether a run can be trusted: what it shows is measured against stated bounds, and every bound that it breaks is a warning.
+//!
+//! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the books do not explain, steps that
+//! did not converge, a felt pressed deeper than it is thick, a body turned further than its stops let it, a hammer faster than any, no rest to
+//! start from. A run
+//! without a warning has shown none of them; it is not thereby right.
+//!
+//! ```
+//! use erard::{Input, Instrument, Setup, press};
+//!
+//! let grand = Instrument::builtin("concert-grand")?;
+//! let run = press(&grand, &|_| Input::Force(5.0), &Setup::new(0.1))?;
+//! assert!(run.is_trusted());
+//! // Ten thousand newtons crush whatever stands in their way.
+//! let crushed = press(&grand, &|_| Input::Force(10_000.0), &Setup::new(0.01))?;
+//! assert!(crushed.warnings.iter().any(|w| w.kind == erard::trust::Kind::FeltBeyondThickness));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod books;
+mod extremes;
+
+pub use books::Books;
+pub use extremes::{Extremes, Furthest};
+
+use std::collections::BTreeMap;
+
+use moreau::Ledger;
+use serde::Serialize;
+
+use crate::equilibrium::EquilibriumError;
+use crate::instrument::Instrument;
+use crate::run::{Events, Work};
+use crate::simulation::SimulationError;
+
+/// Largest energy that the books may leave unexplained, over the energy turned over ([`energy_residual`]).
+pub const ENERGY_RESIDUAL: f64 = 0.01;
+/// Steps that may end without convergence: none.
+pub const UNCONVERGED_STEPS: u64 = 0;
+/// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for what may be touched within a
+/// step.
+pub const HAMMER_SPEED_M_S: f64 = 20.0;
+/// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
+pub const LEAST_TURNOVER_J: f64 = 1e-6;
+
+/// What is doubtful about a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Kind {
+    /// The energy ledger does not close.
+    EnergyResidual,
+    /// Steps reached an iteration limit.
+    UnconvergedSteps,
+    /// A felt was pressed deeper than it is thick.
+    FeltBeyondThickness,
+    /// A body turned further than its stops let it.
+    TurnBeyondStops,
+    /// The hammer met the string faster than any hammer does.
+    HammerSpeed,
+    /// No rest was found to start from, and nothing was played.
+    NoRest,
+    /// A number became infinite, and the run ended there.
+    NonFinite,
+}
+
+impl Kind {
+    /// Its name, as in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::EnergyResidual => "energy_residual",
+            Kind::UnconvergedSteps => "unconverged_steps",
+            Kind::FeltBeyondThickness => "felt_beyond_thickness",
+            Kind::TurnBeyondStops => "turn_beyond_stops",
+            Kind::HammerSpeed => "hammer_speed",
+            Kind::NoRest => "no_rest",
+            Kind::NonFinite => "non_finite",
+        }
+    }
+}
+
+/// A bound that a run has broken.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Warning {
+    /// What is doubtful.
+    pub kind: Kind,
+    /// The same as a sentence, without a full stop.
+    pub what: String,
+    /// The zone or body, where it is one's.
+    pub part: Option<String>,
+    /// What was found, in `unit`.
+    pub value: f64,
+    /// What there may be at most (for a turn the other way: at least), in `unit`.
+    pub bound: f64,
+    /// Of both: `m`, `rad`, `steps`, `m/s`, `rad/s`, or nothing for a share.
+    pub unit: &'static str,
+    /// When it was worst, on the stroke's clock, s; `None` where it is the whole run's.
+    pub time_s: Option<f64>,
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.what)
+    }
+}
+
+impl Warning {
+    /// The warning that an error of a run is where it is one of many runs, and the others go on; `None` for what is no run's fault.
+    #[must_use]
+    pub fn of_error(error: &SimulationError) -> Option<Self> {
+        let warning = |kind, part, value, unit, time_s| {
+            Some(Warning { kind, what: error.to_string(), part, value, bound: 0.0, unit, time_s })
+        };
+        match error {
+            SimulationError::Equilibrium(EquilibriumError::NoRest { body, speed, .. }) => {
+                warning(Kind::NoRest, Some(body.clone()), *speed, "rad/s", None)
+            }
+            SimulationError::Equilibrium(EquilibriumError::NonFinite) => {
+                warning(Kind::NonFinite, None, f64::INFINITY, "", None)
+            }
+            SimulationError::NonFinite { time_s } => warning(Kind::NonFinite, None, f64::INFINITY, "", Some(*time_s)),
+            _ => None,
+        }
+    }
+}
+
+/// What the books leave unexplained, over what was turned over: the work that the drive put in, or all that was lost where that is more, or
+/// [`LEAST_TURNOVER_J`].
+#[must_use]
+pub fn energy_residual(ledger: &Ledger) -> f64 {
+    ledger.residual().abs() / ledger.drive_work_in.max(ledger.dissipated()).max(LEAST_TURNOVER_J)
+}
+
+/// All bounds that a run has broken. `ledger`: where it was kept; without it the energy is not judged.
+#[must_use]
+pub fn assess(
+    instrument: &Instrument,
+    extremes: &Extremes,
+    events: &Events,
+    ledger: Option<&Ledger>,
+    work: &Work,
+) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    warnings.extend(ledger.map(energy_residual).and_then(of_energy));
+    warnings.extend(of_steps(work.unconverged_steps, work.steps));
+    warnings.extend(of_extremes(instrument, extremes));
+    warnings.extend(of_blows(events));
+    warnings
+}
+
+/// What is wrong with the fastest blow.
+#[must_use]
+pub fn of_blows(events: &Events) -> Option<Warning> {
+    let fastest = events.strikes.iter().max_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s))?;
+    (fastest.speed_m_s > HAMMER_SPEED_M_S).then(|| Warning {
+        kind: Kind::HammerSpeed,
+        what: format!(
+            "the hammer meets the string with {} m/s at {}, and no hammer is faster than {} m/s",
+            rounded(fastest.speed_m_s),
+            instant(fastest.time_s),
+            rounded(HAMMER_SPEED_M_S)
+        ),
+        part: None,
+        value: fastest.speed_m_s,
+        bound: HAMMER_SPEED_M_S,
+        unit: "m/s",
+        time_s: Some(fastest.time_s),
+    })
+}
+
+/// What is wrong with how deep felts were pressed and how far bodies turned.
+pub fn of_extremes<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
+    of_felts(instrument, extremes).chain(of_turns(instrument, extremes))
+}
+
+/// What is wrong with such a residual.
+#[must_use]
+pub fn of_energy(residual: f64) -> Option<Warning> {
+    // What is not a number is beyond every bound.
+    if residual <= ENERGY_RESIDUAL {
+        return None;
+    }
+    Some(Warning {
+        kind: Kind::EnergyResidual,
+        what: format!(
+            "the energy books do not close: {} of the work put in is not explained (at most {}); a smaller step may help",
+            percent(residual),
+            percent(ENERGY_RESIDUAL)
+        ),
+        part: None,
+        value: residual,
+        bound: ENERGY_RESIDUAL,
+        unit: "",
+        time_s: None,
+    })
+}
+
+/// What is wrong with so many unconverged steps of all.
+#[must_use]
+pub fn of_steps(unconverged: u64, steps: u64) -> Option<Warning> {
+    (unconverged > UNCONVERGED_STEPS).then(|| Warning {
+        kind: Kind::UnconvergedSteps,
+        what: format!("{unconverged} of {steps} steps did not converge; a smaller step may help"),
+        part: None,
+        value: unconverged as f64,
+        bound: UNCONVERGED_STEPS as f64,
+        unit: "steps",
+        time_s: None,
+    })
+}
+
+/// Felts that were pressed deeper than they are thick.
+fn of_felts<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
+    instrument.zones.iter().zip(&extremes.deepest).filter_map(|(zone, deepest)| {
+        let thickness_m = zone.felt.thickness_m?;
+        (deepest.value > thickness_m).then(|| Warning {
+            kind: Kind::FeltBeyondThickness,
+            what: format!(
+                "the felt `{}` is pressed {} mm deep at {}, and is {} mm thick",
+                zone.name,
+                rounded(deepest.value * 1e3),
+                instant(deepest.time_s),
+                rounded(thickness_m * 1e3)
+            ),
+            part: Some(zone.name.clone()),
+            value: deepest.value,
+            bound: thickness_m,
+            unit: "m",
+            time_s: Some(deepest.time_s),
+        })
+    })
+}
+
+/// Bodies that turned further than their stops let them.
+fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
+    instrument.bodies.iter().zip(&extremes.turned).filter_map(|(body, [lowest, highest])| {
+        let [low, high] = body.turn_rad?;
+        // The worse of both sides.
+        let (furthest, bound) =
+            if highest.value - high >= low - lowest.value { (highest, high) } else { (lowest, low) };
+        let beyond = furthest.value > high || furthest.value < low;
+        beyond.then(|| Warning {
+            kind: Kind::TurnBeyondStops,
+            what: format!(
+                "the body `{}` has turned {} degrees from as drawn at {}, and its stops let it turn {}: is a stop missing?",
+                body.name,
+                rounded(furthest.value.to_degrees()),
+                instant(furthest.time_s),
+                rounded(bound.to_degrees())
+            ),
+            part: Some(body.name.clone()),
+            value: furthest.value,
+            bound,
+            unit: "rad",
+            time_s: Some(furthest.time_s),
+        })
+    })
+}
+
+/// Of warnings of many runs: how many there are of each kind and part, and the worst of them.
+pub fn worst_of_each<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<(usize, &'a Warning)> {
+    let beyond = |w: &Warning| (w.value - w.bound).abs();
+    let mut kinds: BTreeMap<(Kind, Option<&str>), (usize, &Warning)> = BTreeMap::new();
+    for warning in warnings {
+        let (count, worst) = kinds.entry((warning.kind, warning.part.as_deref())).or_insert((0, warning));
+        *count += 1;
+        if beyond(warning) > beyond(worst) {
+            *worst = warning;
+        }
+    }
+    kinds.into_values().collect()
+}
+
+/// Three digits, as a person writes them.
+fn rounded(value: f64) -> String {
+    let digits = match value.abs() {
+        a if a < 1e6 && a >= 100.0 => 0,
+        a if a < 100.0 && a >= 10.0 => 1,
+        a if a < 10.0 && a >= 1e-2 => 2,
+        0.0 => 0,
+        _ => return format!("{value:.2e}"),
+    };
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", rounded(share * 100.0))
+}
+
+fn instant(time_s: f64) -> String {
+    format!("{time_s:.4} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_a_person_writes_them() {
+        for (value, text) in
+            [(0.0, "0"), (0.5, "0.5"), (10.0, "10"), (38.4, "38.4"), (1234.5, "1234"), (-31.04, "-31"), (1e9, "1.00e9")]
+        {
+            assert_eq!(rounded(value), text);
+        }
+        assert_eq!(percent(0.01), "1 %");
+    }
+
+    /// The bound itself is allowed; what is not a number is not.
+    #[test]
+    fn a_bound_is_allowed_and_what_is_not_a_number_is_not() {
+        assert!(of_energy(ENERGY_RESIDUAL).is_none());
+        assert!(of_energy(ENERGY_RESIDUAL * 1.001).is_some());
+        assert!(of_energy(f64::NAN).is_some() && of_energy(f64::INFINITY).is_some());
+        assert!(of_steps(0, 100).is_none() && of_steps(1, 100).is_some());
+    }
+
+    /// The names are those of the files.
+    #[test]
+    fn names_are_those_of_the_files() {
+        for kind in [
+            Kind::EnergyResidual,
+            Kind::UnconvergedSteps,
+            Kind::FeltBeyondThickness,
+            Kind::TurnBeyondStops,
+            Kind::HammerSpeed,
+            Kind::NoRest,
+            Kind::NonFinite,
+        ] {
+            assert_eq!(format!("\"{}\"", kind.name()), serde_json::to_string(&kind).unwrap());
+        }
+    }
+}
