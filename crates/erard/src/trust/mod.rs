@@ -275,9 +275,9 @@ pub fn worst_of_each<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec
 /// Three digits, as a person writes them.
 fn rounded(value: f64) -> String {
     let digits = match value.abs() {
-        a if a < 1e6 && a >= 100.0 => 0,
-        a if a < 100.0 && a >= 10.0 => 1,
-        a if a < 10.0 && a >= 1e-2 => 2,
+        a if (100.0..1e6).contains(&a) => 0,
+        a if (10.0..100.0).contains(&a) => 1,
+        a if (1e-2..10.0).contains(&a) => 2,
         0.0 => 0,
         _ => return format!("{value:.2e}"),
     };
