@@ -14,6 +14,7 @@ mod regulate;
 mod reproduce;
 mod study;
 mod validate;
+mod weigh;
 
 use std::io::ErrorKind;
 use std::process::ExitCode;

@@ -68,6 +68,8 @@ pub enum Layout {
     Together,
     /// All over one logarithmic axis.
     Logarithmic,
+    /// One upon the other from zero, the space below each in its colour: parts of a whole. None may be negative.
+    Stacked,
     /// Each in a lane of its own, all lanes with the same logarithmic axis from `floor` to `ceiling`: for many
     /// curves that start and stop and span decades, such as contact forces.
     Lanes {
@@ -235,7 +237,7 @@ pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
             );
             axes::abscissa(&mut out, figure, window, area, is_last);
             match panel.layout {
-                Layout::Together | Layout::Logarithmic => {
+                Layout::Together | Layout::Logarithmic | Layout::Stacked => {
                     axes::together(&mut out, figure, panel, window, area, column == 0, &clip)
                 }
                 Layout::Lanes { .. } => lanes::lanes(&mut out, figure, panel, window, area, column == 0, &clip),
@@ -252,7 +254,9 @@ pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
         }
         axes::panel_name(&mut out, panel, y);
         match panel.layout {
-            Layout::Together | Layout::Logarithmic => axes::legend(&mut out, panel, width - RIGHT + 12.0, y),
+            Layout::Together | Layout::Logarithmic | Layout::Stacked => {
+                axes::legend(&mut out, panel, width - RIGHT + 12.0, y)
+            }
             Layout::Lanes { .. } => lanes::names(&mut out, panel, width - RIGHT + 12.0, y),
         }
         y += panel.height_px + PANEL_GAP;
