@@ -20,12 +20,13 @@ impl Lengths {
         if self.inches { "in" } else { "mm" }
     }
 
-    /// A length in mm as a number of the unit; `decimals` are those of millimetres, two more make as much of an inch.
+    /// A length in mm as a number of the unit; `decimals` are those of millimetres. Inches are read in thousandths, as rulers of the trade are.
     #[must_use]
     pub fn number(self, mm: f64, decimals: usize) -> String {
         // Adding zero turns -0 into 0.
         if self.inches {
-            format!("{:.*}", decimals + 2, mm / MM_PER_INCH + 0.0)
+            let decimals = [2, 3, 3].get(decimals).copied().unwrap_or(4);
+            format!("{:.decimals$}", mm / MM_PER_INCH + 0.0)
         } else {
             format!("{:.decimals$}", mm + 0.0)
         }
