@@ -11,6 +11,7 @@ use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
 use erard_lab::compare::CompareError;
 use erard_lab::reproduce::ReproduceError;
+use erard_workshop::advice::AdviceError;
 use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
@@ -51,6 +52,9 @@ pub enum Failure {
     /// An action cannot be regulated.
     #[error(transparent)]
     Regulate(#[from] RegulateError),
+    /// No advice can be given.
+    #[error(transparent)]
+    Advice(#[from] AdviceError),
     /// Goals that cannot be met; the nearest that can be has been written.
     #[error("{0}")]
     Unmet(String),

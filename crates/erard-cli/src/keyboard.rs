@@ -79,6 +79,9 @@ pub fn text(weighed: &[WeighedKey]) -> String {
         let name = name.trim_end_matches("_g").replace('_', " ");
         row(&name, "g", samples.iter().map(|w| format!("{:.1}", numbers(w)[column])).collect());
     }
+    if samples.len() < weighed.len() {
+        let _ = writeln!(out, "\n  {} of {} keys; keyboard.csv holds every one", samples.len(), weighed.len());
+    }
     out
 }
 

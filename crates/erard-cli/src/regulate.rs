@@ -6,8 +6,10 @@ use std::time::Duration;
 
 use erard::instrument::ScrewAction;
 use erard_workshop::distances::Distances;
-use erard_workshop::regulate::{Achieved, Goal, Kind, Miss, Regulated, Turned};
+use erard_workshop::regulate::{Achieved, Goal, Handwork, Kind, Miss, Regulated, Turned, known_screw, turns_text};
 use serde::Serialize;
+
+use crate::units::Lengths;
 
 /// The factor from SI to what is shown, and its unit.
 fn unit(kind: Kind) -> (f64, &'static str) {
@@ -22,6 +24,31 @@ fn unit(kind: Kind) -> (f64, &'static str) {
 pub fn show(goal: Goal, value: f64) -> String {
     let (factor, unit) = unit(goal.kind());
     format!("{} {unit}", (value * factor * 1e4).round() / 1e4)
+}
+
+/// A value as the reader's ruler shows it, to a hundredth of a millimetre.
+pub fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
+    match goal.kind() {
+        Kind::Length => lengths.text(value * 1e3, 2),
+        Kind::Speed | Kind::Share => {
+            let (factor, unit) = unit(goal.kind());
+            format!("{:.2} {unit}", value * factor)
+        }
+    }
+}
+
+/// How far a screw was turned and which way; where it has a thread, in turns, too.
+pub fn turned_text(turned: &Turned, lengths: Lengths) -> String {
+    let by = turned.setting[1] - turned.setting[0];
+    let far = match screw_unit(&turned.action) {
+        (factor, "mm") => lengths.signed(by * factor, 3),
+        (factor, unit) => format!("{:+.3} {unit}", by * factor),
+    };
+    let turns = match known_screw(&turned.name).map(|known| known.work) {
+        Some(Handwork::Thread(pitch_m)) => format!(", {}", turns_text(by / pitch_m)),
+        _ => String::new(),
+    };
+    format!("{} {far} ({}{turns})", turned.name, turned.way)
 }
 
 /// Reads a value with or without a unit; into m, m/s, or a share.
@@ -60,7 +87,7 @@ pub(crate) fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
 }
 
 /// The screws that were turned for a goal, as far as one alone is turned for it.
-fn screws_of(regulated: &Regulated, goal: Goal) -> impl Iterator<Item = &Turned> {
+pub(crate) fn screws_of(regulated: &Regulated, goal: Goal) -> impl Iterator<Item = &Turned> {
     // A screw that could serve two goals served the first of them that was asked for.
     let asked = move |name: &str| {
         regulated.achieved.iter().map(|a| a.goal).find(|g| g.screws().iter().any(|(n, _)| *n == name))
@@ -82,41 +109,41 @@ fn others(distances: &Distances) -> [(&'static str, Option<f64>); 2] {
 }
 
 /// The table.
-pub struct Shown<'r>(pub &'r Regulated);
+pub struct Shown<'r>(pub &'r Regulated, pub Lengths);
 
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "  goal             asked        before       after        screw              turned by")?;
+        let number = |goal: Goal, value: Option<f64>| value.map_or("-".to_owned(), |v| shown_value(goal, v, self.1));
         for achieved in &self.0.achieved {
-            let (factor, unit) = unit(achieved.goal.kind());
-            let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{:.2} {unit}", v * factor));
+            let goal = achieved.goal;
             let start = format!(
                 "  {:<15}  {:<11}  {:<11}  {:<11}",
-                achieved.goal.name(),
-                number(Some(achieved.target)),
-                number(achieved.before),
-                number(achieved.after)
+                goal.name(),
+                number(goal, Some(achieved.target)),
+                number(goal, achieved.before),
+                number(goal, achieved.after)
             );
-            let mut screws = screws_of(self.0, achieved.goal).peekable();
+            let mut screws = screws_of(self.0, goal).peekable();
             if screws.peek().is_none() {
                 writeln!(f, "{start}  -")?;
             }
             for (n, turned) in screws.enumerate() {
                 let start = if n == 0 { start.clone() } else { " ".repeat(start.chars().count()) };
-                let (factor, unit) = screw_unit(&turned.action);
-                let by = (turned.setting[1] - turned.setting[0]) * factor;
-                writeln!(f, "{start}  {:<17}  {by:+.3} {unit} ({})", turned.name, turned.way)?;
+                let text = turned_text(turned, self.1);
+                let rest = text.strip_prefix(turned.name.as_str()).unwrap_or(&text);
+                writeln!(f, "{start}  {:<17} {rest}", turned.name)?;
             }
         }
         let asked = |goal| self.0.achieved.iter().any(|a| a.goal == goal);
         let (before, after) = (&self.0.before, &self.0.after);
         let goals = Goal::ALL.into_iter().filter(|goal| !asked(*goal));
-        let goals = goals.map(|goal| (goal.name(), unit(goal.kind()), goal.of(before), goal.of(after)));
+        let goals = goals.map(|goal| (goal.name(), goal, goal.of(before), goal.of(after)));
         let others = others(before).into_iter().zip(others(after));
-        let others = others.map(|((name, before), (_, after))| (name, unit(Kind::Length), before, after));
-        for (name, (factor, unit), before, after) in goals.chain(others) {
-            let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{:.2} {unit}", v * factor));
-            writeln!(f, "  {name:<15}  {:<11}  {:<11}  {}", "-", number(before), number(after))?;
+        // They are lengths, as the blow is.
+        let others = others.map(|((name, before), (_, after))| (name, Goal::Blow, before, after));
+        for (name, goal, before, after) in goals.chain(others) {
+            writeln!(f, "  {name:<15}  {:<11}  {:<11}  {}", "-", number(goal, before), number(goal, after))?;
         }
         Ok(())
     }
@@ -158,6 +185,8 @@ struct ScrewReport {
     from: f64,
     to: f64,
     turned_by: f64,
+    /// In turns of its thread (estimated); `null` where it has none.
+    turns: Option<f64>,
     way: &'static str,
 }
 
@@ -188,7 +217,11 @@ impl Report {
             let (factor, unit) = screw_unit(&turned.action);
             let [from, to] = turned.setting.map(|s| (s * factor * 1e6).round() / 1e6);
             let turned_by = ((to - from) * 1e6).round() / 1e6;
-            ScrewReport { screw: turned.name.clone(), unit, from, to, turned_by, way: turned.way }
+            let turns = match known_screw(&turned.name).map(|known| known.work) {
+                Some(Handwork::Thread(pitch_m)) => Some(turned_by / factor / pitch_m),
+                _ => None,
+            };
+            ScrewReport { screw: turned.name.clone(), unit, from, to, turned_by, turns, way: turned.way }
         });
         Report {
             instrument: regulated.instrument.name.clone(),

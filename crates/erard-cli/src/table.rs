@@ -36,12 +36,13 @@ pub fn columns(run: &Run) -> Vec<(String, &[f64])> {
     columns
 }
 
-/// Writes the run as CSV, every number in its shortest form that reads back as the same number.
+/// Writes the run, and columns that go with it, as CSV, every number in its shortest form that reads back as the same number.
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_csv(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
-    write_columns(&columns(run), run.time_s.len(), writer)
+pub fn write_csv(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
+    let columns: Vec<(String, &[f64])> = columns(run).into_iter().chain(more.iter().cloned()).collect();
+    write_columns(&columns, run.time_s.len(), writer)
 }
 
 /// Writes columns as CSV; a column that ends early leaves its cells empty.
@@ -100,14 +101,15 @@ pub fn write_optional_csv(columns: &[(String, Vec<Option<f64>>)], writer: &mut d
     csv.flush()
 }
 
-/// Writes the run as Parquet.
+/// Writes the run, and columns that go with it, as Parquet.
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_parquet(run: &Run, writer: &mut dyn Write) -> std::io::Result<()> {
+pub fn write_parquet(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
     let rows = run.time_s.len();
     let columns: Vec<ParquetColumn> = columns(run)
         .into_iter()
+        .chain(more.iter().cloned())
         .map(|(name, values)| (name, values.into(), vec![i16::from(!values.is_empty()); rows]))
         .collect();
     parquet("run", &columns, writer)

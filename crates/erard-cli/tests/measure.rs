@@ -205,3 +205,91 @@ fn an_interruption_leaves_nothing() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
 }
+
+/// The technician's sheet of an action that is out of order: what is out is marked, what to turn is said in turns and millimetres, and its own
+/// name and number stand on it. Its numbers are those that `regulate` finds.
+#[test]
+fn the_technicians_sheet() {
+    let folder = Folder::new("sheet");
+    let regulate = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
+        command.current_dir(&folder.0).arg("regulate").args(arguments).output().unwrap()
+    };
+    assert!(
+        regulate(&["--let-off", "4mm", "--drop", "4mm", "--spring", "100mm/s", "--out", "worn.toml"]).status.success()
+    );
+    let said =
+        folder.good(&["worn.toml", "--sheet", "--serial", "N 42", "--date", "22 November", "--note", "as <found>"]);
+    assert!(said.contains("To do:") && said.contains("let-off button") && said.contains(" turn"), "{said}");
+    let out = folder.0.join("erard-out-measure");
+    let page = fs::read_to_string(out.join("sheet.html")).unwrap();
+    for word in [
+        "Concert grand, C4 (worn.toml)",
+        "N 42",
+        "22 November",
+        "as &lt;found&gt;",
+        "size:A4",
+        "drop screw",
+        "4.0 mm !",
+    ] {
+        assert!(page.contains(word), "{word}: {page}");
+    }
+    for word in ["(D+U)", "=", "sqrt"] {
+        let text: String =
+            page.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text).skip(3).collect();
+        let text = text.replace("content=", "");
+        assert!(!text.contains(word), "no formula: {word}");
+    }
+    let sheets: Value = serde_json::from_slice(&fs::read(out.join("sheet.json")).unwrap()).unwrap();
+    let out_of_norm = sheets[0]["out_of_the_norm"].as_array().unwrap();
+    for key in ["let_off_mm", "drop_mm", "repetition_spring_m_s"] {
+        assert!(out_of_norm.iter().any(|one| one == key), "{key}: {sheets}");
+    }
+    let whats: Vec<&str> =
+        sheets[0]["tasks"].as_array().unwrap().iter().map(|task| task["what"].as_str().unwrap()).collect();
+    assert!(
+        whats.contains(&"let-off button") && whats.contains(&"drop screw") && whats.contains(&"repetition spring"),
+        "{whats:?}"
+    );
+    // The appendix names the file on every page.
+    let appendix = fs::read_to_string(out.join("measure.html")).unwrap();
+    assert!(appendix.contains("@top-left") && appendix.contains("worn\\00002e toml"), "{appendix}");
+}
+
+/// Keys of bass and treble are held against their register's norms; lengths in inches where they are asked for.
+#[test]
+fn norms_by_register_and_inches() {
+    let folder = Folder::new("register");
+    let said = folder.good(&["concert-grand:key=1", "concert-grand:key=88", "--inches"]);
+    let json = folder.json();
+    for sheet in json.as_array().unwrap() {
+        let flags = sheet["flags"].as_array().unwrap();
+        assert!(flags.is_empty(), "{flags:?}");
+    }
+    assert_eq!((json[0]["norms_for_key"].as_u64(), json[1]["norms_for_key"].as_u64()), (Some(1), Some(88)));
+    let line = said.lines().find(|line| line.trim_start().starts_with("dip")).unwrap();
+    assert!(line.contains("0.380 in") && line.ends_with("0.374-0.433"), "{line}");
+    // The JSON stays in millimetres.
+    assert!((json[0]["dip_mm"].as_f64().unwrap() - 9.65).abs() < 0.1);
+}
+
+/// Many keys make one row each, with what was asked for only; each number is the sheet's.
+#[test]
+fn many_keys_make_rows() {
+    let folder = Folder::new("rows");
+    let said = folder.good(&["concert-grand:key=1,40,88", "--only", "strike_weight_g,dip_mm,effective_inertia_kg"]);
+    assert!(said.starts_with("3 measured") && said.contains("Concert grand, key 88 (C8)"), "{said}");
+    let rows = folder.json();
+    let rows = rows.as_array().unwrap();
+    assert_eq!(rows.iter().map(|row| row["norms_for_key"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 40, 88]);
+    let table = fs::read_to_string(folder.0.join("erard-out-measure/measure.csv")).unwrap();
+    assert_eq!(table.lines().next(), Some("key,strike_weight_g,dip_mm,effective_inertia_kg"));
+    assert_eq!(table.lines().count(), 4);
+    folder.good(&["concert-grand:key=88"]);
+    let sheet = folder.json();
+    for key in ["strike_weight_g", "dip_mm", "effective_inertia_kg"] {
+        assert_eq!(rows[2][key], sheet[key], "{key}");
+    }
+    let error = folder.erard(&["concert-grand:key=80..99"]);
+    assert!(error.status.code() == Some(2) && String::from_utf8_lossy(&error.stderr).contains("keys from 1 to 88"));
+}

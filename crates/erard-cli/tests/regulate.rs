@@ -160,3 +160,36 @@ fn interrupted_it_leaves_nothing() {
         assert_eq!(folder.names(), Vec::<String>::new(), "after {microseconds} us");
     }
 }
+
+/// Let-off alone leaves the drop screw in the way: it says which screw must follow; with `--follow` it does, and its distance stays.
+#[test]
+fn what_must_follow_is_said_and_follows() {
+    let folder = folder("follow");
+    let output = folder.erard(&["--let-off", "3mm", "--out", "alone.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        message.contains("it is met when another screw follows: drop (drop +") && message.contains("--follow"),
+        "{message}"
+    );
+    assert!(message.contains(" turn"), "{message}");
+    let table = folder.good(&["--let-off", "3mm", "--follow", "--out", "both.toml"]);
+    assert!(table.contains("turn"), "{table}");
+    let report: Value = serde_json::from_str(&folder.read("both.json")).unwrap();
+    assert_eq!(report["all_met"], true);
+    let both = Instrument::load(&folder.0.join("both.toml")).unwrap();
+    let [before, after] = [&Instrument::builtin("concert-grand").unwrap(), &both]
+        .map(|one| measure(one, &Protocol::default(), &mut || true).unwrap());
+    assert!((after.let_off_m.unwrap() - 3e-3).abs() < 5e-5);
+    assert!((after.drop_m.unwrap() - before.drop_m.unwrap()).abs() < 5e-5, "{after:?}");
+    // Where the goal is met but something else has moved, it is said.
+    let table = folder.good(&["--dip", "9mm", "--out", "dip.toml"]);
+    assert!(table.contains("This moved") && table.contains("check from") && table.contains("--follow"), "{table}");
+    // Inches where they are asked for; a screw's turns are its millimetres over its thread.
+    let table = folder.good(&["--drop", "2mm", "--inches", "--out", "drop.toml"]);
+    assert!(table.contains("0.079 in") && !table.contains(" mm "), "{table}");
+    let report: Value = serde_json::from_str(&folder.read("drop.json")).unwrap();
+    let screw = &report["screws"][0];
+    let (by, turns) = (screw["turned_by"].as_f64().unwrap(), screw["turns"].as_f64().unwrap());
+    assert!((turns * 0.65 - by).abs() < 1e-9, "{report}");
+}

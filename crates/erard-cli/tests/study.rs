@@ -131,3 +131,54 @@ fn interrupted() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
+
+/// Keys of a keyboard and numbers of the file are varied, and measured; each row is what `measure` finds of that instrument.
+#[test]
+fn anything_is_varied_and_measured() {
+    let folder = Folder::new("study-anything");
+    let keys = "--measure strike_weight_g,effective_inertia_kg,repetition_rate_half_hz,down_weight_g";
+    let mut arguments = vec!["study", "--vary", "key=1,88", "--force-step", "5", "--duration", "0.2"];
+    arguments.extend(keys.split(' '));
+    let said = folder.good(&arguments);
+    assert!(said.contains("down_weight_g") && said.contains("2 strokes; 0 failed"), "{said}");
+    let study = "erard-out-study/study.csv";
+    assert_eq!(column(&folder, study, "key"), [Some(1.0), Some(88.0)]);
+    folder.good(&["measure", "concert-grand:key=1", "concert-grand:key=88", "--out", "sheets"]);
+    let sheets: Value = serde_json::from_str(&folder.read("sheets/measure.json")).unwrap();
+    for name in ["strike_weight_g", "effective_inertia_kg", "repetition_rate_half_hz", "down_weight_g"] {
+        let found = column(&folder, study, name);
+        for (n, value) in found.iter().enumerate() {
+            let theirs = sheets[n][name].as_f64().unwrap();
+            assert!((value.unwrap() / theirs - 1.0).abs() < 1e-9, "{name}: {value:?} {theirs}");
+        }
+    }
+    // A gram more at the hammer's centre of mass; a number that cannot be is a row that failed.
+    let said = folder.good(&[
+        "study",
+        "--vary",
+        "body.hammer.mass_g=11.2,12.2,-1",
+        "--measure",
+        "strike_weight_g",
+        "--force-step",
+        "5",
+        "--duration",
+        "0.2",
+        "--rows",
+        "2",
+        "--out",
+        "masses",
+    ]);
+    assert!(said.contains("1 failed") && said.contains("2 of 3 rows; --rows all"), "{said}");
+    let strike = column(&folder, "masses/study.csv", "strike_weight_g");
+    // 101 of 130 mm along the shank.
+    assert!(
+        (strike[1].unwrap() - strike[0].unwrap() - 101.0 / 130.0).abs() < 1e-6 && strike[2].is_none(),
+        "{strike:?}"
+    );
+    assert!(folder.bad(&["study", "--vary", "key=1..99"]).contains("keys from 1 to 88"));
+    assert!(
+        folder
+            .bad(&["study", "--vary", "let_off=0,1", "--measure", "charm"])
+            .contains("nothing of that name is measured")
+    );
+}

@@ -1,7 +1,9 @@
-//! What technicians and researchers do with an action: measure, regulate, study.
+//! What technicians and researchers do with an action: measure, regulate, balance, study.
 //!
 //! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
 
+pub mod advice;
+pub mod balance;
 pub mod cores;
 pub mod distances;
 pub mod kinematics;

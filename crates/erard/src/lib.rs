@@ -36,7 +36,7 @@ pub use instrument::Instrument;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
 pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
 pub use run::{Events, Run, Strike};
-pub use simulation::{Setup, SimulationError, press, simulate, simulate_hand};
+pub use simulation::{Setup, SimulationError, press, simulate, simulate_hand, simulate_observed};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

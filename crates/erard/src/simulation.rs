@@ -7,7 +7,7 @@ use crate::equilibrium::EquilibriumError;
 use crate::instrument::Instrument;
 use crate::player::course::Course;
 use crate::player::hand::MovingHand;
-use crate::player::{Action, ActionError, Drive, Hand, HandError, Input};
+use crate::player::{Action, ActionError, Drive, Hand, HandError, Input, Observer};
 use crate::run::Run;
 
 /// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
@@ -197,6 +197,30 @@ pub fn simulate(
     setup: &Setup,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Run, SimulationError> {
+    simulate_before(instrument, drive, setup, None, progress)
+}
+
+/// [`simulate`] before the eyes of an observer of its own.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_observed(
+    instrument: &Instrument,
+    drive: &Drive<'_>,
+    setup: &Setup,
+    observer: &mut dyn Observer,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    simulate_before(instrument, drive, setup, Some(observer), progress)
+}
+
+fn simulate_before<'a>(
+    instrument: &Instrument,
+    drive: &'a Drive<'a>,
+    setup: &'a Setup,
+    observer: Option<&'a mut (dyn Observer + 'a)>,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
     let steps = setup.check()?;
     if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
         return Err(SimulationError::NoKey);
@@ -209,7 +233,7 @@ pub fn simulate(
         action.settle(instrument, finger, &mut || progress(0.0)).map_err(SimulationError::settling)?;
     }
 
-    let mut course = Course::new(instrument, drive, setup, steps, action);
+    let mut course = Course::new(instrument, drive, setup, steps, action, observer);
     match setup.tolerance {
         None => course.fixed(progress)?,
         Some(tolerance) => course.controlled(tolerance, progress)?,
@@ -239,7 +263,7 @@ pub fn simulate_hand(
     let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
     let fitted = hand.fitted(instrument);
     let action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
-    let mut course = Course::new(&fitted, stroke, setup, steps, action).by_hand(hand);
+    let mut course = Course::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
     course.fixed(progress)?;
     progress(1.0);
     Ok(course.finish(&fitted))

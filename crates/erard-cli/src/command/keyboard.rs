@@ -7,6 +7,7 @@ use erard_workshop::weighing::weigh;
 
 use super::options::{KeyboardKey, load_keyboard};
 use super::out::OutOptions;
+use super::weigh::WeighOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::keyboard::{doubts, figure_svg, text, write_csv};
@@ -21,9 +22,15 @@ const AFTER: &str = "\
 Writes keyboard.csv, and keyboard.svg and keyboard.png: hammers, leads and touch weights over the number of the key. The touch
 weights are measured, key by key, in a slow loop with the dampers lifted. Every command takes a key of a keyboard as its
 instrument: erard measure concert-grand:key=1 concert-grand:key=88. Every key is pressed once with a mezzo forte, too: the
-hammer's speed, and whether the press can be trusted, are columns of the table.";
+hammer's speed, and whether the press can be trusted, are columns of the table.
 
-/// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
+
+With --weigh it works on a piano's own keys: writes weigh.html (the work list, to be printed), weigh.csv and weigh.json, and weigh.svg and
+weigh.png. From BW + FW = KR WW + R SW (Stanwood 1996) come each key's ratio, friction and inertia; strike weights and ratios are smoothed
+over the keyboard; and for each key stand the leads, the strike weight or the move of the capstan that alone would give the target. A sample
+of keys is checked in the dynamic model.";
+
+/// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument, or balances a piano's keys.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub struct Keyboard {
@@ -37,6 +44,8 @@ pub struct Keyboard {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true, conflicts_with_all = ["out", "force"])]
     key: Option<u8>,
     #[command(flatten)]
+    weigh: WeighOptions,
+    #[command(flatten)]
     out: OutOptions,
 }
 
@@ -48,6 +57,9 @@ impl Keyboard {
             let one = KeyboardKey { keyboard, key: usize::from(key) };
             verbatim(&format!("{}\n", one.text()?.trim_end_matches('\n')));
             return Ok(());
+        }
+        if let Some(path) = self.weigh.asked() {
+            return self.weigh.run(path, &keyboard, &self.out);
         }
         let mut numbers: Vec<usize> = (1..=KEYS).step_by(usize::from(self.every)).collect();
         if numbers.last() != Some(&KEYS) {

@@ -1,21 +1,31 @@
 //! `erard measure`.
 
+use std::path::Path;
+
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::player;
-use erard::simulation::{Setup, simulate};
-use erard_workshop::measure::{Sheet, measure};
+use erard::simulation::{Setup, SimulationError, simulate};
+use erard_workshop::advice::advise;
+use erard_workshop::cores::{self, Ending, do_all, job};
+use erard_workshop::measure::norms::MIDDLE_C;
+use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
+use erard_workshop::regulate::Status;
 use moreau::Settings;
 
-use super::options::load_instrument;
+use super::options::{instrument_path, key_number, keys_of, load_instrument, measured_lines};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};
+use crate::measure::rows::{self, MeasuredRow};
 use crate::measure::{Measured, doubts, page, table};
+use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
+use crate::sheet::{self, Advised, Report, tasks};
 use crate::tell;
+use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
 use erard_figures::figure::png_from_svg;
 
@@ -31,12 +41,27 @@ range, timing and a drawing of each action at rest.";
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub struct Measure {
-    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88) [default: concert-grand]
+    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88); many keys (concert-grand:key=1..88,
+    /// concert-grand:key=1,40,88) make one row each [default: concert-grand]
     #[arg(value_name = "INSTRUMENT")]
     instruments: Vec<String>,
     /// One more instrument; may be repeated
     #[arg(long = "instrument", value_name = "FILE-OR-NAME")]
     more: Vec<String>,
+    /// One row per instrument, and these quantities only: keys of measure.json with commas [default of many keys: weights, ratio,
+    /// inertia, distances, repetition]
+    #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', conflicts_with = "sheet")]
+    only: Vec<String>,
+    /// Write the technician's sheet, too: one page each, to be printed, with what to turn and by how much (sheet.html, sheet.json)
+    #[arg(long)]
+    sheet: bool,
+    /// Which key of the piano it is, for what is usual there, 1 (A0) to 88 (C8), where the instrument's name does not say [default: 40]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
+    key: Option<u8>,
+    #[command(flatten)]
+    lengths: Lengths,
+    #[command(flatten)]
+    headed: Headed,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -47,20 +72,35 @@ const MOST: usize = 12;
 impl Measure {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
-        let named = self.load()?;
+        let asked = self.asked()?;
+        let many = asked.len() > self.instruments.len() + self.more.len() && asked.len() > 1;
+        if many || !self.only.is_empty() {
+            return self.rows(&asked);
+        }
+        let named = self.load(&asked)?;
         let mut output = self.out.prepare("measure", &["measure.json", "measure.html"])?;
         let mut progress = Progress::new("measuring");
         let count = named.len() as f64;
         let mut measured = Vec::new();
-        for (index, (label, instrument)) in named.into_iter().enumerate() {
-            let mut tell = |share: f64| progress.tell((index as f64 + share) / count);
-            let sheet =
-                measure(&instrument, &mut tell).map_err(|error| Failure::Measure { label: label.clone(), error })?;
+        // A sheet's screws are tried when it has been measured: a fifth of the work.
+        let measuring = if self.sheet { 0.8 } else { 1.0 };
+        for (index, Named { label, instrument, key, .. }) in named.into_iter().enumerate() {
+            let mut tell = |share: f64| progress.tell(measuring * (index as f64 + share) / count);
+            let sheet = measure_key(&instrument, key, &mut tell)
+                .map_err(|error| Failure::Measure { label: label.clone(), error })?;
             measured.push(Measured { label, instrument, sheet });
+        }
+        let drawings = drawings(&measured)?;
+        let mut advised = Vec::new();
+        for (index, one) in measured.iter().enumerate().filter(|_| self.sheet) {
+            progress.say("trying the screws");
+            let mut tell = |status: &Status| progress.tell(0.8 + 0.2 * (index as f64 + status.share) / count);
+            let advice = advise(&one.instrument, &one.sheet, &mut tell)?;
+            let drawing = drawings.get(index).map_or("", |drawn| &drawn.svg);
+            advised.push(Advised { measured: one, advice, drawing, headed: &self.headed, lengths: self.lengths });
         }
         drop(progress);
 
-        let drawings = drawings(&measured)?;
         let figures = figures(&measured);
         for drawn in drawings.iter().chain(&figures) {
             let png = png_from_svg(&drawn.svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
@@ -75,8 +115,16 @@ impl Measure {
             }
             w.write_all(b"\n")
         })?;
-        let page = page::html(&measured, &drawings, &figures);
+        let page = page::html(&measured, &drawings, &figures, &self.headed, self.lengths);
         output.stage("measure.html", |w| w.write_all(page.as_bytes()))?;
+        if self.sheet {
+            let reports: Vec<Report> = advised.iter().map(Report::new).collect();
+            output.stage("sheet.html", |w| w.write_all(sheet::html(&advised).as_bytes()))?;
+            output.stage("sheet.json", |w| {
+                serde_json::to_writer_pretty(&mut *w, &reports)?;
+                w.write_all(b"\n")
+            })?;
+        }
         let written = output.commit()?;
 
         match &measured[..] {
@@ -84,12 +132,23 @@ impl Measure {
             _ => say!("Protocol sheets side by side"),
         }
         say!();
-        say!("{}", table::text(&measured).trim_end_matches('\n'));
+        say!("{}", table::text(&measured, self.lengths).trim_end_matches('\n'));
         say!();
         for one in &measured {
             for doubt in doubts(&one.sheet) {
                 tell!("warning: {}: not to be trusted: {doubt}", one.label);
             }
+        }
+        for one in &advised {
+            say!("  To do{}:", if advised.len() > 1 { format!(" ({})", one.measured.label) } else { String::new() });
+            let tasks = tasks(one);
+            if tasks.is_empty() {
+                say!("    nothing");
+            }
+            for task in tasks {
+                say!("    {}: {} - {}", task.what, task.by, task.for_);
+            }
+            say!();
         }
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
@@ -97,22 +156,123 @@ impl Measure {
         Ok(())
     }
 
-    /// All instruments, read before anything is measured, by labels that tell them apart.
-    fn load(&self) -> Result<Vec<(String, Instrument)>, Failure> {
-        let mut asked: Vec<&str> = self.instruments.iter().chain(&self.more).map(String::as_str).collect();
-        if asked.is_empty() {
-            asked.push("concert-grand");
+    /// What was asked for, many keys one by one.
+    fn asked(&self) -> Result<Vec<String>, Failure> {
+        let mut asked = Vec::new();
+        for one in self.instruments.iter().chain(&self.more) {
+            asked.extend(keys_of(one)?);
         }
+        if asked.is_empty() {
+            asked.push("concert-grand".to_owned());
+        }
+        Ok(asked)
+    }
+
+    /// One row per instrument.
+    fn rows(&self, asked: &[String]) -> Result<(), Failure> {
+        if self.sheet {
+            return Err(Failure::Usage("--sheet: a page for every one of many keys; name them one by one".into()));
+        }
+        let lines = if self.only.is_empty() { rows::usual() } else { measured_lines("--only", &self.only)? };
+        let named = self.named(asked)?;
+        let mut output = self.out.prepare("measure", &["measure.csv", "measure.json"])?;
+        let mut progress = Progress::new("measuring");
+        let mut found: Vec<Option<Vec<Option<f64>>>> = vec![None; named.len()];
+        let jobs = found.iter_mut().zip(&named).map(|(place, one)| {
+            let lines = &lines;
+            job(place, move |going| {
+                measure_some(&one.instrument, lines, going).map_err(|error| Unmeasured::from((one, error)))
+            })
+        });
+        do_all(jobs.collect(), cores::count(), &mut |share| progress.tell(share))
+            .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: error.error })?;
+        drop(progress);
+        let measured: Vec<MeasuredRow> = named
+            .into_iter()
+            .zip(found)
+            .map(|(one, values)| MeasuredRow {
+                label: one.label,
+                key: one.known_key,
+                values: values.unwrap_or_default(),
+            })
+            .collect();
+        let columns = rows::columns(&lines, &measured);
+        output.stage("measure.csv", |w| crate::table::write_optional_csv(&columns, w))?;
+        output.stage("measure.json", |w| {
+            serde_json::to_writer_pretty(&mut *w, &rows::json(&lines, &measured))?;
+            w.write_all(b"\n")
+        })?;
+        output.commit()?;
+        say!("{} measured", measured.len());
+        say!();
+        say!("{}", rows::text(&lines, &measured).trim_end_matches('\n'));
+        say!();
+        say!("Written to {}: measure.csv, measure.json", shown(self.out.folder()));
+        Ok(())
+    }
+
+    /// All instruments of a few, read before anything is measured, by labels that tell them apart.
+    fn load(&self, asked: &[String]) -> Result<Vec<Named>, Failure> {
         if asked.len() > MOST {
             return Err(Failure::Usage(format!("{} instruments: expected {MOST} at most side by side", asked.len())));
         }
+        self.named(asked)
+    }
+
+    fn named(&self, asked: &[String]) -> Result<Vec<Named>, Failure> {
         let instruments = asked.iter().map(|name| load_instrument(name)).collect::<Result<Vec<_>, _>>()?;
         let shared = |name: &str| instruments.iter().filter(|other| other.name == name).count() > 1;
-        let label = |asked: &str, instrument: &Instrument| {
-            if shared(&instrument.name) { asked.to_owned() } else { instrument.name.clone() }
+        // A file's own name, for a copy keeps the name of what it was copied from.
+        let label = |asked: &str, instrument: &Instrument| match instrument_path(asked) {
+            Some(_) if shared(&instrument.name) => asked.to_owned(),
+            Some(path) => format!("{} ({})", instrument.name, shown(Path::new(path.file_name().unwrap_or_default()))),
+            None if shared(&instrument.name) => asked.to_owned(),
+            None => instrument.name.clone(),
         };
-        let labels: Vec<String> = asked.iter().zip(&instruments).map(|(asked, one)| label(asked, one)).collect();
-        Ok(labels.into_iter().zip(instruments).collect())
+        let key = |asked: &str| key_number(asked).or(self.key.map(usize::from));
+        let named: Vec<(String, Option<usize>)> =
+            asked.iter().zip(&instruments).map(|(asked, one)| (label(asked, one), key(asked))).collect();
+        let with = named.into_iter().zip(instruments);
+        let named = |((label, known_key), instrument)| Named {
+            label,
+            instrument,
+            key: Option::unwrap_or(known_key, MIDDLE_C),
+            known_key,
+        };
+        Ok(with.map(named).collect())
+    }
+}
+
+/// An instrument by what it is called here, and the key whose norms hold for it.
+struct Named {
+    label: String,
+    instrument: Instrument,
+    key: usize,
+    /// The same where somebody said it.
+    known_key: Option<usize>,
+}
+
+/// An action that could not be measured.
+struct Unmeasured {
+    label: String,
+    error: MeasureError,
+}
+
+impl From<(&Named, MeasureError)> for Unmeasured {
+    fn from((one, error): (&Named, MeasureError)) -> Self {
+        Unmeasured { label: one.label.clone(), error }
+    }
+}
+
+impl From<SimulationError> for Unmeasured {
+    fn from(error: SimulationError) -> Self {
+        Unmeasured { label: "a key".to_owned(), error: error.into() }
+    }
+}
+
+impl Ending for Unmeasured {
+    fn is_interruption(&self) -> bool {
+        self.error.is_interruption()
     }
 }
 

@@ -16,6 +16,7 @@ mod regulate;
 mod reproduce;
 mod study;
 mod validate;
+mod weigh;
 
 use std::ffi::OsString;
 use std::io::ErrorKind;

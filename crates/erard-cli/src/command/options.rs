@@ -10,6 +10,7 @@ use erard::one_dof;
 use erard::player::{self, Input};
 use erard::simulation::{Setup, SimulationError};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Series, Touch};
+use erard_workshop::measure::norms::{Line, lines};
 use moreau::{FrictionLaw, Settings, Solver};
 
 use crate::failure::Failure;
@@ -48,14 +49,30 @@ impl Model {
     }
 }
 
-impl InstrumentOption {
-    /// Loads the instrument, reduced to the model that was asked for.
-    pub fn load(&self) -> Result<Instrument, Failure> {
-        let full = load_instrument(&self.instrument)?;
-        Ok(match self.model {
+impl Model {
+    /// This model of a full instrument.
+    pub fn reduce(self, full: Instrument) -> Result<Instrument, Failure> {
+        Ok(match self {
             Model::Action => full,
             Model::OneDof => one_dof::reduce(&full)?.instrument,
         })
+    }
+}
+
+impl InstrumentOption {
+    /// What was asked for.
+    pub fn asked(&self) -> &str {
+        &self.instrument
+    }
+
+    /// Loads the instrument, reduced to the model that was asked for.
+    pub fn load(&self) -> Result<Instrument, Failure> {
+        self.reduced(load_instrument(&self.instrument)?)
+    }
+
+    /// A full instrument, reduced to the model that was asked for.
+    pub fn reduced(&self, full: Instrument) -> Result<Instrument, Failure> {
+        self.model.reduce(full)
     }
 }
 
@@ -147,6 +164,44 @@ impl KeyboardKey {
         self.keyboard.key(self.key)?;
         Ok(self.keyboard.key_text(self.key))
     }
+}
+
+/// What is asked for in the place of an instrument, many keys of a keyboard (`concert-grand:key=1..88`, `:key=1,40,88`) one by one.
+pub fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
+    let Some((keyboard, keys)) = asked.rsplit_once(KEY).filter(|(_, keys)| keys.contains("..") || keys.contains(','))
+    else {
+        return Ok(vec![asked.to_owned()]);
+    };
+    let number = |text: &str| text.trim().parse::<usize>().ok().filter(|key| (1..=KEYS).contains(key));
+    let mut all = Vec::new();
+    for part in keys.split(',') {
+        let range = match part.split_once("..") {
+            Some((from, to)) => number(from).zip(number(to)).filter(|(from, to)| from <= to),
+            None => number(part).map(|key| (key, key)),
+        };
+        let Some((from, to)) = range else {
+            let expected = format!("keys from 1 to {KEYS}, as in `1..88` or `1,40,88`");
+            return Err(Failure::Usage(format!("{asked}: `{part}` are no keys; expected {expected}")));
+        };
+        all.extend((from..=to).map(|key| format!("{keyboard}{KEY}{key}")));
+    }
+    Ok(all)
+}
+
+/// The lines of the protocol sheet by their keys in measure.json; `option` is who asks.
+pub fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line>, Failure> {
+    let find = |key: &String| {
+        lines().find(|line| line.key == key.trim()).ok_or_else(|| {
+            let known: Vec<&str> = lines().map(|line| line.key).collect();
+            Failure::Usage(format!("{option} {key}: nothing of that name is measured; expected {}", known.join(", ")))
+        })
+    };
+    keys.iter().map(find).collect()
+}
+
+/// The number of the key that is asked for in the place of an instrument; `None` where that is no key of a keyboard.
+pub fn key_number(asked: &str) -> Option<usize> {
+    asked.rsplit_once(KEY)?.1.parse().ok()
 }
 
 /// A keyboard by file or by name.

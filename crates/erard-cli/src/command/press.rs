@@ -4,13 +4,16 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::player::{LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::simulation::{Setup, simulate_observed};
 
 use super::options::{InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::inside::{self, Inside, LossReport, losses_svg, reactions_svg};
+use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
 use crate::summary::Summary;
@@ -38,6 +41,12 @@ pub struct Press {
     /// [default: all steps are as long as --dt says]
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     tolerance: Option<f64>,
+    /// Record what the pins carry (both components) and how the parts accelerate, too: more columns, and reactions.svg and reactions.png
+    #[arg(long, conflicts_with = "tolerance")]
+    reactions: bool,
+    /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
+    #[arg(long, conflicts_with = "tolerance")]
+    losses: bool,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -65,7 +74,11 @@ impl Press {
         let mut output =
             self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
         let started = Instant::now();
-        let run = play(&instrument, &stroke, &setup)?;
+        let mut inside = Inside {
+            reactions: self.reactions.then(|| ReactionRecorder::new(&instrument)),
+            losses: self.losses.then(|| LossRecorder::new(&instrument)),
+        };
+        let run = play_observed(&instrument, &stroke, &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
         let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
@@ -73,17 +86,39 @@ impl Press {
         let svg = run_svg(&run);
         let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
         let page = page_html(&instrument, &run, &summary.lines());
-        output.stage("run.csv", |w| table::write_csv(&run, w))?;
-        output.stage("run.parquet", |w| table::write_parquet(&run, w))?;
+        let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
+        let more = inside::columns(&pins);
+        output.stage("run.csv", |w| table::write_csv(&run, &more, w))?;
+        output.stage("run.parquet", |w| table::write_parquet(&run, &more, w))?;
         output.stage("summary.json", |w| summary.write_json(w))?;
         output.stage("run.svg", |w| w.write_all(svg.as_bytes()))?;
         output.stage("run.png", |w| w.write_all(&png))?;
         output.stage("run.html", |w| w.write_all(page.as_bytes()))?;
+        let title = format!("{} - {}", run.instrument, stroke.title);
+        if self.reactions {
+            stage_figure(&mut output, "reactions", &reactions_svg(&run, &title, &pins))?;
+        }
+        let mut lost = None;
+        if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
+            let report = LossReport::new(&instrument, losses);
+            output.stage("losses.json", |w| {
+                serde_json::to_writer_pretty(&mut *w, &report)?;
+                w.write_all(b"\n")
+            })?;
+            stage_figure(&mut output, "losses", &losses_svg(&run, &title, recorded, &report))?;
+            lost = Some(report);
+        }
         let written = output.commit()?;
 
         say!("{} - {} ({} driven)", run.instrument, stroke.title, stroke.drive.name());
         say!();
         say!("{summary}");
+        if let Some(report) = lost {
+            for line in report.lines() {
+                say!("{line}");
+            }
+            say!();
+        }
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
         for warning in &summary.warnings {
@@ -94,12 +129,28 @@ impl Press {
     }
 }
 
+/// A figure as SVG and PNG.
+fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failure> {
+    let png = png_from_svg(svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
+    output.stage(&format!("{name}.svg"), |w| w.write_all(svg.as_bytes()))?;
+    output.stage(&format!("{name}.png"), |w| w.write_all(&png))
+}
+
 /// Simulates a stroke on an instrument, with progress on stderr.
 pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
+    play_observed(instrument, stroke, setup, &mut Inside::default())
+}
+
+fn play_observed(
+    instrument: &Instrument,
+    stroke: &Stroke,
+    setup: &Setup,
+    observer: &mut dyn Observer,
+) -> Result<Run, Failure> {
     let mut progress = Progress::new("simulating");
     let mut tell = |share: f64| {
         progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
         progress.tell(share)
     };
-    Ok(simulate(instrument, stroke.inputs(instrument)?.as_ref(), setup, &mut tell)?)
+    Ok(simulate_observed(instrument, stroke.inputs(instrument)?.as_ref(), setup, observer, &mut tell)?)
 }

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use clap::Args;
 use erard_workshop::distances::Protocol;
-use erard_workshop::regulate::{Goal, Regulated, Specification, Status, regulate};
+use erard_workshop::regulate::{Goal, Regulated, Specification, Status, disturbed, regulate, regulate_following};
 
 use super::options::load_instrument_and_text;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::regulate::{Report, Shown, parse_value};
+use crate::regulate::{Report, Shown, parse_value, screws_of, shown_value, turned_text};
 use crate::say;
+use crate::units::Lengths;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -44,6 +45,11 @@ pub struct Regulate {
     /// Ask for the trade's norms, too, where a goal is not given
     #[arg(long)]
     norms: bool,
+    /// Let other screws follow where the goals disturb what they set: what was not asked for then stays as it was
+    #[arg(long)]
+    follow: bool,
+    #[command(flatten)]
+    lengths: Lengths,
     /// The new instrument file [default: INSTRUMENT-regulated.toml in this folder]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -127,11 +133,20 @@ impl Regulate {
             progress.tell(status.share)
         };
         let start = Instant::now();
-        let regulated = regulate(&instrument, &specification, &Protocol::default(), &mut tell)?;
+        let protocol = Protocol::default();
+        let work = if self.follow { regulate_following } else { regulate };
+        let regulated = work(&instrument, &specification, &protocol, &mut tell)?;
+        // Where a goal is missed, whether it is met when other screws follow.
+        let help = if regulated.all_met() || self.follow {
+            None
+        } else {
+            let followed = regulate_following(&instrument, &specification, &protocol, &mut tell)?;
+            followed.all_met().then_some(followed)
+        };
         let elapsed = start.elapsed();
         drop(progress);
 
-        let (title, note) = provenance(&specification, &regulated);
+        let (title, note) = provenance(&regulated);
         let new_text =
             regulated.instrument.rewrite(&text, &title, &note).map_err(|e| Failure::Internal(e.to_string()))?;
         let report = Report::new(&regulated, &self.instrument, &name, elapsed);
@@ -148,11 +163,19 @@ impl Regulate {
             elapsed.as_secs_f64()
         );
         say!();
-        say!("{}", Shown(&regulated));
+        say!("{}", Shown(&regulated, self.lengths));
+        if !self.follow && regulated.all_met() {
+            for line in moved(&regulated, self.lengths) {
+                say!("{line}");
+            }
+        }
         say!("Written to {}: {name}, {report_name}", shown(folder));
         match report.misses() {
             misses if misses.is_empty() => Ok(()),
-            misses => Err(Failure::Unmet(misses.join("\n       "))),
+            mut misses => {
+                misses.extend(help.map(|followed| must_follow(&specification, &followed, self.lengths)));
+                Err(Failure::Unmet(misses.join("\n       ")))
+            }
         }
     }
 
@@ -197,11 +220,45 @@ impl Regulate {
     }
 }
 
+/// What the regulation moved though nobody asked, and how it comes back.
+fn moved(regulated: &Regulated, lengths: Lengths) -> Vec<String> {
+    let moved: Vec<String> = disturbed(regulated)
+        .into_iter()
+        .map(|(goal, before)| {
+            let after = goal.of(&regulated.after).map_or("none".to_owned(), |after| shown_value(goal, after, lengths));
+            format!("{} from {} to {after}", goal.name(), shown_value(goal, before, lengths))
+        })
+        .collect();
+    if moved.is_empty() {
+        return Vec::new();
+    }
+    vec![
+        format!("This moved {}; --follow brings it back with the screws that set it.", moved.join(", ")),
+        String::new(),
+    ]
+}
+
+/// Which other screws must follow, so that the goals are met.
+fn must_follow(specification: &Specification, followed: &Regulated, lengths: Lengths) -> String {
+    let asked = |goal: Goal| specification.iter().any(|(other, _)| *other == goal);
+    let others = followed.achieved.iter().filter(|achieved| !asked(achieved.goal));
+    let each: Vec<String> = others
+        .map(|achieved| {
+            let goal = achieved.goal;
+            let screws: Vec<String> = screws_of(followed, goal).map(|turned| turned_text(turned, lengths)).collect();
+            let turned = if screws.is_empty() { "its screw as it is".to_owned() } else { screws.join(", ") };
+            format!("{} ({turned}; it stays at {})", goal.name(), shown_value(goal, achieved.target, lengths))
+        })
+        .collect();
+    format!("it is met when another screw follows: {}; --follow turns it, too", each.join(", "))
+}
+
 /// What the new file says of its settings: the title of their source, and a note for each.
-fn provenance(specification: &Specification, regulated: &Regulated) -> (String, String) {
-    let goals: Vec<String> = specification
+fn provenance(regulated: &Regulated) -> (String, String) {
+    let goals: Vec<String> = regulated
+        .achieved
         .iter()
-        .map(|&(goal, target)| format!("{} {}", goal.name(), crate::regulate::show(goal, target)))
+        .map(|achieved| format!("{} {}", achieved.goal.name(), crate::regulate::show(achieved.goal, achieved.target)))
         .collect();
     let title = format!(
         "Regulated in simulation ({} trials) for {}{}",

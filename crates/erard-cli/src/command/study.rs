@@ -4,16 +4,22 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::player::Input;
 use erard::simulation::Setup;
-use erard_workshop::study::{Job, JobResult, Stroke as JobStroke, Workers, play_all};
+use erard_workshop::cores::{self, do_all, job};
+use erard_workshop::measure::measure_some;
+use erard_workshop::measure::norms::Line;
+use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
 
-use super::options::{InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{
+    InstrumentOption, Model, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text, load_keyboard,
+    measured_lines,
+};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::chart_svg;
 use crate::say;
-use crate::study::{Axis, Row, Target, chart, columns, doubts, lines};
+use crate::study::{Axis, Row, Source, Target, chart, columns, doubts, lines};
 use crate::table;
 use crate::tell;
 use erard_figures::figure::png_from_svg;
@@ -22,12 +28,14 @@ use erard_figures::figure::png_from_svg;
 const AFTER: &str = "\
 Screws are turned from where the file has them (mm, degrees or N mm); `body.hammer.mass`, `body.key.friction`,
 `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and `zone.check.friction` are multiplied by the values;
-`force` is a constant force from the start on. A name that does not exist is answered with all that do. Of several --vary
+`force` is a constant force from the start on. `key=1..88` plays the keys of a keyboard (--instrument names it). Any number of the file is
+varied by its path, in the file's unit: `body.hammer.mass_g=10..12:5`, `zone.capstan_heel.disc.center_mm.x=140,145`. A name that does not exist is answered with all that do. Of several --vary
 every combination is played, the last one fastest.
 
 Strokes that are alike but for numbers are simulated side by side in the lanes of the processor's vectors, and on all its
 cores; each comes out as `press` would compute it. Writes study.csv and study.parquet (what was varied, then instants in
-s, the hammer's speed in m/s, whether the stroke failed, and whether it can be trusted), and study.svg and study.png where there are at most six curves.";
+s, the hammer's speed in m/s, what --measure asks for, whether the stroke failed, and whether it can be trusted), and study.svg and study.png where there are
+at most six curves.";
 
 /// Plays a stroke on many variants of an instrument: a parameter study.
 #[derive(Debug, Args)]
@@ -36,6 +44,12 @@ pub struct Study {
     /// What is varied, from where to where and in how many values, or values with commas; may be repeated
     #[arg(long, value_name = "NAME=FROM..TO:COUNT", required = true, allow_hyphen_values = true)]
     vary: Vec<String>,
+    /// Measure every variant, too: keys of measure.json with commas, such as down_weight_g,effective_inertia_kg,repetition_rate_half_hz
+    #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',')]
+    measure: Vec<String>,
+    /// Rows of the printed table, from the first to the last; `all` prints every one
+    #[arg(long, value_name = "N|all", default_value = "15", value_parser = rows_shown)]
+    rows: usize,
     #[command(flatten)]
     stroke: StrokeOptions,
     #[command(flatten)]
@@ -56,15 +70,20 @@ pub struct Study {
 const MOST: usize = 2_000_000;
 /// Strokes that are played at a time: their instruments are held in memory.
 const PORTION: usize = 4096;
-/// Rows of the printed table.
-const SHOWN: usize = 15;
+
+/// Rows of the printed table: a number, or all.
+fn rows_shown(text: &str) -> Result<usize, String> {
+    let number = if text == "all" { Some(usize::MAX) } else { text.parse().ok().filter(|rows| *rows > 0) };
+    number.ok_or_else(|| "expected a number of rows, from 1, or `all`".to_owned())
+}
 
 impl Study {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
-        let instrument = self.instrument.load()?;
-        let axes = self.axes(&instrument)?;
+        let measures = measured_lines("--measure", &self.measure)?;
+        let (instrument, source) = self.source()?;
+        let axes = self.axes(&instrument, &source)?;
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
@@ -73,9 +92,10 @@ impl Study {
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
-        let rows = play(&instrument, &axes, &stroke, &setup, workers)?;
+        let varied = Varied { instrument: &instrument, source: &source, model: self.instrument.model, axes: &axes };
+        let rows = play(&varied, &measures, &stroke, &setup, workers)?;
 
-        let columns = columns(&axes, &rows);
+        let columns = columns(&axes, &measures, &rows);
         output.stage("study.csv", |w| table::write_optional_csv(&columns, w))?;
         output.stage("study.parquet", |w| table::write_optional_parquet("study", &columns, w))?;
         let mut written = vec!["study.csv", "study.parquet"];
@@ -91,8 +111,12 @@ impl Study {
 
         say!("{title}");
         say!();
-        for line in lines(&axes, &rows, SHOWN) {
+        for line in lines(&axes, &measures, &rows, self.rows) {
             say!("{line}");
+        }
+        if rows.len() > self.rows {
+            say!();
+            say!("{} of {} rows; --rows all prints every one, and study.csv holds them", self.rows, rows.len());
         }
         for doubt in doubts(&rows) {
             tell!("warning: not to be trusted: {doubt}");
@@ -104,11 +128,26 @@ impl Study {
         Ok(())
     }
 
-    fn axes(&self, instrument: &Instrument) -> Result<Vec<Axis>, Failure> {
+    /// What is varied: a keyboard where keys are, else an instrument.
+    fn source(&self) -> Result<(Instrument, Source), Failure> {
+        let asked = self.instrument.asked();
+        if self.vary.iter().any(|text| text.split('=').next().is_some_and(|name| name.trim() == "key")) {
+            let keyboard = load_keyboard(asked)?;
+            let instrument = self.instrument.reduced(keyboard.key(keyboard.base_key)?)?;
+            return Ok((
+                Instrument { name: keyboard.name.clone(), ..instrument },
+                Source::Keyboard(Box::new(keyboard)),
+            ));
+        }
+        let (instrument, text) = load_instrument_and_text(asked)?;
+        Ok((self.instrument.reduced(instrument)?, Source::Text(text)))
+    }
+
+    fn axes(&self, instrument: &Instrument, source: &Source) -> Result<Vec<Axis>, Failure> {
         let axes: Vec<Axis> = self
             .vary
             .iter()
-            .map(|text| Axis::parse(text, instrument))
+            .map(|text| Axis::parse(text, instrument, source))
             .collect::<Result<_, _>>()
             .map_err(Failure::Usage)?;
         for (i, axis) in axes.iter().enumerate() {
@@ -124,26 +163,39 @@ impl Study {
     }
 }
 
-/// Plays every combination, in portions.
+/// What is varied, and how.
+struct Varied<'a> {
+    instrument: &'a Instrument,
+    source: &'a Source,
+    model: Model,
+    axes: &'a [Axis],
+}
+
+/// Plays, and measures, every combination, in portions.
 fn play(
-    instrument: &Instrument,
-    axes: &[Axis],
+    varied: &Varied<'_>,
+    measures: &[&'static Line],
     stroke: &Stroke,
     setup: &Setup,
     workers: Workers,
 ) -> Result<Vec<Row>, Failure> {
+    let axes = varied.axes;
     let count: usize = axes.iter().map(|axis| axis.shown.len()).product();
     let mut progress = Progress::new("playing");
     let mut rows = Vec::with_capacity(count);
+    // Measuring one variant takes as long as playing many.
+    let playing = if measures.is_empty() { 1.0 } else { 0.05 };
     while rows.len() < count {
         let from = rows.len();
         let portion: Vec<Vec<usize>> = (from..count.min(from + PORTION)).map(|k| combination(axes, k)).collect();
-        let outcomes = play_portion(instrument, axes, &portion, stroke, setup, workers, &mut |share| {
-            progress.tell((from as f64 + share * portion.len() as f64) / count as f64)
-        })?;
-        rows.extend(portion.iter().zip(outcomes).map(|(indices, outcome)| Row {
+        let size = portion.len() as f64;
+        let mut tell = |share: f64| progress.tell((from as f64 + share * size) / count as f64);
+        let played = play_portion(varied, &portion, stroke, setup, workers, &mut |share| tell(playing * share))?;
+        let measured = measure_portion(&played, measures, &mut |share| tell(playing + (1.0 - playing) * share))?;
+        rows.extend(portion.iter().zip(played.outcomes).zip(measured).map(|((indices, outcome), measured)| Row {
             values: axes.iter().zip(indices).map(|(axis, &i)| axis.shown[i]).collect(),
             outcome,
+            measured,
         }));
     }
     Ok(rows)
@@ -164,19 +216,29 @@ fn combination(axes: &[Axis], mut k: usize) -> Vec<usize> {
     indices
 }
 
+/// A portion that has been played.
+struct PlayedPortion {
+    outcomes: Vec<Result<Played, String>>,
+    /// Its variants, and for each combination which of them is its own, or why there is none.
+    instruments: Vec<Instrument>,
+    variants: Vec<Result<usize, String>>,
+}
+
 fn play_portion(
-    instrument: &Instrument,
-    axes: &[Axis],
+    varied: &Varied<'_>,
     portion: &[Vec<usize>],
     stroke: &Stroke,
     setup: &Setup,
     workers: Workers,
     progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Vec<Result<erard_workshop::study::Played, String>>, Failure> {
+) -> Result<PlayedPortion, Failure> {
+    let axes = varied.axes;
     // Outlines are for drawings.
-    let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
+    let plain = Instrument { parts: Vec::new(), ..varied.instrument.clone() };
     let mut instruments: Vec<Instrument> = Vec::new();
-    let mut varied: Vec<Vec<usize>> = Vec::new();
+    // The last combination's own values, and where its variant is.
+    let mut last: Option<(Vec<usize>, Result<usize, String>)> = None;
+    let mut variants = Vec::with_capacity(portion.len());
     // Where each stroke's job is, or what cannot be varied so.
     let mut places = Vec::with_capacity(portion.len());
     let mut jobs = Vec::with_capacity(portion.len());
@@ -184,24 +246,25 @@ fn play_portion(
         let mut force_n = None;
         let mut own = Vec::new();
         for (axis, &index) in axes.iter().zip(indices) {
-            match axis.target {
-                Target::Force => force_n = Some(axis.si(index)),
-                Target::Parameter(_) => own.push(index),
-            }
+            if axis.target == Target::Force { force_n = Some(axis.si(index)) } else { own.push(index) }
         }
         // Strokes on the same variant share it.
-        if varied.last() != Some(&own) {
-            match variant(&plain, axes, indices) {
-                Ok(instrument) => instruments.push(instrument),
-                Err(why) => {
-                    places.push(Err(why));
-                    continue;
-                }
+        let place = match &last {
+            Some((values, place)) if *values == own => place.clone(),
+            _ => variant(varied, &plain, indices).map(|instrument| {
+                instruments.push(instrument);
+                instruments.len() - 1
+            }),
+        };
+        last = Some((own, place.clone()));
+        places.push(match &place {
+            Ok(index) => {
+                jobs.push(Job { instrument: *index, stroke: job_stroke(stroke, force_n, varied.instrument)? });
+                Ok(jobs.len() - 1)
             }
-            varied.push(own);
-        }
-        places.push(Ok(jobs.len()));
-        jobs.push(Job { instrument: instruments.len() - 1, stroke: job_stroke(stroke, force_n, instrument)? });
+            Err(why) => Err(why.clone()),
+        });
+        variants.push(place);
     }
     let mut results: Vec<Option<JobResult>> =
         play_all(&instruments, jobs, setup, workers, progress)?.into_iter().map(Some).collect();
@@ -209,20 +272,55 @@ fn play_portion(
         let result = results[place?].take();
         result.ok_or_else(|| "no result".to_owned())?.map_err(|error| error.to_string())
     };
-    Ok(places.into_iter().map(outcome).collect())
+    let outcomes = places.into_iter().map(outcome).collect();
+    Ok(PlayedPortion { outcomes, instruments, variants })
+}
+
+/// What was measured of a variant, or why nothing could be.
+type Values = Result<Vec<Option<f64>>, String>;
+
+/// Measures every variant of a portion, side by side.
+fn measure_portion(
+    played: &PlayedPortion,
+    measures: &[&'static Line],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<Values>, Failure> {
+    if measures.is_empty() {
+        return Ok(vec![Ok(Vec::new()); played.variants.len()]);
+    }
+    let mut found: Vec<Option<Values>> = vec![None; played.instruments.len()];
+    let jobs = found.iter_mut().zip(&played.instruments).map(|(place, instrument)| {
+        job(place, move |going| match measure_some(instrument, measures, going) {
+            Err(error) if error.is_interruption() => Err(error),
+            values => Ok(values.map_err(|error| error.to_string())),
+        })
+    });
+    do_all(jobs.collect(), cores::count(), progress)
+        .map_err(|error| Failure::Measure { label: "a variant".into(), error })?;
+    let of = |place: &Result<usize, String>| match place {
+        Ok(place) => found[*place].clone().unwrap_or_else(|| Err("no result".to_owned())),
+        Err(why) => Err(why.clone()),
+    };
+    Ok(played.variants.iter().map(of).collect())
 }
 
 /// The instrument with one combination of values.
-fn variant(instrument: &Instrument, axes: &[Axis], indices: &[usize]) -> Result<Instrument, String> {
-    let mut varied = instrument.clone();
-    for (axis, &index) in axes.iter().zip(indices) {
+fn variant(varied: &Varied<'_>, plain: &Instrument, indices: &[usize]) -> Result<Instrument, String> {
+    let mut instrument = match varied.source.instrument(varied.axes, indices) {
+        None => plain.clone(),
+        Some(read) => {
+            let read = varied.model.reduce(read?).map_err(|error| error.to_string())?;
+            Instrument { parts: Vec::new(), ..read }
+        }
+    };
+    for (axis, &index) in varied.axes.iter().zip(indices) {
         if let Target::Parameter(parameter) = &axis.target
-            && !parameter.vary(&mut varied, axis.si(index))
+            && !parameter.vary(&mut instrument, axis.si(index))
         {
             return Err(format!("{} cannot be varied by {} {}", axis.name, axis.shown[index], axis.unit));
         }
     }
-    Ok(varied)
+    Ok(instrument)
 }
 
 fn job_stroke<'a>(stroke: &'a Stroke, force_n: Option<f64>, instrument: &Instrument) -> Result<JobStroke<'a>, Failure> {

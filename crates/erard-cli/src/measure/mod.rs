@@ -2,6 +2,7 @@
 
 pub mod figures;
 pub mod page;
+pub mod rows;
 pub mod table;
 
 use erard::instrument::Instrument;

@@ -5,7 +5,11 @@ use erard_workshop::measure::norms::{GROUPS, Line};
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::figures::Drawn;
+use super::table::usual_of;
 use super::{Measured, doubts};
+use crate::paper::Headed;
+use crate::sheet::shown;
+use crate::units::Lengths;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -13,7 +17,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 const STYLE: &str = include_str!("page.css");
 
 /// The page: flags first, then the table, the pictures and the timing sheets.
-pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> String {
+pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn], headed: &Headed, lengths: Lengths) -> String {
     let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
     let title = names.join(" beside ");
     let page = html! {
@@ -25,16 +29,23 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> Str
                     content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) ": protocol sheet" }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(on_every_page(&title, headed))) }
             }
             body {
                 h1 { (title) }
+                @if headed.serial.is_some() || headed.date.is_some() {
+                    p {
+                        @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
+                        @if let Some(date) = &headed.date { (date) }
+                    }
+                }
+                @if let Some(note) = &headed.note { p { (note) } }
                 p.soft {
                     "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
                      Grams on the key are gram weights on the key front."
                 }
                 @for one in measured { (flags(one, measured.len() > 1)) }
-                (table(measured))
+                (table(measured, lengths))
                 h2 { "Pictures" }
                 @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
                 @for one in measured { (timing(one, measured.len() > 1)) }
@@ -42,6 +53,23 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> Str
         }
     };
     page.into_string() + "\n"
+}
+
+/// A style that prints the action's name, and what else identifies it, at the head of every page.
+fn on_every_page(title: &str, headed: &Headed) -> String {
+    let words = [Some(title), headed.serial.as_deref(), headed.date.as_deref()];
+    let words = words.into_iter().flatten().collect::<Vec<_>>().join(" - ");
+    // A string of a style sheet, inside an element that ends at its first `</`: everything but letters, digits and blanks by its code.
+    let mut quoted = String::new();
+    for c in words.chars() {
+        if c.is_alphanumeric() || c == ' ' {
+            quoted.push(c);
+        } else {
+            // The blank ends the code.
+            quoted += &format!("\\{:06x} ", u32::from(c));
+        }
+    }
+    format!("@page{{size:{};margin-top:18mm;@top-left{{content:\"{quoted}\";font-size:9pt}}}}", headed.paper.css())
 }
 
 fn flags(one: &Measured, named: bool) -> Markup {
@@ -60,7 +88,7 @@ fn flags(one: &Measured, named: bool) -> Markup {
     }
 }
 
-fn table(measured: &[Measured]) -> Markup {
+fn table(measured: &[Measured], lengths: Lengths) -> Markup {
     let is_shown = |line: &&Line| line.norm.is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
     html! {
         h2 { "Measures" }
@@ -76,23 +104,23 @@ fn table(measured: &[Measured]) -> Markup {
             tbody {
                 @for group in &GROUPS {
                     tr.group { th colspan=(measured.len() + 3) scope="rowgroup" { (group.heading) } }
-                    @for line in group.lines.iter().filter(is_shown) { (row(line, measured)) }
+                    @for line in group.lines.iter().filter(is_shown) { (row(line, measured, lengths)) }
                 }
             }
         }
     }
 }
 
-fn row(line: &Line, measured: &[Measured]) -> Markup {
+fn row(line: &Line, measured: &[Measured], lengths: Lengths) -> Markup {
     html! {
         tr {
             th scope="row" { (line.label) }
             @for one in measured {
-                @let value = line.text((line.value)(&one.sheet));
+                @let value = shown(line, (line.value)(&one.sheet), lengths);
                 // Colour alone says nothing on a grey print.
                 @if line.is_out(&one.sheet) { td.out { (value) " !" } } @else { td { (value) } }
             }
-            td { (line.usual()) }
+            td { (usual_of(line, measured, lengths)) }
             td.source { (line.norm.map_or("", |norm| norm.source)) }
         }
     }

@@ -6,6 +6,8 @@ use erard_workshop::measure::Sheet;
 use erard_workshop::measure::norms::{GROUPS, Line};
 
 use super::Measured;
+use crate::sheet::{shown, usual};
+use crate::units::Lengths;
 
 /// Width of the labels.
 const LABELS: usize = 36;
@@ -17,18 +19,25 @@ fn wide(text: &str) -> usize {
     text.chars().count()
 }
 
-fn cell(line: &Line, sheet: &Sheet) -> String {
+fn cell(line: &Line, sheet: &Sheet, lengths: Lengths) -> String {
     let mark = if line.is_out(sheet) { OUT } else { "  " };
-    format!("{}{mark}", line.text((line.value)(sheet)))
+    format!("{}{mark}", shown(line, (line.value)(sheet), lengths))
+}
+
+/// What is usual, where it is the same for all of the sheets.
+pub fn usual_of(line: &Line, measured: &[Measured], lengths: Lengths) -> String {
+    let mut all = measured.iter().map(|one| usual(line, one.sheet.norms_for_key, lengths));
+    let first = all.next().unwrap_or_default();
+    if all.all(|other| other == first) { first } else { "by the key".to_owned() }
 }
 
 /// The table, the timing sheets and the red flags.
-pub fn text(measured: &[Measured]) -> String {
+pub fn text(measured: &[Measured], lengths: Lengths) -> String {
     let mut out = String::new();
     let widths: Vec<usize> = measured
         .iter()
         .map(|one| {
-            let cells = GROUPS.iter().flat_map(|group| group.lines).map(|line| wide(&cell(line, &one.sheet)));
+            let cells = GROUPS.iter().flat_map(|group| group.lines).map(|line| wide(&cell(line, &one.sheet, lengths)));
             cells.fold(wide(&one.label) + 2, usize::max)
         })
         .collect();
@@ -51,7 +60,11 @@ pub fn text(measured: &[Measured]) -> String {
                 continue;
             }
             let label = format!("  {}", line.label);
-            row(&label, &mut measured.iter().map(|one| cell(line, &one.sheet)), &line.usual());
+            row(
+                &label,
+                &mut measured.iter().map(|one| cell(line, &one.sheet, lengths)),
+                &usual_of(line, measured, lengths),
+            );
         }
     }
     for one in measured {

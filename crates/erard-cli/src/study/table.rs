@@ -2,6 +2,7 @@
 
 use erard::run::Events;
 use erard::trust::worst_of_each;
+use erard_workshop::measure::norms::Line;
 use erard_workshop::study::Played;
 
 use super::Axis;
@@ -14,6 +15,8 @@ pub struct Row {
     pub values: Vec<f64>,
     /// What came of it, or why nothing did.
     pub outcome: Result<Played, String>,
+    /// What was measured of the variant, in the order asked for; or why nothing could be.
+    pub measured: Result<Vec<Option<f64>>, String>,
 }
 
 impl Row {
@@ -47,9 +50,9 @@ const OUTCOMES: [(&str, Get); 10] = [
     ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
 ];
 
-/// Name and values of every column: what was varied, what came of it, whether the stroke failed (1, and nothing came of it), whether it can be
-/// trusted (1) and what of its energy is not explained.
-pub fn columns(axes: &[Axis], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
+/// Name and values of every column: what was varied, what came of it, what was measured, whether the stroke failed (1, and nothing came of it),
+/// whether it can be trusted (1) and what of its energy is not explained.
+pub fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
     let varied = axes.iter().enumerate().map(|(i, axis)| {
         let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
         (axis.column(), values)
@@ -62,7 +65,11 @@ pub fn columns(axes: &[Axis], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
     let trusted = rows.iter().map(|row| Some(f64::from(u8::from(row.is_trusted())))).collect();
     let residual = rows.iter().map(|row| row.outcome.as_ref().ok().and_then(|p| p.energy_residual)).collect();
     let last = [("failed", failed), ("trusted", trusted), ("energy_residual_relative", residual)];
-    varied.chain(outcomes).chain(last.map(|(name, values)| (name.to_owned(), values))).collect()
+    let measured = measures.iter().enumerate().map(|(i, line)| {
+        let values = rows.iter().map(|row| row.measured.as_ref().ok().and_then(|all| *all.get(i)?)).collect();
+        (line.key.to_owned(), values)
+    });
+    varied.chain(outcomes).chain(measured).chain(last.map(|(name, values)| (name.to_owned(), values))).collect()
 }
 
 /// A column of the printed table: its heading and its cell.
@@ -77,7 +84,7 @@ const SHOWN: [Shown; 5] = [
 ];
 
 /// The table for people, at most so many rows of it, the first and the last among them.
-pub fn lines(axes: &[Axis], rows: &[Row], most: usize) -> Vec<String> {
+pub fn lines(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Vec<String> {
     let mut head = String::from(" ");
     for axis in axes {
         head += &format!(" {:>width$}", axis.column(), width = width(axis));
@@ -85,7 +92,11 @@ pub fn lines(axes: &[Axis], rows: &[Row], most: usize) -> Vec<String> {
     for (name, _) in SHOWN {
         head += &format!(" {name:>11}");
     }
-    let mut lines = vec![format!("{head} {:>8}", "strikes")];
+    head += &format!(" {:>8}", "strikes");
+    for line in measures {
+        head += &format!(" {:>width$}", line.key, width = wide(line));
+    }
+    let mut lines = vec![head];
     let shown = most.min(rows.len()).max(1);
     for k in 0..shown {
         let Some(row) = rows.get(k * rows.len().saturating_sub(1) / (shown - 1).max(1)) else { continue };
@@ -105,9 +116,23 @@ pub fn lines(axes: &[Axis], rows: &[Row], most: usize) -> Vec<String> {
             }
             Err(error) => line += &format!("  failed: {error}"),
         }
+        match &row.measured {
+            Ok(values) => {
+                for (measure, value) in measures.iter().zip(values) {
+                    let text = value.map_or("-".to_owned(), |x| format!("{x:.*}", measure.decimals));
+                    line += &format!(" {text:>width$}", width = wide(measure));
+                }
+            }
+            Err(error) if row.outcome.is_ok() => line += &format!("  not measured: {error}"),
+            Err(_) => {}
+        }
         lines.push(line);
     }
     lines
+}
+
+fn wide(line: &Line) -> usize {
+    line.key.chars().count().max(8)
 }
 
 fn width(axis: &Axis) -> usize {

@@ -1,6 +1,7 @@
 //! `--vary let_off=-1mm..1mm:41`: what is varied, from where to where, in how many steps.
 
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, numbers_at, with_numbers};
+use erard::keyboard::{KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::study::Parameter;
 
@@ -13,6 +14,54 @@ pub enum Target {
     Parameter(Parameter),
     /// The constant force on the key.
     Force,
+    /// Which key of a keyboard.
+    Key,
+    /// A number of the instrument's file: its path, and which of the numbers there.
+    Number(String, usize),
+}
+
+/// What is varied, as it was read.
+#[derive(Debug)]
+pub enum Source {
+    /// An instrument's text.
+    Text(String),
+    /// A keyboard, whose keys are varied.
+    Keyboard(Box<Keyboard>),
+}
+
+impl Source {
+    /// The text of the instrument: of a keyboard, that of a key, or of its own.
+    fn text(&self, key: Option<usize>) -> String {
+        match self {
+            Source::Text(text) => text.clone(),
+            Source::Keyboard(keyboard) => keyboard.key_text(key.unwrap_or(keyboard.base_key)),
+        }
+    }
+
+    /// The instrument with one value of every axis that changes its text; `None` where no axis does.
+    ///
+    /// # Errors
+    /// What the reader says of such an instrument.
+    pub fn instrument(&self, axes: &[Axis], indices: &[usize]) -> Option<Result<Instrument, String>> {
+        let each = || axes.iter().zip(indices);
+        let key = each().find(|(axis, _)| axis.target == Target::Key).map(|(axis, &i)| axis.shown[i] as usize);
+        let changes: Vec<(&str, usize, f64)> = each()
+            .filter_map(|(axis, &i)| match &axis.target {
+                Target::Number(path, which) => Some((path.as_str(), *which, axis.shown[i])),
+                _ => None,
+            })
+            .collect();
+        if key.is_none() && changes.is_empty() {
+            return None;
+        }
+        let name = match key {
+            Some(key) => format!("key {key}"),
+            None => "the varied instrument".to_owned(),
+        };
+        let text =
+            with_numbers(&self.text(key), &changes).ok_or_else(|| "a number that is varied is not there".to_owned());
+        Some(text.and_then(|text| Instrument::parse(&text, &name).map_err(|error| error.to_string())))
+    }
 }
 
 /// One `--vary`.
@@ -30,10 +79,11 @@ pub struct Axis {
     pub target: Target,
 }
 
-/// The name of the force.
+/// The names of the force and of the key.
 const FORCE: &str = "force";
 /// Most degrees that a screw turns a curve.
 const MOST_TURNED_DEG: f64 = 90.0;
+const KEY: &str = "key";
 /// Most values of one axis.
 const MOST: usize = 100_000;
 
@@ -42,19 +92,25 @@ impl Axis {
     ///
     /// # Errors
     /// One sentence that says what is wrong and what would be right.
-    pub fn parse(text: &str, instrument: &Instrument) -> Result<Self, String> {
+    pub fn parse(text: &str, instrument: &Instrument, source: &Source) -> Result<Self, String> {
         let (name, values) = text
             .split_once('=')
             .ok_or_else(|| format!("`{text}`: expected a name, `=`, and values such as `let_off=-1mm..1mm:41`"))?;
         let name = name.trim();
+        if name == KEY {
+            return Self::keys(values);
+        }
         let (target, per_si, unit, suffixes): (Target, f64, &str, &[&str]) = if name == FORCE {
             (Target::Force, 1.0, "N", &["N"])
+        } else if let Some(number) = number_of(name, source) {
+            (number, 1.0, "", &[])
         } else {
             let all = Parameter::all(instrument);
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
                 let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
                 return Err(format!(
-                    "`{name}` is nothing that can be varied here; expected {FORCE}, {}",
+                    "`{name}` is nothing that can be varied here; expected {FORCE}, {}, {KEY} (of a keyboard), or the path of a number in \
+                     the file, as in `body.hammer.mass_g` or `zone.string.disc.center_mm.x`",
                     known.join(", ")
                 ));
             };
@@ -75,7 +131,12 @@ impl Axis {
             let bare = suffixes.iter().find_map(|suffix| text.strip_suffix(suffix)).unwrap_or(text).trim_end();
             let value = bare.parse::<f64>().ok().filter(|value| value.is_finite());
             value.ok_or_else(|| {
-                let kind = if unit.is_empty() { "a factor".to_owned() } else { format!("a number of {unit}") };
+                let is_number = matches!(target, Target::Number(..));
+                let kind = match unit {
+                    "" if is_number => "a number".to_owned(),
+                    "" => "a factor".to_owned(),
+                    unit => format!("a number of {unit}"),
+                };
                 format!("`{text}` in `--vary {name}`: expected {kind}")
             })
         };
@@ -111,6 +172,36 @@ impl Axis {
         }
     }
 
+    /// Keys of a keyboard: `1..88`, `1..88:12`, `1,40,88`.
+    fn keys(values: &str) -> Result<Self, String> {
+        let wrong = || {
+            format!(
+                "`--vary {KEY}={values}`: expected keys from 1 to {KEYS}, as in `{KEY}=1..88`, `{KEY}=1..88:12` or `{KEY}=1,40,88`"
+            )
+        };
+        let number =
+            |text: &str| text.trim().parse::<usize>().ok().filter(|key| (1..=KEYS).contains(key)).ok_or_else(wrong);
+        let (range, count) = match values.rsplit_once(':') {
+            Some((range, count)) => (range, Some(count.trim().parse::<usize>().ok().ok_or_else(wrong)?)),
+            None => (values, None),
+        };
+        let keys: Vec<usize> = match (range.split_once(".."), count) {
+            (Some((from, to)), count) => {
+                let (from, to) = (number(from)?, number(to)?);
+                let all = to.checked_sub(from).ok_or_else(wrong)? + 1;
+                let count = count.unwrap_or(all);
+                if !(2..=all).contains(&count) {
+                    return Err(wrong());
+                }
+                (0..count).map(|i| from + i * (to - from) / (count - 1)).collect()
+            }
+            (None, None) => range.split(',').map(number).collect::<Result<_, _>>()?,
+            _ => return Err(wrong()),
+        };
+        let shown = keys.into_iter().map(|key| key as f64).collect();
+        Ok(Axis { name: KEY.to_owned(), unit: "", shown, per_si: 1.0, target: Target::Key })
+    }
+
     /// A value in SI units, or the factor.
     pub fn si(&self, index: usize) -> f64 {
         self.shown[index] / self.per_si
@@ -118,6 +209,9 @@ impl Axis {
 
     /// The name of its column: with the unit, as all columns.
     pub fn column(&self) -> String {
+        if matches!(self.target, Target::Key | Target::Number(..)) {
+            return self.name.clone();
+        }
         let unit = self.unit.replace(' ', "_");
         if unit.is_empty() { format!("{}_factor", self.name) } else { format!("{}_{unit}", self.name) }
     }
@@ -125,6 +219,8 @@ impl Axis {
     fn allows(&self, shown: f64) -> bool {
         match &self.target {
             Target::Force => shown.abs() <= MAX_FORCE_N,
+            // The reader of the file knows what can be.
+            Target::Key | Target::Number(..) => true,
             Target::Parameter(parameter) if parameter.is_factor() => (1e-3..=1e3).contains(&shown),
             // As far as a file's own setting may turn a curve.
             Target::Parameter(_) if self.unit == "degrees" => shown.abs() <= MOST_TURNED_DEG,
@@ -136,6 +232,7 @@ impl Axis {
     fn allowed(&self) -> String {
         match &self.target {
             Target::Force => format!("at most {MAX_FORCE_N} N"),
+            Target::Key | Target::Number(..) => "a number".into(),
             Target::Parameter(parameter) if parameter.is_factor() => "a factor from 0.001 to 1000".into(),
             Target::Parameter(_) if self.unit == "degrees" => format!("at most {MOST_TURNED_DEG} degrees either way"),
             Target::Parameter(_) => format!("at most {} {}", 0.1 * self.per_si, self.unit),
@@ -143,9 +240,48 @@ impl Axis {
     }
 }
 
+/// A number of the file by its path; of two (a point), by `.x` or `.y` behind it.
+fn number_of(name: &str, source: &Source) -> Option<Target> {
+    let text = source.text(None);
+    if numbers_at(&text, name).is_some_and(|numbers| numbers.len() == 1) {
+        return Some(Target::Number(name.to_owned(), 0));
+    }
+    let (path, axis) = name.rsplit_once('.')?;
+    let which = ["x", "y"].iter().position(|known| *known == axis)?;
+    numbers_at(&text, path).filter(|numbers| numbers.len() == 2)?;
+    Some(Target::Number(path.to_owned(), which))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read() -> Source {
+        Source::Text(Instrument::builtin_text("concert-grand").unwrap().to_owned())
+    }
+
+    /// Keys, numbers of the file and coordinates are read, and make the instruments that they say.
+    #[test]
+    fn keys_and_numbers_are_varied() {
+        let keyboard = Source::Keyboard(Box::new(Keyboard::builtin("concert-grand").unwrap()));
+        let keys = Axis::parse("key=1..88:4", &grand(), &keyboard).unwrap();
+        assert_eq!((keys.shown.as_slice(), keys.column().as_str()), (&[1.0, 30.0, 59.0, 88.0][..], "key"));
+        assert_eq!(Axis::parse("key=1..88", &grand(), &keyboard).unwrap().shown.len(), 88);
+        let mass = Axis::parse("body.hammer.mass_g=10..12:3", &grand(), &keyboard).unwrap();
+        assert_eq!(mass.column(), "body.hammer.mass_g");
+        let axes = [keys, mass];
+        let one = keyboard.instrument(&axes, &[3, 2]).unwrap().unwrap();
+        let hammer = one.bodies.iter().find(|body| body.name == "hammer").unwrap();
+        assert!(one.name.contains("key 88") && (hammer.mass_kg - 12e-3).abs() < 1e-12);
+        let x = Axis::parse("zone.capstan_heel.disc.center_mm.x=140,145", &grand(), &read()).unwrap();
+        assert_eq!(x.target, Target::Number("zone.capstan_heel.disc.center_mm".into(), 0));
+        for wrong in ["key=0..88", "key=1..89", "key=9..2", "key=1..5:9", "key=C4"] {
+            assert!(Axis::parse(wrong, &grand(), &keyboard).unwrap_err().contains("keys from 1 to 88"), "{wrong}");
+        }
+        // What cannot be is said by the reader of such a file.
+        let axes = [Axis::parse("body.hammer.mass_g=-3,1", &grand(), &read()).unwrap()];
+        assert!(read().instrument(&axes, &[0]).unwrap().unwrap_err().contains("mass_g"));
+    }
 
     fn grand() -> Instrument {
         Instrument::builtin("concert-grand").unwrap()
@@ -153,14 +289,14 @@ mod tests {
 
     #[test]
     fn ranges_and_lists_are_read() {
-        let axis = Axis::parse("let_off=-1mm..1mm:5", &grand()).unwrap();
+        let axis = Axis::parse("let_off=-1mm..1mm:5", &grand(), &read()).unwrap();
         assert_eq!(axis.shown, [-1.0, -0.5, 0.0, 0.5, 1.0]);
         assert_eq!((axis.column().as_str(), axis.si(0)), ("let_off_mm", -1e-3));
-        let axis = Axis::parse("body.hammer.mass=0.8, 1 ,1.25", &grand()).unwrap();
+        let axis = Axis::parse("body.hammer.mass=0.8, 1 ,1.25", &grand(), &read()).unwrap();
         assert_eq!((axis.shown.as_slice(), axis.column().as_str()), (&[0.8, 1.0, 1.25][..], "body.hammer.mass_factor"));
-        let axis = Axis::parse("force=1N..20:3", &grand()).unwrap();
+        let axis = Axis::parse("force=1N..20:3", &grand(), &read()).unwrap();
         assert_eq!((axis.shown.as_slice(), axis.column().as_str()), (&[1.0, 10.5, 20.0][..], "force_N"));
-        let axis = Axis::parse("back_check_angle=-2deg..2 degrees:2", &grand()).unwrap();
+        let axis = Axis::parse("back_check_angle=-2deg..2 degrees:2", &grand(), &read()).unwrap();
         assert!((axis.si(1) - 2.0_f64.to_radians()).abs() < 1e-15);
     }
 
@@ -184,7 +320,7 @@ mod tests {
             ("back_check_angle=1e9", "at most 90 degrees either way"),
             ("back_check_angle=-91deg..0deg:3", "at most 90 degrees either way"),
         ] {
-            let error = Axis::parse(text, &grand()).unwrap_err();
+            let error = Axis::parse(text, &grand(), &read()).unwrap_err();
             assert!(error.contains(told), "{text}: {error}");
         }
     }

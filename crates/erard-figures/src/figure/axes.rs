@@ -34,6 +34,14 @@ pub(super) fn together(
     numbers: bool,
     clip: &str,
 ) {
+    let upon_each_other;
+    let is_stacked = panel.layout == Layout::Stacked;
+    let panel = if is_stacked {
+        upon_each_other = stacked(panel);
+        &upon_each_other
+    } else {
+        panel
+    };
     let scale = if panel.layout == Layout::Logarithmic { Scale::Logarithmic } else { Scale::Linear };
     let axis = match panel.y_range {
         Some(ends) => Axis::between(scale, ends),
@@ -54,7 +62,14 @@ pub(super) fn together(
         }
     }
     let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
-    for (index, curve) in panel.curves.iter().enumerate() {
+    // From the highest down: each covers what lies below it.
+    for curve in panel.curves.iter().rev().filter(|_| is_stacked) {
+        for run in thinned(figure, curve, window, area) {
+            let run: Vec<(f64, f64)> = run.into_iter().map(|(x, value)| (x, y_of(value))).collect();
+            filled(out, curve.colour, &run, y_of(0.0));
+        }
+    }
+    for (index, curve) in panel.curves.iter().enumerate().filter(|_| !is_stacked) {
         for run in thinned(figure, curve, window, area) {
             let run: Vec<(f64, f64)> = run.into_iter().map(|(x, value)| (x, y_of(value))).collect();
             // A logarithm may be infinite where the value is not.
@@ -70,6 +85,35 @@ pub(super) fn together(
         }
     }
     out.push_str("</g>");
+}
+
+/// The panel with each curve upon the sum of those before it, from zero.
+fn stacked<'a>(panel: &Panel<'a>) -> Panel<'a> {
+    let mut sum: Vec<f64> = Vec::new();
+    let curves = panel.curves.iter().map(|curve| {
+        sum.resize(sum.len().max(curve.y.len()), 0.0);
+        sum.iter_mut().zip(curve.y.iter()).for_each(|(sum, y)| *sum += y);
+        Trace { y: Cow::Owned(sum.clone()), ..curve.clone() }
+    });
+    let curves: Vec<Trace<'a>> = curves.collect();
+    let highest = sum.iter().copied().filter(|y| y.is_finite()).fold(0.0, f64::max);
+    let y_range = panel.y_range.or(Some((0.0, if highest > 0.0 { 1.05 * highest } else { 1.0 })));
+    Panel { y_range, curves, ..panel.clone() }
+}
+
+/// The space between a curve and a level.
+fn filled(out: &mut String, colour: &str, run: &[(f64, f64)], level: f64) {
+    let ([first, ..], [.., last]) = (run, run) else { return };
+    let _ = write!(
+        out,
+        "<polygon fill=\"{colour}\" stroke=\"#fff\" stroke-width=\".6\" points=\"{},{}",
+        short(first.0),
+        short(level)
+    );
+    for (x, y) in run {
+        let _ = write!(out, " {},{}", short(*x), short(*y));
+    }
+    let _ = write!(out, " {},{}\"/>", short(last.0), short(level));
 }
 
 fn polyline(out: &mut String, curve: &Trace, run: &[(f64, f64)]) {

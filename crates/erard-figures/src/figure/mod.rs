@@ -68,6 +68,8 @@ pub enum Layout {
     Together,
     /// All over one logarithmic axis.
     Logarithmic,
+    /// One upon the other from zero, the space below each in its colour: parts of a whole. None may be negative.
+    Stacked,
     /// Each in a lane of its own, all lanes with the same logarithmic axis from `floor` to `ceiling`: for many
     /// curves that start and stop and span decades, such as contact forces.
     Lanes {
@@ -235,7 +237,7 @@ pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
             );
             axes::abscissa(&mut out, figure, window, area, is_last);
             match panel.layout {
-                Layout::Together | Layout::Logarithmic => {
+                Layout::Together | Layout::Logarithmic | Layout::Stacked => {
                     axes::together(&mut out, figure, panel, window, area, column == 0, &clip)
                 }
                 Layout::Lanes { .. } => lanes::lanes(&mut out, figure, panel, window, area, column == 0, &clip),
@@ -252,7 +254,9 @@ pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
         }
         axes::panel_name(&mut out, panel, y);
         match panel.layout {
-            Layout::Together | Layout::Logarithmic => axes::legend(&mut out, panel, width - RIGHT + 12.0, y),
+            Layout::Together | Layout::Logarithmic | Layout::Stacked => {
+                axes::legend(&mut out, panel, width - RIGHT + 12.0, y)
+            }
             Layout::Lanes { .. } => lanes::names(&mut out, panel, width - RIGHT + 12.0, y),
         }
         y += panel.height_px + PANEL_GAP;
@@ -321,5 +325,51 @@ mod tests {
             #[cfg(feature = "png")]
             png_from_svg(&svg, 0.5).unwrap();
         }
+    }
+
+    /// Areas stand one upon the other: parts of 1 and 3 end at 1 and at 4 of an axis that ends at 4.2, a twentieth above the whole.
+    #[test]
+    fn stacked_areas_end_at_their_sums() {
+        let trace = |label: &str, y: f64, colour| Trace {
+            label: label.into(),
+            x: &[0.0, 1.0],
+            y: vec![y, y].into(),
+            colour,
+            dash: Dash::Solid,
+        };
+        let panels = vec![Panel {
+            quantity: "lost".into(),
+            unit: "mJ",
+            height_px: 210.0,
+            layout: Layout::Stacked,
+            y_range: None,
+            curves: vec![trace("one", 1.0, PALETTE[0]), trace("other", 3.0, PALETTE[1])],
+        }];
+        let window = Window { from: 0.0, to: 1.0, weight: 1.0, heading: String::new(), names_markers: false };
+        let figure = Figure {
+            title: "t".into(),
+            subtitle: String::new(),
+            width_px: 600.0,
+            x_label: "x".into(),
+            x_unit: 1.0,
+            x_scale: Scale::Linear,
+            windows: vec![window],
+            panels,
+            markers: Vec::new(),
+        };
+        let svg = figure_svg(&figure);
+        let tops: Vec<f64> = svg
+            .split("<polygon ")
+            .skip(1)
+            .map(|polygon| {
+                let points = polygon.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
+                let ordinates = points.split(' ').map(|point| point.split_once(',').unwrap().1.parse::<f64>().unwrap());
+                ordinates.fold(f64::INFINITY, f64::min)
+            })
+            .collect();
+        // The title and a margin stand above the panel: 38 px. The whole is drawn first, the part over it.
+        let y = |value: f64| 38.0 + 210.0 * (1.0 - value / 4.2);
+        assert_eq!(tops.len(), 2);
+        assert!((tops[0] - y(4.0)).abs() < 0.06 && (tops[1] - y(1.0)).abs() < 0.06, "{tops:?}");
     }
 }

@@ -73,14 +73,14 @@ fn panel_value(panel: &Panel, at: &dyn Fn(&[f64]) -> String) -> Value {
             };
             // lanes show the zones' forces, which are there already
             let source = match panel.layout {
-                Layout::Together | Layout::Logarithmic => json!({"y": at(&curve.y)}),
+                Layout::Together | Layout::Logarithmic | Layout::Stacked => json!({"y": at(&curve.y)}),
                 Layout::Lanes { .. } => json!({"zone": index}),
             };
             json!({"label": curve.label, "colour": curve.colour, "dash": dash, "source": source})
         })
         .collect();
     let lanes = match panel.layout {
-        Layout::Together | Layout::Logarithmic => Value::Null,
+        Layout::Together | Layout::Logarithmic | Layout::Stacked => Value::Null,
         Layout::Lanes { floor, ceiling } => json!([floor, ceiling]),
     };
     json!({"quantity": panel.quantity, "unit": panel.unit, "range": panel.y_range, "lanes": lanes, "curves": curves})

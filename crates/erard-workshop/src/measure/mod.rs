@@ -17,7 +17,7 @@ mod trial;
 pub mod weights;
 
 pub use crate::cores::Interrupt;
-pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure};
+pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure, measure_key, measure_some};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
 use thiserror::Error;

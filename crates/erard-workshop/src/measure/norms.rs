@@ -3,17 +3,53 @@
 use serde::Serialize;
 
 use super::sheet::Sheet;
+use erard::keyboard::note_name;
 
 /// What is usual, and who says so.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Norm {
-    /// Lower end; `None` is open.
-    pub low: Option<f64>,
-    /// Upper end; `None` is open.
-    pub high: Option<f64>,
+    /// Lower end.
+    pub low: Limit,
+    /// Upper end.
+    pub high: Limit,
     /// Where it was read, and what was made of it.
     pub source: &'static str,
 }
+
+/// One end of what is usual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// There is none.
+    Open,
+    /// The same for all keys.
+    All(f64),
+    /// At some keys, ascending, and on straight lines between them; beyond the first and the last as there.
+    ByKey(&'static [(usize, f64)]),
+}
+
+impl Limit {
+    /// At a key, 1 to 88.
+    #[must_use]
+    pub fn at(&self, key: usize) -> Option<f64> {
+        match *self {
+            Limit::Open => None,
+            Limit::All(value) => Some(value),
+            Limit::ByKey(points) => {
+                let after = points.partition_point(|(at, _)| *at <= key);
+                let &(left, from) = points.get(after.saturating_sub(1))?;
+                Some(match points.get(after) {
+                    Some(&(right, to)) if key > left => {
+                        from + (to - from) * (key - left) as f64 / (right - left) as f64
+                    }
+                    _ => from,
+                })
+            }
+        }
+    }
+}
+
+/// The key whose norms hold where nobody says which it is: middle C.
+pub const MIDDLE_C: usize = 40;
 
 /// One line of the sheet.
 #[derive(Debug, Clone, Copy)]
@@ -55,12 +91,39 @@ const REGULATION: &str = "Brekne 2009 (Yamaha academy), Gillespie et al. 2011, t
 const REGULATION_HALF: &str = "1.5 mm in the same guides; half a millimetre either way is this sheet's tolerance";
 
 const fn between(low: f64, high: f64, source: &'static str) -> Option<Norm> {
-    Some(Norm { low: Some(low), high: Some(high), source })
+    Some(Norm { low: Limit::All(low), high: Limit::All(high), source })
 }
 
 const fn at_least(low: f64, source: &'static str) -> Option<Norm> {
-    Some(Norm { low: Some(low), high: None, source })
+    Some(Norm { low: Limit::All(low), high: Limit::Open, source })
 }
+
+/// Strike weights of medium hammers. Lower ends: Stanwood's guideline at notes 1 and 88, 10.3 and 4.6 g (Pianotech list, 12 July 1995), and his
+/// heads without shank at notes 16, 40 and 64, 8.0, 6.8 and 5.1 g (1997), with 1.7 g of shank. Upper ends: those heads' upper ends, 9.9, 8.6 and
+/// 6.7 g, with 1.9 g of shank; at notes 1 and 88 as far above the lower end as at notes 16 and 64.
+const STRIKE_WEIGHT: Norm = Norm {
+    low: Limit::ByKey(&[(1, 10.3), (16, 9.7), (40, 8.5), (64, 6.8), (88, 4.6)]),
+    high: Limit::ByKey(&[(1, 12.4), (16, 11.8), (40, 10.5), (64, 8.6), (88, 6.4)]),
+    source: "Stanwood 1995 (notes 1, 88) and 1997 (heads alone, notes 16, 40, 64, with 1.7-1.9 g of shank)",
+};
+
+/// Friction weights: published are 16 g in the bass, 9 to 12.5 g in the middle and 10 g in the treble (Stanwood 1995, Love, Ballard). 14 g pass
+/// in the middle, 3.25 g above the middle of 9 to 12.5; as much is let pass above 16 and 10 g. Little friction is let pass everywhere, to 8 g in
+/// bass and middle, as far below the middle, to 7.2 g in the treble.
+const FRICTION_WEIGHT: Norm = Norm {
+    low: Limit::ByKey(&[(40, 8.0), (88, 7.2)]),
+    high: Limit::ByKey(&[(1, 19.2), (40, 14.0), (88, 13.2)]),
+    source: "Stanwood 1995, Love, Ballard: 16 g bass, 9-12.5 g in mid keyboard, 10 g treble; 3.2 g more are let pass",
+};
+
+/// Effective inertia: the published numbers (0.286 kg Hartman, 0.215 to 0.226 kg pianobytes) name no key and are taken for middle C, where 0.2 to
+/// 0.35 kg pass. Four fifths of it are the hammer's here, which go with the usual strike weight: x (0.2 + 0.8 SW / 9.5 g) at the middle of what
+/// is usual, 11.35, 10.75, 9.5, 7.7 and 5.5 g. An estimate.
+const INERTIA: Norm = Norm {
+    low: Limit::ByKey(&[(1, 0.231), (16, 0.221), (40, 0.2), (64, 0.17), (88, 0.133)]),
+    high: Limit::ByKey(&[(1, 0.405), (16, 0.387), (40, 0.35), (64, 0.297), (88, 0.232)]),
+    source: "0.286 kg Hartman, 0.215-0.226 kg pianobytes, taken for middle C; 0.2-0.35 kg are let pass there, elsewhere with the strike weight",
+};
 
 const fn line(
     key: &'static str,
@@ -101,7 +164,7 @@ pub const GROUPS: [Group; 6] = [
                 "g",
                 1,
                 |s| s.friction_weight_g,
-                between(8.0, 14.0, "Stanwood 1995-96: 9-12.5 g in mid keyboard, 16 g bass to 10 g treble"),
+                Some(FRICTION_WEIGHT),
             ),
             line(
                 "dampers_down.down_weight_g",
@@ -135,18 +198,7 @@ pub const GROUPS: [Group; 6] = [
         heading: "Parts on the scale, and the equation of balance BW + FW = KR WW + R SW",
         lines: &[
             line("front_weight_g", "front weight FW", "g", 1, |s| Some(s.front_weight_g), None),
-            line(
-                "strike_weight_g",
-                "strike weight SW",
-                "g",
-                1,
-                |s| Some(s.strike_weight_g),
-                between(
-                    8.5,
-                    10.5,
-                    "Stanwood 1997: 6.8-8.6 g head alone near note 40, with 1.7-1.9 g of shank (estimate)",
-                ),
-            ),
+            line("strike_weight_g", "strike weight SW", "g", 1, |s| Some(s.strike_weight_g), Some(STRIKE_WEIGHT)),
             line(
                 "whippen_weight_g",
                 "whippen weight WW",
@@ -236,21 +288,25 @@ pub const GROUPS: [Group; 6] = [
             ),
             line("check_mm", "check distance", "mm", 1, |s| s.check_mm, between(12.0, 15.0, REGULATION)),
             line("repetition_rise_mm", "rise from the check", "mm", 1, |s| s.repetition_rise_mm, None),
-            line("repetition_spring_m_s", "  its speed (spring)", "m/s", 2, |s| s.repetition_spring_m_s, None),
+            line(
+                "repetition_spring_m_s",
+                "  its speed (spring)",
+                "m/s",
+                2,
+                |s| s.repetition_spring_m_s,
+                between(
+                    0.2,
+                    0.45,
+                    "no published number: `regulate` aims at 0.3 m/s, a brisk rise without a kick; a third less and half more pass",
+                ),
+            ),
             line("damper_start_share", "damper starts, of the dip", "", 2, |s| s.damper_start_share, None),
         ],
     },
     Group {
         heading: "Inertia at the key front (half-way, pedal down)",
         lines: &[
-            line(
-                "effective_inertia_kg",
-                "effective inertia",
-                "kg",
-                3,
-                |s| Some(s.effective_inertia_kg),
-                between(0.2, 0.35, "0.286 kg Hartman, 0.215-0.226 kg pianobytes; 0.2-0.35 kg is let pass here"),
-            ),
+            line("effective_inertia_kg", "effective inertia", "kg", 3, |s| Some(s.effective_inertia_kg), Some(INERTIA)),
             line("effective_inertia_key_kg", "  key", "kg", 3, |s| Some(s.effective_inertia_key_kg), None),
             line("effective_inertia_whippen_kg", "  whippen", "kg", 3, |s| Some(s.effective_inertia_whippen_kg), None),
             line("effective_inertia_hammer_kg", "  hammer", "kg", 3, |s| Some(s.effective_inertia_hammer_kg), None),
@@ -298,28 +354,37 @@ impl Line {
         }
     }
 
-    /// What is usual, e.g. `45.0-55.0`; empty where nothing is.
+    /// What is usual at a key, from low to high; either end may be open.
     #[must_use]
-    pub fn usual(&self) -> String {
+    pub fn range(&self, key: usize) -> [Option<f64>; 2] {
+        self.norm.map_or([None; 2], |norm| [norm.low.at(key), norm.high.at(key)])
+    }
+
+    /// What is usual at a key, e.g. `45.0-55.0`; empty where nothing is.
+    #[must_use]
+    pub fn usual(&self, key: usize) -> String {
         let number = |x: f64| format!("{x:.*}", self.decimals);
-        match self.norm {
-            Some(Norm { low: Some(low), high: Some(high), .. }) => format!("{}-{}", number(low), number(high)),
-            Some(Norm { low: Some(low), .. }) => format!("from {}", number(low)),
-            Some(Norm { high: Some(high), .. }) => format!("to {}", number(high)),
-            _ => String::new(),
+        match self.range(key) {
+            [Some(low), Some(high)] => format!("{}-{}", number(low), number(high)),
+            [Some(low), None] => format!("from {}", number(low)),
+            [None, Some(high)] => format!("to {}", number(high)),
+            [None, None] => String::new(),
         }
     }
 
     /// Whether a sheet's value is out of the norm. A value that is missing is: what did not happen should have.
     #[must_use]
     pub fn is_out(&self, sheet: &Sheet) -> bool {
-        let Some(norm) = self.norm else { return false };
+        if self.norm.is_none() {
+            return false;
+        }
+        let [low, high] = self.range(sheet.norms_for_key);
         match (self.value)(sheet) {
             Some(value) => {
                 // As it is read: digits that no technician sees raise no flag.
                 let scale = 10_f64.powi(self.decimals as i32);
-                let read = (value * scale).round() / scale;
-                norm.low.is_some_and(|low| read < low) || norm.high.is_some_and(|high| read > high)
+                let read = |x: f64| (x * scale).round() / scale;
+                low.is_some_and(|low| read(value) < read(low)) || high.is_some_and(|high| read(value) > read(high))
             }
             None => true,
         }
@@ -336,11 +401,15 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
     for line in lines().filter(|line| line.is_out(sheet)) {
         let label = line.label.trim_start();
         let value = (line.value)(sheet);
+        let usual = format!("{} {}", line.usual(sheet.norms_for_key), line.unit);
+        // Where it depends on the key, whose it is.
+        let by_key = line.norm.is_some_and(|norm| matches!(norm.high, Limit::ByKey(_)));
+        let whose = if by_key { format!(" at {}", note_name(sheet.norms_for_key)) } else { String::new() };
         let message = match value {
-            Some(_) => format!("{label} {}: usual is {} {}", line.text(value), line.usual(), line.unit),
-            None => format!("{label}: not to be had; usual is {} {}", line.usual(), line.unit),
+            Some(_) => format!("{label} {}: usual is {}{whose}", line.text(value), usual.trim_end()),
+            None => format!("{label}: not to be had; usual is {}{whose}", usual.trim_end()),
         };
-        flags.push(Flag { key: line.key, message: message.trim_end().to_owned() });
+        flags.push(Flag { key: line.key, message });
     }
     if let Some(weights) = sheet.strike_weight_ratio_weights {
         let apart = weights / sheet.strike_weight_ratio_kinematics - 1.0;
@@ -366,4 +435,29 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         }
     }
     flags
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At the keys of the sources their numbers, between them a straight line, beyond them the nearest; middle C's are those of before.
+    #[test]
+    fn norms_follow_the_register() {
+        let line = |key: &str| lines().find(|line| line.key == key).unwrap();
+        assert_eq!(line("strike_weight_g").usual(40), "8.5-10.5");
+        assert_eq!(line("strike_weight_g").usual(88), "4.6-6.4");
+        assert_eq!(line("strike_weight_g").usual(1), "10.3-12.4");
+        // Half-way from 9.7 to 8.5 and from 11.8 to 10.5.
+        assert_eq!(line("strike_weight_g").range(28), [Some(9.1), Some(11.15)]);
+        assert_eq!(line("friction_weight_g").usual(40), "8.0-14.0");
+        // 16 g in the bass and 10 g in the treble are normal.
+        for (key, grams) in [(1, 16.0), (88, 10.0)] {
+            let [low, high] = line("friction_weight_g").range(key);
+            assert!(low.unwrap() < grams && grams < high.unwrap(), "{key}");
+        }
+        assert_eq!(line("effective_inertia_kg").usual(40), "0.200-0.350");
+        assert_eq!(line("down_weight_g").usual(1), line("down_weight_g").usual(88));
+        assert_eq!(line("lost_motion_mm").usual(40), "");
+    }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::inertia::{InertiaCurve, inertia};
-use super::norms::{Flag, flags};
+use super::norms::{Flag, Line, MIDDLE_C, flags};
 use super::range::{Loudness, Softest, midi_velocity, softest, speed_against_force};
 use super::repetition::{PRESS_N, Repetition, repetition};
 use super::slow_loop::{SlowLoop, SlowWay, slow_loop};
@@ -11,7 +11,7 @@ use super::timing::{Timing, timing};
 use super::weights::{
     FreeWay, HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, free_way, on_the_key, on_the_scale,
 };
-use super::{MeasureError, NotAnAction, range};
+use super::{Interrupt, MeasureError, NotAnAction, range};
 use crate::cores::{self, do_all, job};
 use crate::distances::{self, Distances, Protocol};
 use erard::grand::{Parts, pedal_down};
@@ -32,6 +32,8 @@ const LOOP_POINTS: usize = 600;
 pub struct Sheet {
     /// Instrument name.
     pub instrument: String,
+    /// The key whose norms its values are held against, 1 to 88.
+    pub norms_for_key: usize,
     /// Pedal down, by trial with weights, g.
     pub down_weight_g: Option<f64>,
     /// The same, g.
@@ -167,7 +169,7 @@ impl From<Touch> for TouchNumbers {
 }
 
 /// A slow loop: key travel (mm) and force (N), way down and way up.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct LoopNumbers {
     /// mm.
@@ -193,7 +195,7 @@ impl From<&SlowLoop> for LoopNumbers {
 }
 
 /// Effective mass (kg) over key travel (mm).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct InertiaNumbers {
     /// mm.
     pub key_mm: Vec<f64>,
@@ -265,13 +267,27 @@ struct Results {
     timing: Option<Vec<Timing>>,
     hysteresis: Option<SlowLoop>,
     hysteresis_damped: Option<SlowLoop>,
+    scale: Option<(PartWeights, StrikeRatio)>,
 }
 
-/// Measures an action from end to end. `progress` is told the share that is done, and ends the work by returning false.
+/// Measures an action from end to end, and holds it against the norms of middle C. `progress` is told the share that is done, and ends the work
+/// by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
 pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Sheet, MeasureError> {
+    measure_key(instrument, MIDDLE_C, progress)
+}
+
+/// The same for the norms of a key, 1 to 88.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn measure_key(
+    instrument: &Instrument,
+    key: usize,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Sheet, MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     // What everything else is measured against comes first: a tenth of the work.
@@ -305,53 +321,162 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
     }
     do_all(jobs, cores::count(), &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
     let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
-    let scale = on_the_scale(instrument, way.end_m, decided_m)?;
-    r.sheet(instrument, way, &distances, scale).ok_or(MeasureError::Lost)
+    r.scale = Some(on_the_scale(instrument, way.end_m, decided_m)?);
+    if !r.is_whole() {
+        return Err(MeasureError::Lost);
+    }
+    let mut sheet = r.sheet(instrument, key, Some(way), &distances);
+    sheet.flags = flags(&sheet);
+    Ok(sheet)
+}
+
+/// What the lines of a sheet are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Need {
+    Way,
+    Distances,
+    Touch,
+    Damped,
+    Scale,
+    Inertia,
+    Full,
+    Half,
+    Softest,
+    Hysteresis,
+}
+
+impl Need {
+    /// What a line needs, by its key.
+    fn of(key: &str) -> &'static [Need] {
+        match key {
+            "down_weight_g" | "up_weight_g" | "balance_weight_g" | "friction_weight_g" => &[Need::Touch],
+            "by_slow_loop.down_weight_g" | "by_slow_loop.up_weight_g" => &[Need::Touch],
+            "let_off_begins_mm" => &[Need::Way],
+            "let_off_resistance_N" => &[Need::Way, Need::Distances, Need::Hysteresis],
+            "loop_loss_mJ" => &[Need::Hysteresis],
+            "repetition_rate_hz" => &[Need::Full],
+            "repetition_rate_half_hz" => &[Need::Half],
+            key if key.starts_with("dampers_down.") => &[Need::Damped],
+            key if key.starts_with("effective_inertia") => &[Need::Inertia],
+            key if key.starts_with("softest_") => &[Need::Softest],
+            "front_weight_g" | "strike_weight_g" | "whippen_weight_g" | "key_ratio" => &[Need::Scale],
+            key if key.starts_with("strike_weight_ratio") => &[Need::Touch, Need::Scale],
+            _ => &[Need::Distances],
+        }
+    }
+}
+
+/// Measures only what some lines of the sheet need; their values, in their order. One after the other, for who measures many actions side by
+/// side.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn measure_some(
+    instrument: &Instrument,
+    lines: &[&Line],
+    going: Interrupt<'_>,
+) -> Result<Vec<Option<f64>>, MeasureError> {
+    let needs = |need: Need| lines.iter().any(|line| Need::of(line.key).contains(&need));
+    let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    let by_dip = needs(Need::Half) || needs(Need::Hysteresis);
+    let distances = if needs(Need::Distances) || by_dip {
+        distances::measure(instrument, &Protocol::default(), &mut || going())?
+    } else {
+        Distances::default()
+    };
+    let by_way = [Need::Way, Need::Touch, Need::Damped, Need::Scale, Need::Inertia].into_iter().any(needs);
+    let way = if by_way { Some(free_way(&lifted, &parts, going)?) } else { None };
+    let mut r = Results::default();
+    if let Some(way) = way {
+        if needs(Need::Touch) || needs(Need::Scale) {
+            let touch = on_the_key(&lifted, way.end_m, going)?;
+            r.scale = Some(on_the_scale(instrument, way.end_m, touch.decided_m)?);
+            r.touch = Some(touch);
+        }
+        if needs(Need::Damped) && parts.damper.is_some() {
+            r.damped = Some(on_the_key(instrument, way.end_m, going)?);
+        }
+        if needs(Need::Inertia) {
+            r.inertia = Some(inertia(instrument, way.end_m, going)?);
+        }
+    }
+    if by_dip {
+        let Some(dip) = distances.dip_m else { return Err(NotAnAction::Bottomless.into()) };
+        if needs(Need::Half) {
+            r.half = Some(repetition(instrument, 0.5 * dip, going)?);
+        }
+        if needs(Need::Hysteresis) {
+            r.hysteresis = Some(slow_loop(&lifted, dip + INTO_PUNCHING_M, going)?);
+        }
+    }
+    if needs(Need::Full) {
+        r.full = Some(repetition(instrument, HOME_M, going)?);
+    }
+    if needs(Need::Softest) {
+        r.softest = Some(softest(instrument, going)?);
+    }
+    let sheet = r.sheet(instrument, MIDDLE_C, way, &distances);
+    Ok(lines.iter().map(|line| (line.value)(&sheet).filter(|value| value.is_finite())).collect())
 }
 
 impl Results {
-    /// The sheet; `None` if a job left nothing behind.
-    fn sheet(
-        self,
-        instrument: &Instrument,
-        way: FreeWay,
-        distances: &Distances,
-        (parts, ratio): (PartWeights, StrikeRatio),
-    ) -> Option<Sheet> {
-        let (touch, curve) = (self.touch?, self.inertia?);
-        let (full, half, soft, hysteresis) = (self.full?, self.half?, self.softest?, self.hysteresis?);
-        let tried = TouchNumbers::from(touch.by_weights);
+    /// Whether nothing is missing that every action has.
+    fn is_whole(&self) -> bool {
+        let Results { touch, inertia, full, half, softest, loudness, timing, hysteresis, .. } = self;
+        let weighed = touch.is_some() && inertia.is_some() && hysteresis.is_some();
+        weighed && full.is_some() && half.is_some() && softest.is_some() && loudness.is_some() && timing.is_some()
+    }
+
+    /// The sheet, without its flags. What was not measured is not a number, or missing.
+    fn sheet(self, instrument: &Instrument, key: usize, way: Option<FreeWay>, distances: &Distances) -> Sheet {
+        const NONE: f64 = f64::NAN;
+        let (full, half, soft) = (self.full.flatten(), self.half.flatten(), self.softest.flatten());
+        let tried = TouchNumbers::from(self.touch.as_ref().map(|touch| touch.by_weights).unwrap_or_default());
         let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
-        let half_way_balance = touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2);
-        let (loudness, timing) = (self.loudness?, self.timing?);
-        let strokes = timing.iter().map(|t| (format!("{} {}", t.nuance, t.touch_name()), &t.warnings));
-        let forces = loudness.iter().map(|l| (format!("{} N", l.force_n), &l.warnings));
+        let half_way_balance = self
+            .touch
+            .as_ref()
+            .zip(way)
+            .and_then(|(touch, way)| touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2));
+        let part = |of: fn(&PartWeights) -> f64| self.scale.as_ref().map_or(NONE, |(parts, _)| of(parts));
+        let ratio = |of: fn(&StrikeRatio) -> f64| self.scale.as_ref().map_or(NONE, |(_, ratio)| of(ratio));
+        let by_weights =
+            |bw: Option<f64>| self.scale.as_ref().zip(bw).and_then(|((parts, _), bw)| parts.strike_weight_ratio(bw));
+        let share = |of: fn(&InertiaCurve) -> f64| self.inertia.as_ref().map_or(NONE, of);
+        let let_off = way.filter(|way| way.let_off);
+        let resistance = let_off
+            .zip(self.hysteresis.as_ref())
+            .and_then(|(way, slow)| let_off_resistance(slow, way.end_m, distances));
+        let strokes = self.timing.iter().flatten().map(|t| (format!("{} {}", t.nuance, t.touch_name()), &t.warnings));
+        let forces = self.loudness.iter().flatten().map(|l| (format!("{} N", l.force_n), &l.warnings));
         let doubts = strokes.chain(forces).flat_map(|(during, warnings)| {
             warnings.iter().map(move |warning| Doubt { during: during.clone(), warning: warning.clone() })
         });
         let warnings: Vec<Doubt> = doubts.collect();
-        let mut sheet = Sheet {
+        Sheet {
             instrument: instrument.name.clone(),
+            norms_for_key: key,
             down_weight_g: tried.down_weight_g,
             up_weight_g: tried.up_weight_g,
             balance_weight_g: tried.balance_weight_g,
             friction_weight_g: tried.friction_weight_g,
             dampers_down: self.damped.map(|key| key.by_weights.into()),
-            by_slow_loop: touch.by_loop.into(),
-            front_weight_g: parts.front_weight_g,
-            strike_weight_g: parts.strike_weight_g,
-            whippen_weight_g: parts.whippen_weight_g,
-            key_ratio: parts.key_ratio,
-            strike_weight_ratio_weights: tried.balance_weight_g.and_then(|bw| parts.strike_weight_ratio(bw)),
-            strike_weight_ratio_weights_half_way: half_way_balance.and_then(|bw| parts.strike_weight_ratio(bw)),
-            strike_weight_ratio_kinematics: ratio.where_weighed,
-            strike_weight_ratio_kinematics_half_way: ratio.half_way,
-            strike_weight_ratio_kinematics_at_rest: ratio.at_rest,
-            strike_weight_ratio_kinematics_at_let_off: ratio.at_let_off,
+            by_slow_loop: self.touch.as_ref().map(|touch| touch.by_loop).unwrap_or_default().into(),
+            front_weight_g: part(|p| p.front_weight_g),
+            strike_weight_g: part(|p| p.strike_weight_g),
+            whippen_weight_g: part(|p| p.whippen_weight_g),
+            key_ratio: part(|p| p.key_ratio),
+            strike_weight_ratio_weights: by_weights(tried.balance_weight_g),
+            strike_weight_ratio_weights_half_way: by_weights(half_way_balance),
+            strike_weight_ratio_kinematics: ratio(|r| r.where_weighed),
+            strike_weight_ratio_kinematics_half_way: ratio(|r| r.half_way),
+            strike_weight_ratio_kinematics_at_rest: ratio(|r| r.at_rest),
+            strike_weight_ratio_kinematics_at_let_off: ratio(|r| r.at_let_off),
             dip_mm: mm(distances.dip_m),
             blow_mm: mm(distances.blow_m),
             lost_motion_mm: mm(distances.lost_motion_m),
-            let_off_begins_mm: mm(way.let_off.then_some(way.end_m)),
+            let_off_begins_mm: mm(let_off.map(|way| way.end_m)),
             let_off_mm: mm(distances.let_off_m),
             drop_mm: mm(distances.drop_m),
             aftertouch_mm: mm(distances.aftertouch_m),
@@ -359,34 +484,32 @@ impl Results {
             repetition_rise_mm: mm(distances.repetition_rise_m),
             repetition_spring_m_s: distances.spring_m_s,
             damper_start_share: distances.damper_start,
-            effective_inertia_kg: curve.half_way.total_kg(),
-            effective_inertia_key_kg: curve.half_way.key_kg,
-            effective_inertia_whippen_kg: curve.half_way.whippen_kg,
-            effective_inertia_hammer_kg: curve.half_way.hammer_kg,
+            effective_inertia_kg: share(|c| c.half_way.total_kg()),
+            effective_inertia_key_kg: share(|c| c.half_way.key_kg),
+            effective_inertia_whippen_kg: share(|c| c.half_way.whippen_kg),
+            effective_inertia_hammer_kg: share(|c| c.half_way.hammer_kg),
             repetition_rate_hz: full.map(|r| r.rate_hz),
             repetition_rate_half_hz: half.map(|r| r.rate_hz),
             repetition_force_N: PRESS_N,
             softest_force_N: soft.map(|s| s.force_n),
             softest_let_off_speed_m_s: soft.map(|s| s.let_off_speed_m_s),
             softest_fall_speed_m_s: soft.map(|s| s.fall_speed_m_s),
-            let_off_resistance_N: way.let_off.then(|| let_off_resistance(&hysteresis, way.end_m, distances)).flatten(),
-            loop_loss_mJ: hysteresis.lost_j() * 1e3,
-            dynamic_range: loudness,
+            let_off_resistance_N: resistance,
+            loop_loss_mJ: self.hysteresis.as_ref().map_or(NONE, |slow| slow.lost_j() * 1e3),
+            dynamic_range: self.loudness.unwrap_or_default(),
             midi_map: range::MIDI_MAP,
-            timing: timing.iter().map(TimingRow::from).collect(),
-            hysteresis: (&hysteresis).into(),
+            timing: self.timing.iter().flatten().map(TimingRow::from).collect(),
+            hysteresis: self.hysteresis.as_ref().map_or(LoopNumbers::default(), LoopNumbers::from),
             hysteresis_dampers_down: self.hysteresis_damped.as_ref().map(LoopNumbers::from),
-            inertia: InertiaNumbers {
+            inertia: self.inertia.map_or(InertiaNumbers::default(), |curve| InertiaNumbers {
                 key_mm: curve.key_m.iter().map(|m| m * MM_PER_M).collect(),
                 pedal_down_kg: curve.pedal_down_kg,
                 dampers_down_kg: curve.dampers_down_kg,
-            },
+            }),
             flags: Vec::new(),
             trusted: warnings.is_empty(),
             warnings,
-        };
-        sheet.flags = flags(&sheet);
-        Some(sheet)
+        }
     }
 }
 

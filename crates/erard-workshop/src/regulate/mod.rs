@@ -2,17 +2,19 @@
 //!
 //! `goal` is what can be asked for, `screw` what can be turned, `workshop` the action with its screws and what has been
 //! measured of it, `search` how one screw is turned until one goal is met, and `rounds` the order of work, done again until no
-//! goal is disturbed by another.
+//! goal is disturbed by another; `follow` takes along the screws that must follow.
 
+mod follow;
 mod goal;
 mod rounds;
 mod screw;
 mod search;
 mod workshop;
 
+pub use follow::{disturbed, regulate_following};
 pub use goal::{Goal, Kind, Specification};
 pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
-pub use screw::{KNOWN_SCREWS, KnownScrew, Range, known_screw};
+pub use screw::{CAPSTAN_THREAD_M, Handwork, KNOWN_SCREWS, KnownScrew, Range, SMALL_THREAD_M, known_screw, turns_text};
 
 use thiserror::Error;
 

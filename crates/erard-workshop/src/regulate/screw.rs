@@ -13,6 +13,25 @@ pub enum Range {
     Torque(f64, f64),
 }
 
+/// How the bench does what a screw of the file does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Handwork {
+    /// A thread is turned; it goes so far in a turn, m.
+    Thread(f64),
+    /// Punchings or cloth are put under or taken out.
+    Layers,
+    /// A wire or a spring is bent.
+    Bent,
+    /// Nothing that is done at one key: the height of the stack under the strings.
+    Stack,
+}
+
+/// Threads of capstans and let-off screws, m a turn: about a 10-24 machine screw's 1.06 mm, which R. Nossaman puts in as damper capstans (Caut
+/// list, 23 March 2007). An estimate; D. Nereson calls most capstans' threads "fairly fine machine threads" (Pianotech list, 28 February 2008).
+pub const CAPSTAN_THREAD_M: f64 = 1.0e-3;
+/// Threads of the small screws in whippens, hammer flanges and shanks, m a turn: an estimate, as of 4-40 and 5-40 machine screws (0.64 mm).
+pub const SMALL_THREAD_M: f64 = 0.65e-3;
+
 /// A screw that `regulate` knows how to use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownScrew {
@@ -23,6 +42,8 @@ pub struct KnownScrew {
     /// How far it plausibly goes. These are estimates: the thread of a capstan or button, a stack of punchings, what a wire
     /// bends and what a spring takes.
     pub range: Range,
+    /// How it is done on the bench.
+    pub work: Handwork,
 }
 
 const UP: Vec2 = [0.0, 1.0];
@@ -32,18 +53,63 @@ const TO_THE_PLAYER: Vec2 = [-1.0, 0.0];
 
 /// All of them.
 pub const KNOWN_SCREWS: [KnownScrew; 12] = [
-    KnownScrew { name: "jack_position", reference: TO_THE_BACK, range: Range::Length(-2e-3, 2e-3) },
-    KnownScrew { name: "lever_height", reference: DOWN, range: Range::Length(-1e-3, 1e-3) },
-    KnownScrew { name: "capstan_height", reference: UP, range: Range::Length(-4e-3, 4e-3) },
-    KnownScrew { name: "string_height", reference: UP, range: Range::Length(-5e-3, 5e-3) },
-    KnownScrew { name: "let_off", reference: UP, range: Range::Length(-4e-3, 4e-3) },
-    KnownScrew { name: "drop", reference: DOWN, range: Range::Length(-4e-3, 4e-3) },
-    KnownScrew { name: "front_punching", reference: UP, range: Range::Length(-3e-3, 3e-3) },
-    KnownScrew { name: "back_rail_cloth", reference: UP, range: Range::Length(-2e-3, 2e-3) },
-    KnownScrew { name: "back_check", reference: TO_THE_PLAYER, range: Range::Length(-6e-3, 6e-3) },
-    KnownScrew { name: "back_check_angle", reference: [0.0; 2], range: Range::Angle(-0.14, 0.14) },
-    KnownScrew { name: "repetition_spring", reference: [0.0; 2], range: Range::Torque(-0.8, 1.0) },
-    KnownScrew { name: "damper_timing", reference: UP, range: Range::Length(-4e-3, 4e-3) },
+    KnownScrew {
+        name: "jack_position",
+        reference: TO_THE_BACK,
+        range: Range::Length(-2e-3, 2e-3),
+        work: Handwork::Thread(SMALL_THREAD_M),
+    },
+    KnownScrew {
+        name: "lever_height",
+        reference: DOWN,
+        range: Range::Length(-1e-3, 1e-3),
+        work: Handwork::Thread(SMALL_THREAD_M),
+    },
+    KnownScrew {
+        name: "capstan_height",
+        reference: UP,
+        range: Range::Length(-4e-3, 4e-3),
+        work: Handwork::Thread(CAPSTAN_THREAD_M),
+    },
+    KnownScrew { name: "string_height", reference: UP, range: Range::Length(-5e-3, 5e-3), work: Handwork::Stack },
+    KnownScrew {
+        name: "let_off",
+        reference: UP,
+        range: Range::Length(-4e-3, 4e-3),
+        work: Handwork::Thread(CAPSTAN_THREAD_M),
+    },
+    KnownScrew {
+        name: "drop",
+        reference: DOWN,
+        range: Range::Length(-4e-3, 4e-3),
+        work: Handwork::Thread(SMALL_THREAD_M),
+    },
+    KnownScrew { name: "front_punching", reference: UP, range: Range::Length(-3e-3, 3e-3), work: Handwork::Layers },
+    KnownScrew { name: "back_rail_cloth", reference: UP, range: Range::Length(-2e-3, 2e-3), work: Handwork::Layers },
+    KnownScrew {
+        name: "back_check",
+        reference: TO_THE_PLAYER,
+        range: Range::Length(-6e-3, 6e-3),
+        work: Handwork::Bent,
+    },
+    KnownScrew {
+        name: "back_check_angle",
+        reference: [0.0; 2],
+        range: Range::Angle(-0.14, 0.14),
+        work: Handwork::Bent,
+    },
+    KnownScrew {
+        name: "repetition_spring",
+        reference: [0.0; 2],
+        range: Range::Torque(-0.8, 1.0),
+        work: Handwork::Bent,
+    },
+    KnownScrew {
+        name: "damper_timing",
+        reference: UP,
+        range: Range::Length(-4e-3, 4e-3),
+        work: Handwork::Thread(CAPSTAN_THREAD_M),
+    },
 ];
 
 /// The screw of a name.
@@ -106,5 +172,41 @@ pub(super) fn way(action: &ScrewAction, by: f64) -> &'static str {
         ScrewAction::Turn { .. } => "top to the back",
         ScrewAction::Spring { .. } if by > 0.0 => "tighter",
         ScrewAction::Spring { .. } => "looser",
+    }
+}
+
+/// A number of turns in words, to an eighth: `3/8 turn`, `1 1/4 turns`.
+#[must_use]
+pub fn turns_text(turns: f64) -> String {
+    let eighths = (turns.abs() * 8.0).round();
+    if !eighths.is_finite() || eighths < 1.0 {
+        return "less than 1/8 turn".to_owned();
+    }
+    let (whole, rest) = ((eighths / 8.0).floor(), (eighths % 8.0) as usize);
+    let part = ["", "1/8", "1/4", "3/8", "1/2", "5/8", "3/4", "7/8"][rest];
+    let number = match (whole as u64, part) {
+        (0, part) => part.to_owned(),
+        (whole, "") => whole.to_string(),
+        (whole, part) => format!("{whole} {part}"),
+    };
+    format!("{number} turn{}", if eighths > 8.0 { "s" } else { "" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_read_in_eighths() {
+        for (turns, text) in [
+            (0.02, "less than 1/8 turn"),
+            (0.13, "1/8 turn"),
+            (-0.38, "3/8 turn"),
+            (1.0, "1 turn"),
+            (1.27, "1 1/4 turns"),
+            (2.99, "3 turns"),
+        ] {
+            assert_eq!(turns_text(turns), text);
+        }
     }
 }

@@ -20,6 +20,7 @@ pub mod file;
 mod format;
 #[doc(hidden)]
 pub mod locate;
+mod numbers;
 pub(crate) mod provenance;
 #[doc(hidden)]
 pub mod quantity;
@@ -34,6 +35,7 @@ pub mod serde_fault;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
+pub use numbers::{numbers_at, with_numbers};
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
 pub use rewrite::RewriteError;
 pub use schema::json_schema;

@@ -23,6 +23,14 @@ const RIGID_CORRECTION_S: f64 = 50e-6;
 /// Told the share done; ends the run by returning false.
 type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
 
+/// Something else that looks on while a run goes on.
+pub trait Observer {
+    /// Where the run begins: the mechanism stands still, and this instant is its first row.
+    fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism);
+    /// After every step, which ends at `time_s`; `row`: this instant is a row of the run.
+    fn step(&mut self, time_s: f64, row: bool, mechanism: &dyn Mechanism);
+}
+
 /// A run under way.
 pub(crate) struct Course<'a> {
     drive: &'a Drive<'a>,
@@ -34,18 +42,19 @@ pub(crate) struct Course<'a> {
     action: Action,
     /// Between stroke and key, where there is one.
     hand: Option<MovingHand>,
-    observers: Observers,
+    observers: Observers<'a>,
     work: Work,
 }
 
 /// What looks on after every step.
-struct Observers {
+struct Observers<'a> {
     watch: Watch,
     recorder: Recorder,
     ledger: Option<LedgerBook>,
     extremes: Extremes,
     peak_force_n: f64,
     rested: bool,
+    further: Option<&'a mut dyn Observer>,
 }
 
 impl<'a> Course<'a> {
@@ -56,13 +65,17 @@ impl<'a> Course<'a> {
         setup: &'a Setup,
         steps: u64,
         mut action: Action,
+        mut further: Option<&'a mut dyn Observer>,
     ) -> Self {
         action.begin_at(setup.start_s);
         let every = setup.record_every.unwrap_or(1 + (steps - 1) / MOST_ROWS).max(1);
         let recorder = Recorder::new(instrument, (steps / every) as usize + 2, action.mechanism_mut());
         let ledger = setup.ledger.then(|| LedgerBook::open(action.mechanism_mut()));
+        if let Some(further) = &mut further {
+            further.begin(setup.start_s, action.mechanism());
+        }
         let (watch, extremes) = (Watch::new(instrument), Extremes::new(instrument));
-        let mut observers = Observers { watch, recorder, ledger, extremes, peak_force_n: 0.0, rested: false };
+        let mut observers = Observers { watch, recorder, ledger, extremes, peak_force_n: 0.0, rested: false, further };
         let rest = action.rest();
         observers.look(&rest, setup.start_s, true, &action.mechanism().view(), action.mechanism());
         let work = Work {
@@ -196,12 +209,15 @@ impl<'a> Course<'a> {
     }
 }
 
-impl Observers {
+impl Observers<'_> {
     /// After a step.
     fn step(&mut self, rest: &Rest, time_s: f64, row: bool, view: &View, m: &dyn Mechanism) {
         self.peak_force_n = self.peak_force_n.max(view.drive_n);
         if let Some(ledger) = &mut self.ledger {
             ledger.look(m);
+        }
+        if let Some(further) = &mut self.further {
+            further.step(time_s, row, m);
         }
         self.look(rest, time_s, row, view, m);
     }

@@ -6,12 +6,18 @@ pub mod course;
 pub(crate) mod hand;
 mod input;
 mod ledger;
+mod losses;
+mod motion;
+mod reactions;
 mod recorder;
 mod snapshot;
 
 pub use action::{Action, ActionError, PlayError, Reading};
+pub use course::Observer;
 pub use hand::{Hand, HandError};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use ledger::LedgerBook;
+pub use losses::{ContactLoss, LossRecorder, Losses, PinLoss};
+pub use reactions::{PinSeries, ReactionRecorder, Reactions};
 pub use recorder::{Recorded, Recorder};
 pub use snapshot::{Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};

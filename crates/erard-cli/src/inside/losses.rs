@@ -1,0 +1,105 @@
+//! Losses as a table and as JSON.
+
+use erard::instrument::Instrument;
+use erard::player::Losses;
+use serde::Serialize;
+
+/// Where the energy went, largest loss first.
+#[derive(Debug, Serialize)]
+#[allow(non_snake_case)]
+pub struct LossReport {
+    instrument: String,
+    /// Sum of all, J.
+    pub total_J: f64,
+    /// Pins and contacts.
+    pub losses: Vec<Loss>,
+}
+
+/// One pin or contact.
+#[derive(Debug, Serialize)]
+#[allow(non_snake_case)]
+pub struct Loss {
+    /// The body of a pin, or the zone.
+    pub name: String,
+    /// `pin` or `contact`.
+    pub kind: &'static str,
+    /// For people.
+    pub label: String,
+    /// Of a pin: by dry friction; of a contact: by sliding, J.
+    pub dry_J: f64,
+    /// Of a pin: by viscous friction; of a contact: in the felt, J.
+    pub viscous_or_felt_J: f64,
+    /// Both, J.
+    pub loss_J: f64,
+    /// Of all losses.
+    pub share: f64,
+    /// Its place among the instrument's pins and contacts.
+    #[serde(skip)]
+    pub place: usize,
+}
+
+impl LossReport {
+    /// Of a run.
+    pub fn new(instrument: &Instrument, losses: &Losses) -> Self {
+        let pins = instrument.bodies.iter().zip(losses.pins()).map(|(body, loss)| {
+            let label = if body.is_bend {
+                format!("bending of the {}", body.name)
+            } else {
+                format!("pin of the {}", body.name)
+            };
+            (body.name.clone(), "pin", label, loss.dry_j, loss.viscous_j)
+        });
+        let contacts = instrument
+            .zones
+            .iter()
+            .zip(losses.contacts())
+            .map(|(zone, loss)| (zone.name.clone(), "contact", zone.label.clone(), loss.sliding_j, loss.felt_j));
+        let all: Vec<_> = pins.chain(contacts).collect();
+        let total: f64 = all.iter().map(|(.., dry, other)| dry + other).sum();
+        let mut losses: Vec<Loss> = all
+            .into_iter()
+            .enumerate()
+            .map(|(place, (name, kind, label, dry, other))| Loss {
+                name,
+                kind,
+                label,
+                dry_J: dry,
+                viscous_or_felt_J: other,
+                loss_J: dry + other,
+                share: if total > 0.0 { (dry + other) / total } else { 0.0 },
+                place,
+            })
+            .collect();
+        losses.sort_by(|a, b| b.loss_J.total_cmp(&a.loss_J));
+        LossReport { instrument: instrument.name.clone(), total_J: total, losses }
+    }
+
+    /// The table.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![format!(
+            "  {:<34}{:>12}{:>14}{:>10}{:>8}",
+            "where the energy goes", "friction mJ", "felt, oil mJ", "all mJ", "share"
+        )];
+        let rows = self.losses.iter().filter(|loss| loss.loss_J > 0.0).map(|loss| {
+            format!(
+                "  {:<34}{:>12.3}{:>14.3}{:>10.3}{:>7.1} %",
+                loss.label,
+                loss.dry_J * 1e3,
+                loss.viscous_or_felt_J * 1e3,
+                loss.loss_J * 1e3,
+                loss.share * 100.0
+            )
+        });
+        lines.extend(rows);
+        let of = |part: fn(&Loss) -> f64| self.losses.iter().map(part).sum::<f64>() * 1e3;
+        lines.push(format!(
+            "  {:<34}{:>12.3}{:>14.3}{:>10.3}{:>7.1} %",
+            "all",
+            of(|loss| loss.dry_J),
+            of(|loss| loss.viscous_or_felt_J),
+            self.total_J * 1e3,
+            100.0
+        ));
+        lines
+    }
+}

@@ -1,0 +1,56 @@
+//! What `erard press` shows of the inside of the action when it is asked to: pin reactions and accelerations, and where the energy goes.
+
+mod figure;
+mod losses;
+
+pub use figure::{losses_svg, reactions_svg};
+pub use losses::LossReport;
+
+use erard::mechanism::Mechanism;
+use erard::player::{LossRecorder, Observer, PinSeries, ReactionRecorder};
+
+/// What looks on.
+#[derive(Debug, Default)]
+pub struct Inside {
+    /// Pins and accelerations.
+    pub reactions: Option<ReactionRecorder>,
+    /// Losses.
+    pub losses: Option<LossRecorder>,
+}
+
+impl Observer for Inside {
+    fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
+        if let Some(reactions) = &mut self.reactions {
+            reactions.begin(time_s, mechanism);
+        }
+        if let Some(losses) = &mut self.losses {
+            losses.begin(time_s, mechanism);
+        }
+    }
+
+    fn step(&mut self, time_s: f64, row: bool, mechanism: &dyn Mechanism) {
+        if let Some(reactions) = &mut self.reactions {
+            reactions.step(time_s, row, mechanism);
+        }
+        if let Some(losses) = &mut self.losses {
+            losses.step(time_s, row, mechanism);
+        }
+    }
+}
+
+/// Name and values of the columns of pins and accelerations.
+pub fn columns(pins: &[PinSeries]) -> Vec<(String, &[f64])> {
+    let of = |pin: &'_ PinSeries| {
+        [
+            (format!("{}_rad_per_s2", pin.name), 0_usize),
+            (format!("{}_pin_x_N", pin.name), 1),
+            (format!("{}_pin_y_N", pin.name), 2),
+        ]
+    };
+    pins.iter()
+        .flat_map(|pin| {
+            let values = [&pin.acceleration_rad_s2[..], &pin.pin_x_n, &pin.pin_y_n];
+            of(pin).map(|(name, which)| (name, values[which]))
+        })
+        .collect()
+}

@@ -1,0 +1,88 @@
+//! Many actions, one row each.
+
+use std::fmt::Write as _;
+
+use erard_workshop::measure::norms::{Line, lines};
+
+/// One action: what it is called, and the values of the lines.
+#[derive(Debug, Clone)]
+pub struct MeasuredRow {
+    /// What it is called beside the others.
+    pub label: String,
+    /// The number of its key; `None` where nobody says.
+    pub key: Option<usize>,
+    /// Its values, in the order of the lines; `None` is what did not happen.
+    pub values: Vec<Option<f64>>,
+}
+
+/// What is measured of each where nobody asks for anything else, and how it is headed.
+const USUAL: [(&str, &str); 15] = [
+    ("down_weight_g", "D g"),
+    ("up_weight_g", "U g"),
+    ("balance_weight_g", "BW g"),
+    ("friction_weight_g", "F g"),
+    ("front_weight_g", "FW g"),
+    ("strike_weight_g", "SW g"),
+    ("strike_weight_ratio_weights", "ratio"),
+    ("effective_inertia_kg", "inertia kg"),
+    ("dip_mm", "dip mm"),
+    ("blow_mm", "blow mm"),
+    ("let_off_mm", "let-off mm"),
+    ("drop_mm", "drop mm"),
+    ("check_mm", "check mm"),
+    ("repetition_spring_m_s", "rise m/s"),
+    ("repetition_rate_half_hz", "rep. Hz"),
+];
+
+/// The lines of a usual row.
+pub fn usual() -> Vec<&'static Line> {
+    USUAL.iter().filter_map(|(key, _)| lines().find(|line| line.key == *key)).collect()
+}
+
+fn heading(line: &Line) -> &'static str {
+    USUAL.iter().find(|(key, _)| *key == line.key).map_or(line.key, |(_, heading)| heading)
+}
+
+/// The table.
+pub fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
+    let name = |row: &MeasuredRow| row.label.clone();
+    let wide = rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
+    let mut out = format!("  {:<wide$}", "");
+    for line in lines {
+        let _ = write!(out, "  {:>8}", heading(line));
+    }
+    out.push('\n');
+    for row in rows {
+        let _ = write!(out, "  {:<wide$}", name(row));
+        for (line, value) in lines.iter().zip(&row.values) {
+            let text = value.map_or("-".to_owned(), |x| format!("{:.*}", line.decimals, x + 0.0));
+            let _ = write!(out, "  {text:>width$}", width = heading(line).chars().count().max(8));
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// Name and values of the columns: the key's number, and the lines by their keys in measure.json.
+pub fn columns(lines: &[&Line], rows: &[MeasuredRow]) -> Vec<(String, Vec<Option<f64>>)> {
+    let keys = rows.iter().map(|row| row.key.map(|key| key as f64)).collect();
+    let values = lines
+        .iter()
+        .enumerate()
+        .map(|(i, line)| (line.key.to_owned(), rows.iter().map(|row| row.values.get(i).copied().flatten()).collect()));
+    std::iter::once(("key".to_owned(), keys)).chain(values).collect()
+}
+
+/// The same for programs: a list of objects.
+pub fn json(lines: &[&Line], rows: &[MeasuredRow]) -> serde_json::Value {
+    let object = |row: &MeasuredRow| {
+        let mut object = serde_json::Map::new();
+        object.insert("instrument".into(), row.label.clone().into());
+        object.insert("norms_for_key".into(), row.key.into());
+        for (line, value) in lines.iter().zip(&row.values) {
+            object.insert(line.key.into(), (*value).into());
+        }
+        serde_json::Value::Object(object)
+    };
+    rows.iter().map(object).collect()
+}

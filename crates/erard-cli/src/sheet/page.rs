@@ -1,0 +1,169 @@
+//! The page.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use erard::keyboard::note_name;
+use erard_workshop::measure::norms::{Line, lines};
+use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{Advised, tasks};
+use crate::units::Lengths;
+
+const STYLE: &str = include_str!("../paper.css");
+
+/// A line of the sheet: which of the protocol's, and what the bench calls it.
+type Value = (&'static str, &'static str);
+
+const TOUCH: [Value; 5] = [
+    ("down_weight_g", "down-weight"),
+    ("up_weight_g", "up-weight"),
+    ("balance_weight_g", "balance weight"),
+    ("friction_weight_g", "friction"),
+    ("effective_inertia_kg", "inertia at the key"),
+];
+const PARTS: [Value; 4] = [
+    ("strike_weight_g", "hammer (strike weight)"),
+    ("front_weight_g", "key front weight"),
+    ("whippen_weight_g", "whippen weight"),
+    ("strike_weight_ratio_weights", "leverage (strike-weight ratio)"),
+];
+const REGULATION: [Value; 8] = [
+    ("dip_mm", "dip"),
+    ("blow_mm", "blow"),
+    ("let_off_mm", "let-off"),
+    ("drop_mm", "drop"),
+    ("aftertouch_mm", "aftertouch"),
+    ("check_mm", "checking distance"),
+    ("repetition_spring_m_s", "rise from the check"),
+    ("lost_motion_mm", "lost motion"),
+];
+const PLAYING: [Value; 3] = [
+    ("repetition_rate_half_hz", "repetition, key half up"),
+    ("repetition_rate_hz", "repetition, key fully up"),
+    ("softest_force_N", "softest touch that sounds"),
+];
+
+/// A page for every action.
+pub fn html(all: &[Advised<'_>]) -> String {
+    let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
+    let paper = all.first().map_or("A4", |one| one.headed.paper.css());
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy"
+                    content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (names.join(", ")) ": technician's sheet" }
+                style { (PreEscaped(STYLE)) "@page{size:" (paper) "}section+section{break-before:page}" }
+            }
+            body { @for one in all { (sheet(one)) } }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+fn sheet(one: &Advised<'_>) -> Markup {
+    let (measured, headed) = (one.measured, one.headed);
+    let out = measured.sheet.flags.len();
+    html! {
+        section {
+            header {
+                h1 { (measured.label) }
+                dl {
+                    div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
+                    div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
+                }
+            }
+            @if let Some(note) = &headed.note { p.note { (note) } }
+            p.soft {
+                "Weighed with the pedal down. What is usual is that of " (note_name(measured.sheet.norms_for_key))
+                " (key " (measured.sheet.norms_for_key) "). "
+                @if out == 0 { "Nothing is out of it." } @else { "What is out of it is marked !" }
+            }
+            div.pair {
+                div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) }
+                div { (values("Regulation", &REGULATION, one)) (values("Playing", &PLAYING, one)) }
+            }
+            h2 { "To do, in this order" }
+            (to_do(one))
+            figure.action {
+                img alt={ (measured.label) ", at rest" }
+                    src={ "data:image/svg+xml;base64," (STANDARD.encode(one.drawing.as_bytes())) };
+            }
+            footer.soft {
+                "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))
+                " a turn for capstans, let-off and dampers (as a 10-24 machine screw, which Nossaman puts in for dampers, Caut list 2007), "
+                (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, measure, and go by that. \
+                 Sources of what is usual, all values and the curves: measure.html, the appendix."
+            }
+        }
+    }
+}
+
+fn pitch(metres: f64, lengths: Lengths) -> String {
+    lengths.text(metres * 1e3, 2)
+}
+
+fn values(heading: &str, values: &[Value], one: &Advised<'_>) -> Markup {
+    let sheet = &one.measured.sheet;
+    let found = |key: &str| lines().find(|line| line.key == key);
+    html! {
+        table {
+            thead { tr { th { (heading) } th.n { "here" } th.n { "usual" } } }
+            tbody {
+                @for (line, name) in values.iter().filter_map(|(key, name)| Some((found(key)?, name))) {
+                    @let value = shown(line, (line.value)(sheet), one.lengths);
+                    tr {
+                        td { (name) }
+                        @if line.is_out(sheet) { td.n.out { (value) " !" } } @else { td.n { (value) } }
+                        td.n.soft { (usual(line, sheet.norms_for_key, one.lengths)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A value with its unit, lengths as the ruler shows them.
+pub fn shown(line: &Line, value: Option<f64>, lengths: Lengths) -> String {
+    match value {
+        Some(mm) if line.unit == "mm" => lengths.text(mm, line.decimals),
+        value => line.text(value),
+    }
+}
+
+/// What is usual, lengths as the ruler shows them.
+pub fn usual(line: &Line, key: usize, lengths: Lengths) -> String {
+    if line.unit != "mm" {
+        return line.usual(key);
+    }
+    let number = |mm: f64| lengths.number(mm, line.decimals);
+    match line.range(key) {
+        [Some(low), Some(high)] => format!("{}-{}", number(low), number(high)),
+        [Some(low), None] => format!("from {}", number(low)),
+        [None, Some(high)] => format!("to {}", number(high)),
+        [None, None] => String::new(),
+    }
+}
+
+fn to_do(one: &Advised<'_>) -> Markup {
+    let tasks = tasks(one);
+    let only_flags = tasks.is_empty() && !one.measured.sheet.flags.is_empty();
+    html! {
+        @if tasks.is_empty() {
+            p { @if only_flags { "Nothing to turn: see the marks above." } @else { "Nothing." } }
+        } @else {
+            table.list {
+                thead { tr { th { "what" } th { "how far" } th { "for" } th { "done" } } }
+                tbody {
+                    @for task in &tasks {
+                        tr { td.do { (task.what) } td { (task.by) } td { (task.for_) } td.tick { "☐" } }
+                    }
+                }
+            }
+        }
+    }
+}

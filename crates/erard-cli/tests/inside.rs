@@ -1,0 +1,72 @@
+//! `erard press --reactions` and `--losses`, as a user runs them.
+
+mod common;
+
+use common::Folder;
+use serde_json::Value;
+
+/// The columns of a CSV file by name.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut lines = text.lines();
+    let at = lines.next().unwrap().split(',').position(|one| one == name).unwrap_or_else(|| panic!("no column {name}"));
+    lines.map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
+}
+
+/// Off by default. On, every body has three columns more, and the others are the same to the byte; at rest the hammer's pin and what else holds
+/// the hammer carry its weight; a figure shows them.
+#[test]
+fn reactions_are_columns_and_curves() {
+    let folder = Folder::new("inside-reactions");
+    let press = ["press", "--stroke", "f", "--duration", "0.1", "--out"];
+    folder.good(&[&press[..], &["plain"]].concat());
+    folder.good(&[&press[..], &["inside", "--reactions"]].concat());
+    let (plain, inside) = (folder.read("plain/run.csv"), folder.read("inside/run.csv"));
+    assert!(!plain.contains("_pin_x_N") && !folder.0.join("plain/reactions.svg").exists());
+    for (short, long) in plain.lines().zip(inside.lines()) {
+        assert!(long.starts_with(short) && long.split(',').count() == short.split(',').count() + 18);
+    }
+    // Newton's second law of the damper before it is touched: its weight, its rest's push and its pin's.
+    let damper = erard::instrument::Instrument::builtin("concert-grand").unwrap();
+    let weight = damper.bodies.iter().find(|body| body.name == "damper").unwrap().mass_kg * damper.gravity_m_s2;
+    let up =
+        column(&inside, "damper_pin_y_N")[0] + column(&inside, "damper_rest_N")[0] + column(&inside, "key_damper_N")[0];
+    assert!((up - weight).abs() < 1e-6 * weight, "{up} {weight}");
+    // The acceleration is what the angular velocity changes by.
+    let (rate, alpha, time) =
+        (column(&inside, "hammer_rad_per_s"), column(&inside, "hammer_rad_per_s2"), column(&inside, "time_s"));
+    let step = time[1] - time[0];
+    for n in 1..time.len() - 1 {
+        let mean = (rate[n + 1] - rate[n - 1]) / (2.0 * step);
+        assert!((alpha[n] - mean).abs() <= 1e-6 * (1.0 + mean.abs()), "{n}: {} {mean}", alpha[n]);
+    }
+    let svg = folder.read("inside/reactions.svg");
+    assert!(svg.contains("pin, up (N)") && svg.contains("acceleration") && !svg.contains("NaN"));
+    assert!(folder.bad(&["press", "--reactions", "--tolerance", "1e-6"]).contains("--tolerance"));
+}
+
+/// The table of losses adds up to the summary's, part by part.
+#[test]
+fn losses_add_up() {
+    let folder = Folder::new("inside-losses");
+    let said = folder.good(&["press", "--stroke", "mf", "--losses", "--out", "press"]);
+    assert!(said.contains("where the energy goes"), "{said}");
+    let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
+    let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
+    let parts = losses["losses"].as_array().unwrap();
+    let sum = |kind: &str, part: &str| -> f64 {
+        parts.iter().filter(|one| one["kind"] == kind).map(|one| one[part].as_f64().unwrap()).sum()
+    };
+    for (kind, part, booked) in [
+        ("pin", "dry_J", "pivot_dry"),
+        ("pin", "viscous_or_felt_J", "pivot_viscous"),
+        ("contact", "viscous_or_felt_J", "felt"),
+        ("contact", "dry_J", "coulomb"),
+    ] {
+        let booked = summary["dissipated_J"][booked].as_f64().unwrap();
+        assert!((sum(kind, part) - booked).abs() < 1e-5 * booked, "{kind} {part}: {} {booked}", sum(kind, part));
+    }
+    let shares: f64 = parts.iter().map(|one| one["share"].as_f64().unwrap()).sum();
+    assert!((shares - 1.0).abs() < 1e-9);
+    let svg = folder.read("press/losses.svg");
+    assert!(svg.contains("<polygon") && svg.contains("all others") && !svg.contains("NaN"));
+}

@@ -1,0 +1,119 @@
+//! Whether statics is right: remedies made in the dynamic model, and weighed there.
+
+use super::model::add_mass;
+use super::plan::{BalancedKey, Remedy};
+use crate::cores::{self, do_all, job};
+use crate::measure::weights::{by_loop, free_way};
+use crate::measure::{Interrupt, MeasureError};
+use erard::grand::{Parts, pedal_down, strike_weight_g};
+use erard::instrument::Instrument;
+
+/// What a remedy does to the balance weight, g: by the equation of balance, and in the dynamic model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    /// The key.
+    pub key: usize,
+    /// What was done.
+    pub remedy: Remedy,
+    /// By the equation of balance with the model's own ratio, g.
+    pub by_equation_g: f64,
+    /// In the model, by a slow loop before and after, g; `None` where no weight moves the key.
+    pub in_model_g: Option<f64>,
+}
+
+/// Makes each key's remedies (leads, strike weight, capstan) in its model, brought to the weights that were measured, one by one, and weighs
+/// it before and after in a slow loop with the damper lifted. The equation uses the model's own ratio, for what is checked is the equation, not
+/// whether the model's levers are the piano's. `progress` is told the share that is done, and ends the work by returning false.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn check(
+    keys: &[(&BalancedKey, Instrument)],
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<Checked>, MeasureError> {
+    let mut found: Vec<Option<Vec<Checked>>> = vec![None; keys.len()];
+    let jobs = found
+        .iter_mut()
+        .zip(keys)
+        .map(|(place, (key, instrument))| job(place, move |going| check_key(key, instrument, going)))
+        .collect();
+    do_all(jobs, cores::count(), progress)?;
+    let mut all = Vec::new();
+    for one in found {
+        all.extend(one.ok_or(MeasureError::Lost)?);
+    }
+    Ok(all)
+}
+
+fn check_key(key: &BalancedKey, instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Checked>, MeasureError> {
+    // What bends is locked: weights are put on whole parts.
+    let instrument = &instrument.locked();
+    let parts = Parts::of(instrument)?;
+    let mut as_weighed = instrument.clone();
+    let model = &key.model;
+    let front_m = 1e-3 * model.key_front_mm;
+    let strike_arm_m = instrument.roles.hammer_head_m[0];
+    let strike = |instrument: &mut Instrument, by_g: f64| {
+        let height_m = instrument.bodies[parts.hammer].center_of_mass_m[1];
+        add_mass(instrument, parts.hammer, 1e-3 * by_g, [strike_arm_m, height_m]);
+    };
+    let front = |instrument: &mut Instrument, mass_g: f64, at_mm: f64| {
+        let height_m = instrument.bodies[parts.key].center_of_mass_m[1];
+        add_mass(instrument, parts.key, 1e-3 * mass_g, [-1e-3 * at_mm, height_m]);
+    };
+    if let Some(strike_g) = key.measured.strike_weight_g {
+        strike(&mut as_weighed, strike_g - strike_weight_g(instrument, &parts));
+    }
+    if let Some(front_g) = key.measured.front_weight_g {
+        let at_mm = 0.6 * model.key_front_mm;
+        front(&mut as_weighed, (front_g - model.front_weight_g) * model.key_front_mm / at_mm, at_mm);
+    }
+    let before = balance(&as_weighed, &parts, going)?;
+    let Some(before_g) = before else { return Ok(Vec::new()) };
+    let (strike_g, front_g) =
+        (strike_weight_g(&as_weighed, &parts), erard::grand::front_weight_g(&as_weighed, &parts, front_m));
+    let whippen_g = model.key_ratio * model.whippen_weight_g;
+    let ratio = (before_g + front_g - whippen_g) / strike_g;
+    let mut checked = Vec::new();
+    let mut remedies: Vec<(Remedy, f64, Instrument)> = Vec::new();
+    if let Some(leads) = key.leads.clone().filter(|leads| leads.front_weight_g != 0.0) {
+        let mut after = as_weighed.clone();
+        leads.put.iter().for_each(|lead| front(&mut after, lead.mass_g, lead.at_mm));
+        leads.out.iter().for_each(|lead| front(&mut after, -lead.mass_g, lead.at_mm));
+        let by_g = -leads.front_weight_g;
+        remedies.push((Remedy::Leads(leads), by_g, after));
+    }
+    if let Some(by_g) = key.strike_change_g.filter(|by_g| by_g.abs() > 0.05) {
+        let mut after = as_weighed.clone();
+        strike(&mut after, by_g);
+        remedies.push((Remedy::Strike(by_g), ratio * by_g, after));
+    }
+    let capstan = instrument.zones.iter().position(|zone| {
+        let touches = |body: usize| zone.disc_body == Some(body) || zone.curve_body == Some(body);
+        touches(parts.key) && touches(parts.whippen) && zone.disc_body == Some(parts.key)
+    });
+    if let Some((by_mm, zone)) = key.capstan_move_mm.filter(|by_mm| by_mm.abs() > 0.05).zip(capstan) {
+        let mut after = as_weighed.clone();
+        after.zones[zone].disc_center_m[0] -= 1e-3 * by_mm;
+        let by_g = (model.capstan_factor(by_mm) - 1.0) * (before_g + front_g);
+        remedies.push((Remedy::Capstan(by_mm), by_g, after));
+    }
+    for (remedy, by_equation_g, after) in remedies {
+        let after_g = balance(&after, &parts, going)?;
+        checked.push(Checked {
+            key: key.measured.key,
+            remedy,
+            by_equation_g,
+            in_model_g: after_g.map(|after_g| after_g - before_g),
+        });
+    }
+    Ok(checked)
+}
+
+/// The balance weight from a slow loop with the damper lifted, g.
+fn balance(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<Option<f64>, MeasureError> {
+    let lifted = pedal_down(instrument, parts);
+    let way = free_way(&lifted, parts, going)?;
+    let weights = by_loop(&lifted, way.end_m, going)?;
+    Ok(weights.touch.balance_weight_g())
+}

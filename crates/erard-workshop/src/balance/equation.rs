@@ -1,0 +1,90 @@
+//! The equation of balance, solved for each of its quantities.
+
+/// The parts that a key balances, g and ratios.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parts {
+    /// FW: the key's front on the scale.
+    pub front_weight_g: f64,
+    /// SW: the hammer on the scale, its shank level.
+    pub strike_weight_g: f64,
+    /// WW: the whippen on the scale, at its heel.
+    pub whippen_weight_g: f64,
+    /// KR: grams at the key's front per gram over the capstan.
+    pub key_ratio: f64,
+}
+
+impl Parts {
+    /// R, from the balance weight.
+    #[must_use]
+    pub fn ratio(&self, balance_weight_g: f64) -> f64 {
+        (balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g) / self.strike_weight_g
+    }
+
+    /// BW, from the ratio.
+    #[must_use]
+    pub fn balance_weight_g(&self, ratio: f64) -> f64 {
+        self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - self.front_weight_g
+    }
+
+    /// The front weight that gives a balance weight.
+    #[must_use]
+    pub fn front_weight_for(&self, ratio: f64, balance_weight_g: f64) -> f64 {
+        self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - balance_weight_g
+    }
+
+    /// The strike weight that gives a balance weight.
+    #[must_use]
+    pub fn strike_weight_for(&self, ratio: f64, balance_weight_g: f64) -> f64 {
+        (balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g) / ratio
+    }
+}
+
+/// What the hand weighs on a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Balance {
+    /// D, g.
+    pub down_weight_g: f64,
+    /// U, g.
+    pub up_weight_g: f64,
+}
+
+impl Balance {
+    /// BW = (D + U) / 2, g.
+    #[must_use]
+    pub fn balance_weight_g(&self) -> f64 {
+        0.5 * (self.down_weight_g + self.up_weight_g)
+    }
+
+    /// F = (D - U) / 2, g.
+    #[must_use]
+    pub fn friction_weight_g(&self) -> f64 {
+        0.5 * (self.down_weight_g - self.up_weight_g)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// David Love's example (Caut list, "The balance weight is the modern standard"): D 52 g and U 28 g are a balance weight of 40 g and a
+    /// friction weight of 12 g; and a gram of friction more (53, 27) leaves the balance weight.
+    #[test]
+    fn the_published_example() {
+        let key = Balance { down_weight_g: 52.0, up_weight_g: 28.0 };
+        assert_eq!((key.balance_weight_g(), key.friction_weight_g()), (40.0, 12.0));
+        let stiffer = Balance { down_weight_g: 53.0, up_weight_g: 27.0 };
+        assert_eq!((stiffer.balance_weight_g(), stiffer.friction_weight_g()), (40.0, 13.0));
+    }
+
+    /// By hand: KR 0.5 of WW 18 g is 9 g, R 5.5 of SW 10 g is 55 g; with FW 26 g, 38 g are left to be balanced. A gram more in front is a
+    /// gram less of balance weight (Love, the same post).
+    #[test]
+    fn the_equation_by_hand() {
+        let parts = Parts { front_weight_g: 26.0, strike_weight_g: 10.0, whippen_weight_g: 18.0, key_ratio: 0.5 };
+        assert_eq!(parts.balance_weight_g(5.5), 38.0);
+        assert_eq!(parts.ratio(38.0), 5.5);
+        assert_eq!(parts.front_weight_for(5.5, 38.0), 26.0);
+        assert_eq!(parts.strike_weight_for(5.5, 38.0), 10.0);
+        assert_eq!(Parts { front_weight_g: 27.0, ..parts }.balance_weight_g(5.5), 37.0);
+    }
+}

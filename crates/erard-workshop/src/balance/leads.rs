@@ -1,0 +1,218 @@
+//! Leads that exist, at places where they fit.
+
+/// A lead in a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lead {
+    /// Mass, g.
+    pub mass_g: f64,
+    /// Place in front of the balance pin, mm; negative behind it.
+    pub at_mm: f64,
+}
+
+impl Lead {
+    /// What it adds to the front weight of a key whose front is so far from the pin, g.
+    #[must_use]
+    pub fn front_weight_g(&self, key_front_mm: f64) -> f64 {
+        self.mass_g * self.at_mm / key_front_mm
+    }
+
+    /// What it adds to the inertia at the key's front, g.
+    #[must_use]
+    pub fn inertia_g(&self, key_front_mm: f64) -> f64 {
+        self.mass_g * (self.at_mm / key_front_mm).powi(2)
+    }
+}
+
+/// Masses that leads are taken to have unless one says which are in the drawer, g: cylinders of lead (11.34 g/cm3) through a key 12 mm wide, of
+/// 1/2, 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter. An estimate.
+pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
+/// Most leads that are added to a key.
+pub const MOST_LEADS: usize = 3;
+/// A change of front weight below this is left, g: half of what a scale in grams can tell.
+pub const FEWEST_GRAMS: f64 = 0.5;
+/// What leads give may be off by this, g.
+const CLOSE_G: f64 = 0.25;
+/// Leads are put no nearer to the pin than this, and no nearer to the key's front, mm: balance hole and front pin's mortise need their wood.
+const NEAR_PIN_MM: f64 = 40.0;
+const NEAR_FRONT_MM: f64 = 60.0;
+/// Two leads stand at least so far apart, mm: a lead is 12.7 mm wide, with some wood between.
+const APART_MM: f64 = 16.0;
+
+/// What is done to a key's leads.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeadWork {
+    /// Taken out.
+    pub out: Vec<Lead>,
+    /// Put in.
+    pub put: Vec<Lead>,
+    /// What that changes of the front weight, g.
+    pub front_weight_g: f64,
+    /// What that changes of the inertia at the front, g.
+    pub inertia_g: f64,
+}
+
+/// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole millimetre, can: the fewest,
+/// and of as many, those with the least inertia. `present` are the key's own leads where they are known; they can be taken out, and nothing is
+/// put where one of them stays. `None` where nothing reaches it to a quarter of a gram: a key from whose front more must be taken than its
+/// known leads weigh, say.
+#[must_use]
+pub fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
+    if change_g.abs() < FEWEST_GRAMS {
+        return Some(LeadWork::default());
+    }
+    let mut best: Option<(usize, f64, LeadWork)> = None;
+    // Which of the present leads come out: few keys have more than five.
+    let known = &present[..present.len().min(8)];
+    for set in 0..1_usize << known.len() {
+        let out: Vec<Lead> = (0..known.len()).filter(|i| set >> i & 1 == 1).map(|i| known[i]).collect();
+        let stays: Vec<Lead> = (0..known.len()).filter(|i| set >> i & 1 == 0).map(|i| known[i]).collect();
+        let taken: f64 = out.iter().map(|lead| lead.front_weight_g(key_front_mm)).sum();
+        for count in 0..=MOST_LEADS {
+            let work = out.len() + count;
+            if best.as_ref().is_some_and(|(least, ..)| work > *least) {
+                break;
+            }
+            let Some(put) = put(change_g + taken, key_front_mm, masses_g, &stays, count) else { continue };
+            let weight = put.iter().map(|lead| lead.front_weight_g(key_front_mm)).sum::<f64>() - taken;
+            if (weight - change_g).abs() > CLOSE_G {
+                continue;
+            }
+            let inertia: f64 = put.iter().map(|lead| lead.inertia_g(key_front_mm)).sum::<f64>()
+                - out.iter().map(|lead| lead.inertia_g(key_front_mm)).sum::<f64>();
+            if best.as_ref().is_none_or(|(least, lowest, _)| (work, inertia) < (*least, *lowest)) {
+                let found = LeadWork { out: out.clone(), put, front_weight_g: weight, inertia_g: inertia };
+                best = Some((work, inertia, found));
+            }
+        }
+    }
+    best.map(|(.., work)| work)
+}
+
+/// So many leads that add so much front weight, with the least inertia; `None` where they do not fit.
+fn put(change_g: f64, key_front_mm: f64, masses_g: &[f64], stays: &[Lead], count: usize) -> Option<Vec<Lead>> {
+    if count == 0 {
+        return Some(Vec::new());
+    }
+    let places = places(change_g, key_front_mm);
+    let mut best: Option<(f64, Vec<Lead>)> = None;
+    for mass_g in choices(masses_g, count) {
+        let Some(put) = stand(change_g * key_front_mm, &mass_g, places, stays) else { continue };
+        let inertia = put.iter().map(|lead| lead.inertia_g(key_front_mm)).sum::<f64>();
+        if best.as_ref().is_none_or(|(lowest, _)| inertia < *lowest) {
+            best = Some((inertia, put));
+        }
+    }
+    best.map(|(_, put)| put)
+}
+
+/// Where leads may stand, mm from the pin: in front of it to add front weight, behind it (as far as in front) to take some away.
+fn places(change_g: f64, key_front_mm: f64) -> [f64; 2] {
+    let [near, far] = [NEAR_PIN_MM, key_front_mm - NEAR_FRONT_MM];
+    if change_g > 0.0 { [near, far] } else { [-far.min(BEHIND_MM), -near] }
+}
+
+/// Behind the pin leads stand before the capstan, mm.
+const BEHIND_MM: f64 = 120.0;
+
+/// Every way to take `count` of the masses, the order aside.
+fn choices(masses_g: &[f64], count: usize) -> Vec<Vec<f64>> {
+    if count == 0 {
+        return vec![Vec::new()];
+    }
+    let mut all = Vec::new();
+    for (i, mass) in masses_g.iter().enumerate() {
+        for mut rest in choices(&masses_g[i..], count - 1) {
+            rest.push(*mass);
+            all.push(rest);
+        }
+    }
+    all
+}
+
+/// Leads of these masses side by side, so that mass times place is `moment` (g mm) to the nearest whole millimetre of the group; the places keep
+/// their distance from each other and from what stays.
+fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], stays: &[Lead]) -> Option<Vec<Lead>> {
+    let total: f64 = masses_g.iter().sum();
+    let offset = |i: usize| (i as f64 - 0.5 * (masses_g.len() - 1) as f64) * APART_MM;
+    let middle_mm = (moment - masses_g.iter().enumerate().map(|(i, mass)| mass * offset(i)).sum::<f64>()) / total;
+    let group = |middle_mm: f64| -> Vec<Lead> {
+        let each = masses_g.iter().enumerate();
+        each.map(|(i, mass_g)| Lead { mass_g: *mass_g, at_mm: (middle_mm + offset(i)).round() }).collect()
+    };
+    // A single lead may stand at the end of where leads may: whether that is near enough, the caller tells.
+    let middle_mm = if masses_g.len() == 1 { middle_mm.clamp(from, to) } else { middle_mm };
+    let fits = |put: &[Lead]| {
+        put.iter().all(|lead| {
+            (from..=to).contains(&lead.at_mm) && stays.iter().all(|other| (other.at_mm - lead.at_mm).abs() >= APART_MM)
+        })
+    };
+    let put = group(middle_mm);
+    if fits(&put) {
+        return Some(put);
+    }
+    // Spread apart around what is in the way: the same moment, the leads further from each other.
+    (1..=6)
+        .map(|wider| {
+            let spread = 1.0 + 0.5 * f64::from(wider);
+            let each = masses_g.iter().enumerate();
+            let middle_mm =
+                (moment - masses_g.iter().enumerate().map(|(i, mass)| mass * offset(i) * spread).sum::<f64>()) / total;
+            each.map(|(i, mass_g)| Lead { mass_g: *mass_g, at_mm: (middle_mm + offset(i) * spread).round() })
+                .collect::<Vec<Lead>>()
+        })
+        .find(|put| masses_g.len() > 1 && fits(put))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRONT_MM: f64 = 250.0;
+
+    /// By hand: 5 g at a front 250 mm from the pin are 1250 g mm: 14 g at 89 mm (1246). It is the least inertia of one lead, for the heaviest
+    /// stands nearest.
+    #[test]
+    fn one_lead_by_hand() {
+        let work = lead_work(5.0, FRONT_MM, &LEADS_G, &[]).unwrap();
+        assert_eq!((work.out.len(), work.put.as_slice()), (0, &[Lead { mass_g: 14.0, at_mm: 89.0 }][..]));
+        assert!((work.front_weight_g - 14.0 * 89.0 / 250.0).abs() < 1e-12);
+        assert!((work.inertia_g - 14.0 * (89.0_f64 / 250.0).powi(2)).abs() < 1e-12);
+        // With small leads only, the same weight stands further out: 7 g at 179 mm.
+        assert_eq!(lead_work(5.0, FRONT_MM, &[7.0], &[]).unwrap().put, [Lead { mass_g: 7.0, at_mm: 179.0 }]);
+    }
+
+    /// Whatever is asked for comes out to within half a gram, its leads exist, stand at whole millimetres, in the wood, and apart.
+    #[test]
+    fn what_is_asked_for_comes_out() {
+        for tenths in 5..=280 {
+            let change = f64::from(tenths) / 10.0;
+            let work = lead_work(change, FRONT_MM, &LEADS_G, &[]).unwrap_or_else(|| panic!("{change}"));
+            let sum: f64 = work.put.iter().map(|lead| lead.mass_g * lead.at_mm).sum();
+            assert!((sum / FRONT_MM - change).abs() <= CLOSE_G, "{change}: {work:?}");
+            for (i, lead) in work.put.iter().enumerate() {
+                assert!(LEADS_G.contains(&lead.mass_g) && lead.at_mm == lead.at_mm.round());
+                assert!((40.0..=190.0).contains(&lead.at_mm), "{change}: {work:?}");
+                assert!(work.put[..i].iter().all(|other| (other.at_mm - lead.at_mm).abs() >= APART_MM - 1.0));
+            }
+        }
+    }
+
+    /// A lead that is there comes out where that is enough, and nothing is put where another stays.
+    #[test]
+    fn present_leads_are_used() {
+        let present = [Lead { mass_g: 14.0, at_mm: 150.0 }, Lead { mass_g: 14.0, at_mm: 100.0 }];
+        let work = lead_work(-5.6, FRONT_MM, &LEADS_G, &present).unwrap();
+        assert_eq!((work.out.as_slice(), work.put.len()), (&[Lead { mass_g: 14.0, at_mm: 100.0 }][..], 0));
+        let work = lead_work(5.6, FRONT_MM, &LEADS_G, &present).unwrap();
+        assert!(work.put.iter().all(|lead| present.iter().all(|other| (lead.at_mm - other.at_mm).abs() >= APART_MM)));
+    }
+
+    /// Without known leads a front that is too heavy gets one behind the pin; nothing at all is done for less than half a gram.
+    #[test]
+    fn behind_the_pin_and_nothing() {
+        let work = lead_work(-3.0, FRONT_MM, &LEADS_G, &[]).unwrap();
+        assert!(work.put.len() == 1 && work.put[0].at_mm < 0.0 && (work.front_weight_g + 3.0).abs() <= CLOSE_G);
+        assert_eq!(lead_work(0.4, FRONT_MM, &LEADS_G, &[]), Some(LeadWork::default()));
+        assert_eq!(lead_work(200.0, FRONT_MM, &LEADS_G, &[]), None);
+    }
+}

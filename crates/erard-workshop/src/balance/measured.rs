@@ -1,0 +1,292 @@
+//! What was weighed, read from a table: one row per key, keys and cells may be missing.
+
+use std::fmt;
+
+use erard::keyboard::{KEYS, note_name};
+
+use super::leads::Lead;
+
+/// A key as weighed on the bench; `None` was not.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeasuredKey {
+    /// Its number, from 1.
+    pub key: usize,
+    /// SW, g.
+    pub strike_weight_g: Option<f64>,
+    /// FW, g.
+    pub front_weight_g: Option<f64>,
+    /// D, g.
+    pub down_weight_g: Option<f64>,
+    /// U, g.
+    pub up_weight_g: Option<f64>,
+    /// WW, g.
+    pub whippen_weight_g: Option<f64>,
+    /// KR.
+    pub key_ratio: Option<f64>,
+    /// The leads that are in it; empty where nobody said.
+    pub leads: Vec<Lead>,
+}
+
+/// The one thing that is wrong with the table: where it stands, what was found, what was expected.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeasuredError {
+    /// The file's name as the caller gave it.
+    pub file: String,
+    /// Line, from 1; 0 for the file as a whole.
+    pub line: usize,
+    /// Column; empty where the fault belongs to none.
+    pub column: String,
+    /// What is wrong.
+    pub message: String,
+    /// What should stand there.
+    pub expected: String,
+}
+
+impl fmt::Display for MeasuredError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
+        }
+        if !self.column.is_empty() {
+            write!(f, ": column `{}`", self.column)?;
+        }
+        write!(f, ": {}; expected {}", self.message, self.expected)
+    }
+}
+
+impl std::error::Error for MeasuredError {}
+
+/// A column: its name, what else it is called, and the least and the most that a cell may say.
+struct Column {
+    name: &'static str,
+    also: &'static [&'static str],
+    limits: [f64; 2],
+    unit: &'static str,
+    put: fn(&mut MeasuredKey, f64),
+}
+
+const COLUMNS: [Column; 6] = [
+    Column {
+        name: "strike_weight_g",
+        also: &["strike_weight", "sw", "sw_g"],
+        limits: [1.0, 30.0],
+        unit: "g",
+        put: |key, x| key.strike_weight_g = Some(x),
+    },
+    Column {
+        name: "front_weight_g",
+        also: &["front_weight", "fw", "fw_g"],
+        limits: [-60.0, 100.0],
+        unit: "g",
+        put: |key, x| key.front_weight_g = Some(x),
+    },
+    Column {
+        name: "down_weight_g",
+        also: &["down_weight", "dw", "dw_g", "d"],
+        limits: [0.0, 200.0],
+        unit: "g",
+        put: |key, x| key.down_weight_g = Some(x),
+    },
+    Column {
+        name: "up_weight_g",
+        also: &["up_weight", "uw", "uw_g", "u"],
+        limits: [-50.0, 150.0],
+        unit: "g",
+        put: |key, x| key.up_weight_g = Some(x),
+    },
+    Column {
+        name: "whippen_weight_g",
+        also: &["whippen_weight", "wippen_weight_g", "wippen_weight", "ww", "ww_g"],
+        limits: [5.0, 50.0],
+        unit: "g",
+        put: |key, x| key.whippen_weight_g = Some(x),
+    },
+    Column { name: "key_ratio", also: &["kr"], limits: [0.3, 0.8], unit: "", put: |key, x| key.key_ratio = Some(x) },
+];
+
+/// Reads a table: a header that names `key` (1 to 88) or `note` (A0 to C8), and any of `strike_weight_g`, `front_weight_g`, `down_weight_g`,
+/// `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`: grams at millimetres in front of the balance pin). The
+/// trade's letters (SW, FW, DW, UW, WW, KR) do as well; other columns are passed over. Cells end at commas, or at semicolons or tabs where the
+/// header has one, and then decimals may have commas. Empty cells were not weighed; lines that begin with `#` are comments. Keys come out
+/// ascending. `file` appears in errors only.
+///
+/// # Errors
+/// The first thing that is wrong, with line and column.
+pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
+    let fault = |line: usize, column: &str, message: String, expected: String| MeasuredError {
+        file: file.to_owned(),
+        line,
+        column: column.to_owned(),
+        message,
+        expected,
+    };
+    let text = text.trim_start_matches('\u{feff}');
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line))
+        .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
+    let expected_header =
+        || "a header such as `key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g`".to_owned();
+    let Some((header_line, header)) = lines.next() else {
+        return Err(fault(0, "", "the file is empty".into(), expected_header()));
+    };
+    let separator = if header.contains('\t') {
+        '\t'
+    } else if header.contains(';') {
+        ';'
+    } else {
+        ','
+    };
+    let names: Vec<String> =
+        header.split(separator).map(cell).map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
+    let at = |wanted: &[&str]| -> Result<Option<usize>, MeasuredError> {
+        let mut found = names.iter().enumerate().filter(|(_, name)| wanted.contains(&name.as_str()));
+        let first = found.next().map(|(index, _)| index);
+        match found.next() {
+            Some((_, name)) => Err(fault(header_line, name, "named twice".into(), "one column of each kind".into())),
+            None => Ok(first),
+        }
+    };
+    let key_at = at(&["key", "key_number", "number", "nr", "no"])?;
+    let note_at = at(&["note"])?;
+    if key_at.is_none() && note_at.is_none() {
+        return Err(fault(header_line, "", "no column says which key a row is of".into(), expected_header()));
+    }
+    let mut columns: Vec<(usize, &Column)> = Vec::new();
+    for column in &COLUMNS {
+        let wanted: Vec<&str> = std::iter::once(column.name).chain(column.also.iter().copied()).collect();
+        columns.extend(at(&wanted)?.map(|index| (index, column)));
+    }
+    let leads_at = at(&["leads"])?;
+    if columns.is_empty() {
+        return Err(fault(header_line, "", "no column holds a weight".into(), expected_header()));
+    }
+
+    let mut keys: Vec<(usize, MeasuredKey)> = Vec::new();
+    for (line, row) in lines {
+        let cells: Vec<&str> = row.split(separator).map(cell).collect();
+        if cells.len() > names.len() {
+            let message = format!("{} cells where the header has {}", cells.len(), names.len());
+            let expected = "a cell for every column; decimals with a point, or semicolons between cells".into();
+            return Err(fault(line, "", message, expected));
+        }
+        let text_at = |index: Option<usize>| index.and_then(|index| cells.get(index)).copied().unwrap_or("");
+        let key = key_of(text_at(key_at), text_at(note_at)).map_err(|(column, found)| {
+            fault(
+                line,
+                column,
+                format!("`{found}` is no key"),
+                format!("a number from 1 to {KEYS}, or a note from A0 to C8"),
+            )
+        })?;
+        if let Some((other, _)) = keys.iter().find(|(_, known)| known.key == key) {
+            let message = format!("key {key} stands in line {other} already");
+            return Err(fault(line, "", message, "every key once".into()));
+        }
+        let mut measured = MeasuredKey { key, ..MeasuredKey::default() };
+        for &(index, column) in &columns {
+            let text = text_at(Some(index));
+            if text.is_empty() {
+                continue;
+            }
+            let [least, most] = column.limits;
+            let value = number(text, separator).filter(|value| (least..=most).contains(value)).ok_or_else(|| {
+                let expected = format!("a number from {least} to {most} {}", column.unit);
+                fault(line, &names[index], format!("`{text}`"), expected.trim_end().to_owned())
+            })?;
+            (column.put)(&mut measured, value);
+        }
+        if let (Some(down), Some(up)) = (measured.down_weight_g, measured.up_weight_g)
+            && up > down
+        {
+            let message = format!("an up-weight of {up} g over a down-weight of {down} g");
+            return Err(fault(line, "up_weight_g", message, "no more than the down-weight: are they swapped?".into()));
+        }
+        measured.leads = leads(text_at(leads_at), separator).map_err(|found| {
+            fault(line, "leads", format!("`{found}`"), "grams at millimetres, as in `14@165 14@147`".into())
+        })?;
+        keys.push((line, measured));
+    }
+    if keys.is_empty() {
+        return Err(fault(0, "", "there is no key in it".into(), "a row for each key that was weighed".into()));
+    }
+    let mut keys: Vec<MeasuredKey> = keys.into_iter().map(|(_, key)| key).collect();
+    keys.sort_by_key(|key| key.key);
+    Ok(keys)
+}
+
+fn cell(text: &str) -> &str {
+    text.trim().trim_matches('"').trim()
+}
+
+fn number(text: &str, separator: char) -> Option<f64> {
+    let text = text.trim_end_matches(" g").trim();
+    let point = if separator == ',' { text.to_owned() } else { text.replace(',', ".") };
+    point.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// The key by its number, or by its note; the column and the text that say none.
+fn key_of<'t>(number: &'t str, note: &'t str) -> Result<usize, (&'static str, &'t str)> {
+    if !number.is_empty() || note.is_empty() {
+        return number.parse().ok().filter(|key| (1..=KEYS).contains(key)).ok_or(("key", number));
+    }
+    (1..=KEYS).find(|&key| note_name(key).eq_ignore_ascii_case(note)).ok_or(("note", note))
+}
+
+fn leads(text: &str, separator: char) -> Result<Vec<Lead>, String> {
+    text.split_whitespace()
+        .map(|one| {
+            let lead = one.split_once('@').and_then(|(mass, at)| {
+                let (mass_g, at_mm) = (number(mass, separator)?, number(at.trim_end_matches("mm"), separator)?);
+                ((0.1..=50.0).contains(&mass_g) && at_mm.abs() <= 300.0).then_some(Lead { mass_g, at_mm })
+            });
+            lead.ok_or_else(|| one.to_owned())
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Commas with points, semicolons with decimal commas, tabs; numbers or notes; empty cells, comments, other columns.
+    #[test]
+    fn tables_as_people_write_them() {
+        let plain = "# weighed on Monday\nkey,SW,FW,DW,UW,who\n40,8.7,21.2,50,26,me\n1,10.4,,54.5,,\n";
+        let keys = read(plain, "a.csv").unwrap();
+        assert_eq!((keys.len(), keys[0].key, keys[1].key), (2, 1, 40));
+        assert_eq!((keys[0].strike_weight_g, keys[0].front_weight_g, keys[0].up_weight_g), (Some(10.4), None, None));
+        assert_eq!((keys[1].down_weight_g, keys[1].up_weight_g), (Some(50.0), Some(26.0)));
+        let german = "Note;Strike weight;Front Weight;leads\nC4;8,7;21,2;14@165 14@147,5\nA0;10,4;;\n";
+        let keys = read(german, "b.csv").unwrap();
+        assert_eq!((keys[0].key, keys[0].strike_weight_g), (1, Some(10.4)));
+        assert_eq!(keys[1].leads, [Lead { mass_g: 14.0, at_mm: 165.0 }, Lead { mass_g: 14.0, at_mm: 147.5 }]);
+        assert_eq!(read("key\tWW\tKR\n3\t18,5\t0,53\n", "c").unwrap()[0].key_ratio, Some(0.53));
+    }
+
+    /// Whatever is wrong is named with its line and column, and what would be right.
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (text, told) in [
+            ("", "m.csv: the file is empty"),
+            ("SW,FW\n1,2\n", "m.csv:1: no column says which key"),
+            ("key,colour\n1,2\n", "no column holds a weight"),
+            ("key,SW\n", "there is no key in it"),
+            ("key,SW\n89,8\n", "m.csv:2: column `key`: `89` is no key"),
+            ("note,SW\nH1,8\n", "column `note`: `H1` is no key"),
+            ("key,SW\n1,8\n1,9\n", "m.csv:3: key 1 stands in line 2 already"),
+            ("key,SW\n1,heavy\n", "column `sw`: `heavy`; expected a number from 1 to 30 g"),
+            ("key,SW\n1,nan\n", "`nan`"),
+            ("key,SW\n1,8700\n", "`8700`"),
+            ("key,SW\n1,8,7\n", "3 cells where the header has 2"),
+            ("key,DW,UW\n1,20,50\n", "are they swapped?"),
+            ("key,SW,leads\n1,8,14g\n", "column `leads`: `14g`"),
+            ("key,SW,sw_g\n1,8,8\n", "named twice"),
+        ] {
+            let error = read(text, "m.csv").unwrap_err().to_string();
+            assert!(error.contains(told), "{text:?}: {error}");
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Balancing a keyboard: from what a technician has weighed, key by key, to leads, hammers and capstans.
+//!
+//! Statics by Stanwood's equation of balance (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996),
+//!
+//! BW + FW = KR WW + R SW
+//!
+//! with balance weight BW = (D + U) / 2, friction weight F = (D - U) / 2, front weight FW, key ratio KR, whippen weight WW, strike weight SW
+//! and strike-weight ratio R: `equation`. What was measured: `measured`. Curves over the keyboard: `smooth`. Leads that exist: `leads`.
+//! What reaches the target, key by key: `plan`. Whether it does in the dynamic model: `check`.
+//!
+//! Grams are gram-forces at the key front or on the scale, as in the trade; millimetres along the key count from its balance pin, positive
+//! toward the player.
+
+mod check;
+mod equation;
+mod leads;
+mod measured;
+mod model;
+mod plan;
+mod smooth;
+
+pub use check::{Checked, check};
+pub use equation::{Balance, Parts};
+pub use leads::{FEWEST_GRAMS, LEADS_G, Lead, LeadWork, MOST_LEADS, lead_work};
+pub use measured::{MeasuredError, MeasuredKey, read};
+pub use model::KeyModel;
+pub use plan::{BalancedKey, Curves, Plan, Remedy, Target, plan};
+pub use smooth::{HALF_GAIN_KEYS, smooth};

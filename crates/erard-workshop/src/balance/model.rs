@@ -1,0 +1,203 @@
+//! What a keyboard's model gives where nothing was weighed: lengths, ratios, and the inertia of what no scale tells.
+
+use crate::kinematics::{DeriveError, derive};
+use crate::measure::{MeasureError, NotAnAction};
+use erard::grand::{Parts, front_weight_g, strike_weight_g, whippen_weight_g};
+use erard::instrument::{Body, Instrument, Vec2};
+
+/// The lengths, ratios and inertias of a key's model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyModel {
+    /// Balance pin to where the finger presses, mm.
+    pub key_front_mm: f64,
+    /// Balance pin to the capstan's contact, mm.
+    pub capstan_mm: f64,
+    /// Capstan's contact to the whippen's pin, mm.
+    pub heel_mm: f64,
+    /// KR: grams at the front per gram over the capstan.
+    pub key_ratio: f64,
+    /// WW, g.
+    pub whippen_weight_g: f64,
+    /// FW of the model, g.
+    pub front_weight_g: f64,
+    /// SW of the model, g.
+    pub strike_weight_g: f64,
+    /// The key alone at its front, with the leads that give [`KeyModel::front_weight_g`], g.
+    pub key_inertia_g: f64,
+    /// Whippen, jack and lever at the key's front, half-way, g.
+    pub whippen_inertia_g: f64,
+    /// The hammer's inertia about its pin over that of its strike weight at the strike point's place.
+    pub hammer_factor: f64,
+}
+
+/// Grams per kilogram, millimetres per metre.
+const G: f64 = 1e3;
+const MM: f64 = 1e3;
+/// The trip of the key that inertias belong to: half-way to where let-off usually begins, m.
+const HALF_WAY_M: f64 = 4e-3;
+/// Where leads are taken to stand when a measured front weight differs from the model's, as a share of the key's front arm: an estimate (the
+/// built-in grand's two leads stand at 0.62 and 0.55 of it).
+const LEADS_AT: f64 = 0.6;
+
+impl KeyModel {
+    /// Of an instrument, unbent.
+    ///
+    /// # Errors
+    /// When it is no grand action, or has no three levers.
+    pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
+        let instrument = &instrument.locked();
+        let parts = Parts::of(instrument)?;
+        let levers = derive(instrument)?.levers;
+        let train = levers.assemble().map_err(DeriveError::from)?;
+        let [capstan, _] = levers.contact_points(&train.rest());
+        let front_m = levers.key_front;
+        let heel_m = levers.whippen_pivot[0] - capstan[0];
+        let Some(pose) = train.stroke(HALF_WAY_M, HALF_WAY_M, 0).poses.first().copied() else {
+            return Err(NotAnAction::ShortLevers.into());
+        };
+        let (key, hammer) = (&instrument.bodies[parts.key], &instrument.bodies[parts.hammer]);
+        let strike_g = strike_weight_g(instrument, &parts);
+        let strike_arm_m = instrument.roles.hammer_head_m[0];
+        Ok(KeyModel {
+            key_front_mm: front_m * MM,
+            capstan_mm: capstan[0] * MM,
+            heel_mm: heel_m * MM,
+            key_ratio: capstan[0] / front_m,
+            whippen_weight_g: whippen_weight_g(instrument, &parts, -heel_m),
+            front_weight_g: front_weight_g(instrument, &parts, front_m),
+            strike_weight_g: strike_g,
+            key_inertia_g: G * key.inertia_kg_m2 / (front_m * front_m),
+            whippen_inertia_g: G
+                * stack_inertia_kg_m2(instrument, parts.whippen)
+                * (pose.whippen_ratio / front_m).powi(2),
+            hammer_factor: hammer.inertia_kg_m2 / (1e-3 * strike_g * strike_arm_m * strike_arm_m),
+        })
+    }
+
+    /// Effective inertia at the key's front of a key with these weights, kg: the hammer's from its strike weight and ratio, the key's with its
+    /// leads changed for its front weight ([`LEADS_AT`]), the whippen's as the model's.
+    #[must_use]
+    pub fn inertia_kg(&self, strike_weight_g: f64, front_weight_g: f64, ratio: f64) -> f64 {
+        let hammer_g = self.hammer_factor * strike_weight_g * ratio * ratio;
+        1e-3 * (hammer_g + self.whippen_inertia_g + self.key_g(front_weight_g))
+    }
+
+    /// The key with its leads changed for a front weight, g at its front: so much front weight needs `1 / LEADS_AT` of lead, which counts
+    /// `LEADS_AT` squared.
+    fn key_g(&self, front_weight_g: f64) -> f64 {
+        self.key_inertia_g + LEADS_AT * (front_weight_g - self.front_weight_g)
+    }
+
+    /// The strike weight with which a key has an inertia, its leads giving a balance weight meanwhile, g: inertia is a straight line of it.
+    #[must_use]
+    pub fn strike_weight_for_inertia(
+        &self,
+        inertia_kg: f64,
+        ratio: f64,
+        whippen_at_front_g: f64,
+        balance_weight_g: f64,
+    ) -> f64 {
+        let at = |strike_g: f64| {
+            let front_g = whippen_at_front_g + ratio * strike_g - balance_weight_g;
+            self.inertia_kg(strike_g, front_g, ratio)
+        };
+        (inertia_kg - at(0.0)) / (at(1.0) - at(0.0))
+    }
+
+    /// By what factor action weight (KR WW and R SW alike) changes when the capstan goes `by_mm` toward the player: the key's arm gets shorter,
+    /// the whippen's longer.
+    #[must_use]
+    pub fn capstan_factor(&self, by_mm: f64) -> f64 {
+        (self.capstan_mm - by_mm) / self.capstan_mm * self.heel_mm / (self.heel_mm + by_mm)
+    }
+
+    /// How far the capstan goes toward the player for such a factor, mm: the inverse of [`KeyModel::capstan_factor`].
+    #[must_use]
+    pub fn capstan_move_mm(&self, factor: f64) -> f64 {
+        let (c, h) = (self.capstan_mm, self.heel_mm);
+        c * h * (1.0 - factor) / (h + factor * c)
+    }
+}
+
+/// Moment of inertia about its pin of a part with all that rides on it, as drawn, kg m2.
+fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
+    let bodies = &instrument.bodies;
+    Parts::riders(instrument, part)
+        .map(|body| {
+            let at = pivot_from(instrument, part, body);
+            let own = &bodies[body];
+            let center = turned(own, own.center_of_mass_m);
+            let from_part = [at[0] + center[0], at[1] + center[1]];
+            let square = |[x, y]: Vec2| x * x + y * y;
+            own.inertia_kg_m2 + own.mass_kg * (square(from_part) - square(center))
+        })
+        .sum()
+}
+
+/// From a part's pin to the pin of what rides on it, as drawn, m.
+fn pivot_from(instrument: &Instrument, part: usize, mut body: usize) -> Vec2 {
+    let bodies = &instrument.bodies;
+    let mut from = [0.0; 2];
+    while body != part {
+        let Some(parent) = bodies[body].parent else { break };
+        let [x, y] = turned(&bodies[parent], bodies[body].pivot_m);
+        (from[0], from[1]) = (from[0] + x, from[1] + y);
+        body = parent;
+    }
+    from
+}
+
+/// A direction of a body's frame in the world, as drawn.
+fn turned(body: &Body, [x, y]: Vec2) -> Vec2 {
+    let (s, c) = body.angle_rad.sin_cos();
+    [c * x - s * y, s * x + c * y]
+}
+
+/// A point mass added to a body at a point of its frame (taken away where negative), kg and m: mass, centre of mass and inertia about its pin.
+pub(super) fn add_mass(instrument: &mut Instrument, body: usize, mass_kg: f64, [x, y]: Vec2) {
+    let body = &mut instrument.bodies[body];
+    let total = body.mass_kg + mass_kg;
+    let [cx, cy] = body.center_of_mass_m;
+    body.center_of_mass_m = [(cx * body.mass_kg + x * mass_kg) / total, (cy * body.mass_kg + y * mass_kg) / total];
+    body.mass_kg = total;
+    body.inertia_kg_m2 += mass_kg * (x * x + y * y);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::inertia::inertia;
+
+    /// The scale's numbers are the sheet's; what statics makes of the inertia is what the kinetic energy of the simulated action makes of it,
+    /// half-way: to 3 %, for the ratio of the equation of balance is that of another place of the stroke.
+    #[test]
+    fn the_built_in_grand() {
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        let model = KeyModel::of(&grand).unwrap();
+        assert!((model.strike_weight_g - 8.7).abs() < 0.01 && (model.key_front_mm - 265.0).abs() < 1.0, "{model:?}");
+        let simulated = inertia(&grand, 2.0 * HALF_WAY_M, &|| true).unwrap().half_way;
+        let ratio = {
+            let levers = derive(&grand).unwrap().levers;
+            let pose = levers.assemble().unwrap().stroke(HALF_WAY_M, HALF_WAY_M, 0).poses[0];
+            pose.hammer_ratio * levers.head[0] / levers.key_front
+        };
+        let ours = model.inertia_kg(model.strike_weight_g, model.front_weight_g, ratio);
+        assert!((ours / simulated.total_kg() - 1.0).abs() < 0.03, "{ours} {simulated:?}");
+        assert!((1e-3 * model.key_inertia_g / simulated.key_kg - 1.0).abs() < 0.01, "{model:?} {simulated:?}");
+        assert!((1e-3 * model.whippen_inertia_g / simulated.whippen_kg - 1.0).abs() < 0.05, "{model:?} {simulated:?}");
+    }
+
+    /// A move and back is none; by hand, 145 mm and 60 mm with 5 mm toward the player make 140/145 x 60/65.
+    #[test]
+    fn capstans_by_hand() {
+        let model = KeyModel {
+            capstan_mm: 145.0,
+            heel_mm: 60.0,
+            ..KeyModel::of(&Instrument::builtin("concert-grand").unwrap()).unwrap()
+        };
+        assert!((model.capstan_factor(5.0) - 140.0 / 145.0 * 60.0 / 65.0).abs() < 1e-12);
+        for by in [-8.0, -1.0, 0.0, 3.0, 12.0] {
+            assert!((model.capstan_move_mm(model.capstan_factor(by)) - by).abs() < 1e-9);
+        }
+    }
+}

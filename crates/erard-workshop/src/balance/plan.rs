@@ -1,0 +1,236 @@
+//! Key by key: what was weighed, what follows from it, and what reaches the target.
+
+use erard::keyboard::{KEYS, note_name};
+
+use super::equation::{Balance, Parts};
+use super::leads::{LeadWork, lead_work};
+use super::measured::MeasuredKey;
+use super::model::KeyModel;
+use super::smooth::smooth;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Balance weight of every key, g; `None`: the median of those weighed.
+    pub balance_weight_g: Option<f64>,
+    /// Effective inertia of every key at its front, kg; then the hammers follow it, not the smooth curve.
+    pub inertia_kg: Option<f64>,
+    /// Whether hammers come to their target strike weights first, and leads follow; otherwise hammers stay, and leads do it alone.
+    pub hammers: bool,
+}
+
+/// Curves over the keyboard, the first key at index 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curves {
+    /// Strike weights, smoothed; `None` where too few were weighed.
+    pub strike_weight_g: Option<[f64; KEYS]>,
+    /// Ratios, smoothed.
+    pub ratio: Option<[f64; KEYS]>,
+    /// Target strike weights: the smooth ones, or those that give the target inertia, g.
+    pub target_strike_weight_g: Option<[f64; KEYS]>,
+    /// Front weights with which keys of the smooth ratio and the target strike weights have the target balance weight, g.
+    pub target_front_weight_g: Option<[f64; KEYS]>,
+}
+
+/// One thing that brings a key to the target balance weight by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Remedy {
+    /// Leads.
+    Leads(LeadWork),
+    /// Another strike weight: so much more, g.
+    Strike(f64),
+    /// The capstan so much toward the player, mm.
+    Capstan(f64),
+}
+
+/// A key with all that is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BalancedKey {
+    /// What was weighed.
+    pub measured: MeasuredKey,
+    /// Its note.
+    pub note: String,
+    /// Its model.
+    pub model: KeyModel,
+    /// KR and WW that were used: weighed, or the model's.
+    pub key_ratio: f64,
+    /// See there, g.
+    pub whippen_weight_g: f64,
+    /// SW that was used: weighed, or from the smooth curve, g.
+    pub strike_weight_g: Option<f64>,
+    /// BW: weighed, or by the equation with the smooth ratio, g.
+    pub balance_weight_g: Option<f64>,
+    /// F, g; only where both weights were found.
+    pub friction_weight_g: Option<f64>,
+    /// R: by the equation from this key's own weights, or from the smooth curve.
+    pub ratio: Option<f64>,
+    /// Effective inertia at the front, kg.
+    pub inertia_kg: Option<f64>,
+    /// Whether any of these come from a curve and not from this key.
+    pub from_curves: bool,
+    /// Its target strike weight, g.
+    pub target_strike_weight_g: Option<f64>,
+    /// The front weight that reaches the target balance weight, the hammer as it is or at its target ([`Target::hammers`]), g.
+    pub target_front_weight_g: Option<f64>,
+    /// What leads do it; `None` where too little is known, or no leads do.
+    pub leads: Option<LeadWork>,
+    /// The change of strike weight that would do it alone, g.
+    pub strike_change_g: Option<f64>,
+    /// The move of the capstan toward the player that would do it alone, mm.
+    pub capstan_move_mm: Option<f64>,
+    /// Balance weight and inertia after the leads (and the hammer, where it comes first).
+    pub after_balance_weight_g: Option<f64>,
+    /// See there, kg.
+    pub after_inertia_kg: Option<f64>,
+}
+
+/// All keys, the curves, and the balance weight that is aimed at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The keys that were weighed, ascending.
+    pub keys: Vec<BalancedKey>,
+    /// The curves.
+    pub curves: Curves,
+    /// g.
+    pub target_balance_weight_g: f64,
+    /// What was asked for.
+    pub target: Target,
+}
+
+/// Plans the work. `models` has every key's model, the first key at index 0; `leads_g` are the masses of the leads at hand. `None` where no
+/// balance weight is asked for and no key has both weights to take one from.
+#[must_use]
+pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target, leads_g: &[f64]) -> Option<Plan> {
+    let balance = |key: &MeasuredKey| {
+        let (down_weight_g, up_weight_g) = (key.down_weight_g?, key.up_weight_g?);
+        Some(Balance { down_weight_g, up_weight_g })
+    };
+    let balances: Vec<f64> = measured.iter().filter_map(|key| Some(balance(key)?.balance_weight_g())).collect();
+    let target_balance_weight_g = target.balance_weight_g.or_else(|| median(&balances))?;
+    let mut strike_weights = [None; KEYS];
+    let mut ratios = [None; KEYS];
+    for key in measured {
+        let model = &models[key.key - 1];
+        strike_weights[key.key - 1] = key.strike_weight_g;
+        let parts = key.front_weight_g.zip(key.strike_weight_g).map(|(front_weight_g, strike_weight_g)| Parts {
+            front_weight_g,
+            strike_weight_g,
+            whippen_weight_g: key.whippen_weight_g.unwrap_or(model.whippen_weight_g),
+            key_ratio: key.key_ratio.unwrap_or(model.key_ratio),
+        });
+        ratios[key.key - 1] = parts.zip(balance(key)).map(|(parts, own)| parts.ratio(own.balance_weight_g()));
+    }
+    let strike_weight_g = smooth(&strike_weights);
+    let ratio = smooth(&ratios);
+    let target_strike_weight_g = match (target.inertia_kg, ratio) {
+        (None, _) => strike_weight_g,
+        (Some(inertia_kg), Some(ratio)) => Some(std::array::from_fn(|i| {
+            let model = &models[i];
+            let whippen_g = model.key_ratio * model.whippen_weight_g;
+            model.strike_weight_for_inertia(inertia_kg, ratio[i], whippen_g, target_balance_weight_g)
+        })),
+        (Some(_), None) => None,
+    };
+    let target_front_weight_g = target_strike_weight_g.zip(ratio).map(|(strike, ratio)| {
+        std::array::from_fn(|i| {
+            let model = &models[i];
+            model.key_ratio * model.whippen_weight_g + ratio[i] * strike[i] - target_balance_weight_g
+        })
+    });
+    let curves = Curves { strike_weight_g, ratio, target_strike_weight_g, target_front_weight_g };
+    let keys = measured
+        .iter()
+        .map(|key| {
+            let at = key.key - 1;
+            let known = Known { balance: balance(key), ratio: ratios[at] };
+            balanced(key, &models[at], known, &curves, target_balance_weight_g, target, leads_g)
+        })
+        .collect();
+    Some(Plan { keys, curves, target_balance_weight_g, target })
+}
+
+/// What follows from a key's own weights.
+struct Known {
+    balance: Option<Balance>,
+    ratio: Option<f64>,
+}
+
+fn balanced(
+    key: &MeasuredKey,
+    model: &KeyModel,
+    known: Known,
+    curves: &Curves,
+    target_g: f64,
+    target: Target,
+    leads_g: &[f64],
+) -> BalancedKey {
+    let at = key.key - 1;
+    let of = |curve: &Option<[f64; KEYS]>| curve.map(|curve| curve[at]);
+    let key_ratio = key.key_ratio.unwrap_or(model.key_ratio);
+    let whippen_weight_g = key.whippen_weight_g.unwrap_or(model.whippen_weight_g);
+    let strike_weight_g = key.strike_weight_g.or(of(&curves.strike_weight_g));
+    let ratio = known.ratio.or(of(&curves.ratio));
+    let parts = key.front_weight_g.zip(strike_weight_g).map(|(front_weight_g, strike_weight_g)| Parts {
+        front_weight_g,
+        strike_weight_g,
+        whippen_weight_g,
+        key_ratio,
+    });
+    let weighed = known.balance.map(|balance| balance.balance_weight_g());
+    let balance_weight_g = weighed.or_else(|| Some(parts?.balance_weight_g(ratio?)));
+    let target_strike_weight_g = of(&curves.target_strike_weight_g);
+    let inertia = |strike_g: Option<f64>, front_g: Option<f64>| Some(model.inertia_kg(strike_g?, front_g?, ratio?));
+
+    // The hammer first, where it is to come to its target; then what is left for the leads.
+    let hammer_change_g = if target.hammers {
+        strike_weight_g.zip(target_strike_weight_g).map(|(now, then)| then - now)
+    } else {
+        Some(0.0)
+    };
+    let balance_then_g = || Some(balance_weight_g? + ratio? * hammer_change_g?);
+    let balance_then_g = if hammer_change_g == Some(0.0) { balance_weight_g } else { balance_then_g() };
+    // A gram of front weight is a gram of balance weight less.
+    let front_change_g = balance_then_g.map(|balance_g| balance_g - target_g);
+    let leads = front_change_g.and_then(|change_g| lead_work(change_g, model.key_front_mm, leads_g, &key.leads));
+    let strike_change_g = balance_weight_g.zip(ratio).map(|(balance_g, ratio)| (target_g - balance_g) / ratio);
+    // The capstan changes all that stands on it by one factor.
+    let capstan_move_mm = balance_weight_g.zip(key.front_weight_g).and_then(|(balance_g, front_g)| {
+        let factor = (target_g + front_g) / (balance_g + front_g);
+        (factor.is_finite() && factor > 0.0).then(|| model.capstan_move_mm(factor))
+    });
+    let after_balance_weight_g = balance_then_g.zip(leads.as_ref()).map(|(g, leads)| g - leads.front_weight_g);
+    let after_strike_g = strike_weight_g.zip(hammer_change_g).map(|(now, by)| now + by);
+    let after_inertia_kg =
+        inertia(after_strike_g, key.front_weight_g).zip(leads.as_ref()).map(|(kg, leads)| kg + 1e-3 * leads.inertia_g);
+    BalancedKey {
+        note: note_name(key.key),
+        model: *model,
+        key_ratio,
+        whippen_weight_g,
+        strike_weight_g,
+        balance_weight_g,
+        friction_weight_g: known.balance.map(|balance| balance.friction_weight_g()),
+        ratio,
+        inertia_kg: inertia(strike_weight_g, key.front_weight_g),
+        from_curves: key.strike_weight_g.is_none() || known.ratio.is_none() || weighed.is_none(),
+        target_strike_weight_g,
+        target_front_weight_g: key.front_weight_g.zip(front_change_g).map(|(now, by)| now + by),
+        leads,
+        strike_change_g,
+        capstan_move_mm,
+        after_balance_weight_g,
+        after_inertia_kg,
+        measured: key.clone(),
+    }
+}
+
+fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    match sorted.len() {
+        0 => None,
+        n if n % 2 == 1 => Some(sorted[middle]),
+        _ => Some(0.5 * (sorted[middle - 1] + sorted[middle])),
+    }
+}

@@ -1,0 +1,65 @@
+//! Screws that must follow: one screw turned alone disturbs what another one set.
+
+use super::rounds::{Regulated, Status, regulate};
+use super::{Goal, Kind, RegulateError, Specification};
+use crate::distances::{Distances, Protocol};
+use erard::instrument::Instrument;
+
+/// A distance that has moved by more than this has been disturbed, m, or as a share of a speed, or of the dip: what a technician sees.
+const SEEN_M: f64 = 0.25e-3;
+const SEEN_OF_SPEED: f64 = 0.15;
+const SEEN_OF_DIP: f64 = 0.03;
+/// Passes in which what was newly disturbed is taken along.
+const PASSES: u32 = 4;
+
+/// Goals that nobody asked for, and that a regulation has disturbed: each with what it measured before, which is to come back. Goals without a
+/// screw of their own in this instrument are left out, and the repetition rise, whose screw is the check's.
+#[must_use]
+pub fn disturbed(regulated: &Regulated) -> Specification {
+    let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);
+    let has_screw =
+        |goal: Goal| goal.screws().first().is_some_and(|(name, _)| regulated.instrument.screw(name).is_some());
+    let moved = |goal: Goal| has_moved(goal, &regulated.before, &regulated.after);
+    let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise && !asked(*goal) && has_screw(*goal));
+    goals.filter_map(|goal| Some((goal, moved(goal)?))).collect()
+}
+
+/// What a goal measured before, where it measures something else now.
+fn has_moved(goal: Goal, before: &Distances, after: &Distances) -> Option<f64> {
+    let before = goal.of(before)?;
+    let seen = match goal.kind() {
+        Kind::Length => SEEN_M,
+        Kind::Speed => SEEN_OF_SPEED * before,
+        Kind::Share => SEEN_OF_DIP,
+    };
+    // What does not happen any more has moved.
+    let is_there = goal.of(after).is_some_and(|after| (after - before).abs() <= seen);
+    (!is_there).then_some(before)
+}
+
+/// [`regulate`], and again with what that disturbed kept as it was, until nothing else is disturbed: the screws that must follow, follow.
+/// Distances before are those before the first turn.
+///
+/// # Errors
+/// As [`regulate`].
+pub fn regulate_following(
+    instrument: &Instrument,
+    specification: &Specification,
+    protocol: &Protocol,
+    progress: &mut dyn FnMut(&Status) -> bool,
+) -> Result<Regulated, RegulateError> {
+    let mut specification = specification.clone();
+    let mut regulated = regulate(instrument, &specification, protocol, progress)?;
+    for _ in 1..PASSES {
+        let more = disturbed(&regulated);
+        if more.is_empty() {
+            break;
+        }
+        specification.extend(more);
+        let earlier = (regulated.simulations, regulated.rounds);
+        regulated = regulate(instrument, &specification, protocol, progress)?;
+        regulated.simulations += earlier.0;
+        regulated.rounds += earlier.1;
+    }
+    Ok(regulated)
+}

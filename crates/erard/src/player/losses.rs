@@ -1,0 +1,165 @@
+//! Where the energy goes: what every pin and every contact has lost.
+//!
+//! The engine's ledger keeps the same books in four sums ([`moreau::Ledger`]); here they are kept pin by pin and contact by contact, by the same
+//! rules: a dry force loses itself times the path of its velocity, which runs linearly over the step, a viscous one and a felt themselves times
+//! the velocity at the theta point, where they act.
+
+use super::course::Observer;
+use super::motion::{Motion, dot, sub};
+use crate::instrument::Instrument;
+use crate::mechanism::Mechanism;
+use moreau::FrictionLaw;
+
+/// What one pin has lost, J.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PinLoss {
+    /// By dry friction.
+    pub dry_j: f64,
+    /// By viscous friction.
+    pub viscous_j: f64,
+}
+
+/// What one contact has lost, J.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContactLoss {
+    /// In the felt.
+    pub felt_j: f64,
+    /// By sliding.
+    pub sliding_j: f64,
+}
+
+/// An observer that books losses: told where an action begins, then of every step. Steps of one length are expected.
+#[derive(Debug, Clone)]
+pub struct Losses {
+    instrument: Instrument,
+    motion: Motion,
+    pins: Vec<PinLoss>,
+    contacts: Vec<ContactLoss>,
+}
+
+impl Losses {
+    /// Opens the books where an action stands. Its mechanism must keep its contacts ([`Mechanism::keep_contacts`]), as that of a run does.
+    #[must_use]
+    pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
+        Losses {
+            instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
+            motion: Motion::still(instrument, mechanism),
+            pins: vec![PinLoss::default(); instrument.bodies.len()],
+            contacts: vec![ContactLoss::default(); instrument.zones.len()],
+        }
+    }
+
+    /// After every step. Does not allocate.
+    pub fn look(&mut self, m: &dyn Mechanism) {
+        self.motion.look(&self.instrument, m);
+        let Losses { instrument, motion, pins, contacts } = self;
+        let h = motion.step_s;
+        let relative = |values: &[f64], body: usize| {
+            values[body] - instrument.bodies[body].parent.map_or(0.0, |parent| values[parent])
+        };
+        let regularised = matches!(m.settings().friction, FrictionLaw::Regularised { .. });
+        for (i, (body, loss)) in instrument.bodies.iter().zip(pins).enumerate() {
+            let rate = relative(&motion.rate, i);
+            loss.viscous_j += body.viscous_n_m_s * rate * rate * h;
+            let dry = m.pivot_friction()[i];
+            let u = [0, 1].map(|end| relative(&motion.velocity[end], i));
+            loss.dry_j += if regularised { -dry * rate * h } else { dry.abs() * path(u) * h };
+        }
+        let zones = instrument.zones.iter().zip(m.contacts()).zip(m.tangential_forces());
+        for (((zone, contact), tangential), loss) in zones.zip(contacts) {
+            let Some(contact) = contact else { continue };
+            loss.felt_j += contact.damping_force * contact.rate * h;
+            if zone.friction_coefficient > 0.0 {
+                let tangent = [contact.normal[1], -contact.normal[0]];
+                let slip = |rate: &[f64]| {
+                    let at = |body| motion.velocity_at(instrument, body, contact.point, rate);
+                    dot(sub(at(zone.disc_body), at(zone.curve_body)), tangent)
+                };
+                loss.sliding_j += if regularised {
+                    -tangential * slip(&motion.rate) * h
+                } else {
+                    tangential.abs() * path([slip(&motion.velocity[0]), slip(&motion.velocity[1])]) * h
+                };
+            }
+        }
+    }
+
+    /// What each body's pin has lost so far.
+    #[must_use]
+    pub fn pins(&self) -> &[PinLoss] {
+        &self.pins
+    }
+
+    /// What each contact has lost so far.
+    #[must_use]
+    pub fn contacts(&self) -> &[ContactLoss] {
+        &self.contacts
+    }
+}
+
+/// Mean of |u| over a step in which u runs linearly from u0 to u1.
+fn path([u0, u1]: [f64; 2]) -> f64 {
+    if u0 * u1 >= 0.0 { (u0 + u1).abs() / 2.0 } else { (u0 * u0 + u1 * u1) / (2.0 * (u0 - u1).abs()) }
+}
+
+/// Writes losses down while a run goes on.
+#[derive(Debug, Clone)]
+pub struct LossRecorder {
+    instrument: Instrument,
+    losses: Option<Losses>,
+    /// What each pin, and then each contact, had lost at every row, J.
+    rows: Vec<Vec<f64>>,
+}
+
+impl LossRecorder {
+    /// Of an instrument's pins and contacts.
+    #[must_use]
+    pub fn new(instrument: &Instrument) -> Self {
+        LossRecorder {
+            instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
+            losses: None,
+            rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len()],
+        }
+    }
+
+    /// What was lost in all; `None` before the run.
+    #[must_use]
+    pub fn losses(&self) -> Option<&Losses> {
+        self.losses.as_ref()
+    }
+
+    /// What each body's pin had lost at every row, J.
+    #[must_use]
+    pub fn pin_rows(&self) -> &[Vec<f64>] {
+        &self.rows[..self.instrument.bodies.len()]
+    }
+
+    /// What each contact had lost at every row, J.
+    #[must_use]
+    pub fn contact_rows(&self) -> &[Vec<f64>] {
+        &self.rows[self.instrument.bodies.len()..]
+    }
+
+    fn row(&mut self) {
+        let Some(losses) = &self.losses else { return };
+        let pins = losses.pins.iter().map(|pin| pin.dry_j + pin.viscous_j);
+        let contacts = losses.contacts.iter().map(|contact| contact.felt_j + contact.sliding_j);
+        self.rows.iter_mut().zip(pins.chain(contacts)).for_each(|(row, lost)| row.push(lost));
+    }
+}
+
+impl Observer for LossRecorder {
+    fn begin(&mut self, _: f64, mechanism: &dyn Mechanism) {
+        self.losses = Some(Losses::open(&self.instrument, mechanism));
+        self.row();
+    }
+
+    fn step(&mut self, _: f64, row: bool, mechanism: &dyn Mechanism) {
+        if let Some(losses) = &mut self.losses {
+            losses.look(mechanism);
+        }
+        if row {
+            self.row();
+        }
+    }
+}
