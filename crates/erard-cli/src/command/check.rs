@@ -84,7 +84,7 @@ impl Check {
         }
         say!();
         say!(
-            "  {} bodies, {} springs, {} zones, {} screws, {} drawn parts; {} numbers, {} of them without a source",
+            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} of them without a source",
             i.bodies.len(),
             i.springs.len(),
             i.zones.len(),

@@ -7,8 +7,9 @@ use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::simulation::{Setup, simulate};
 
-use super::options::{InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{InstrumentsOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
+use super::press_pair::{self, Played};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
@@ -23,8 +24,11 @@ use erard_figures::page::page_html;
 pub struct Press {
     #[command(flatten)]
     stroke: StrokeOptions,
+    /// A second stroke, to be laid beside the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
+    #[arg(long, value_name = "STROKE")]
+    against: Option<String>,
     #[command(flatten)]
-    instrument: InstrumentOption,
+    instrument: InstrumentsOption,
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time, s [default: the stroke's, and a little more]
@@ -51,8 +55,8 @@ impl Press {
     pub fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         let stroke = self.stroke.load()?;
-        let instrument = self.instrument.load()?;
-        let setup = Setup {
+        let instruments = self.instrument.load()?;
+        let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
             duration_s: self.duration.unwrap_or(stroke.duration_s),
@@ -60,18 +64,23 @@ impl Press {
             tolerance: self.tolerance,
             ledger: true,
         };
+        if self.against.is_some() || instruments.len() == 2 {
+            return self.pair(&instruments, stroke, setup);
+        }
+        let [instrument] = &instruments[..] else { return Err(Failure::Internal("no instrument".into())) };
+        let setup = setup(&stroke);
         check(&setup)?;
         let mut output =
             self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
         let started = Instant::now();
-        let run = play(&instrument, &stroke, &setup)?;
+        let run = play(instrument, &stroke, &setup)?;
         let elapsed_s = started.elapsed().as_secs_f64();
         let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
-        let svg = run_svg(&run);
+        let svg = run_svg(&run, &stroke.title);
         let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
-        let page = page_html(&instrument, &run, &summary.lines());
+        let page = page_html(instrument, &run, &stroke.title, &summary.lines());
         output.stage("run.csv", |w| table::write_csv(&run, w))?;
         output.stage("run.parquet", |w| table::write_parquet(&run, w))?;
         output.stage("summary.json", |w| summary.write_json(w))?;
@@ -83,6 +92,49 @@ impl Press {
         say!("{} - {} ({} driven)", run.instrument, stroke.title, stroke.drive.name());
         say!();
         say!("{summary}");
+        let names: Vec<String> =
+            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
+        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        Ok(())
+    }
+
+    /// Two instruments under one stroke, or one under two.
+    fn pair(
+        &self,
+        instruments: &[Instrument],
+        stroke: Stroke,
+        setup: impl Fn(&Stroke) -> Setup,
+    ) -> Result<(), Failure> {
+        let strokes = match (&self.against, instruments) {
+            (Some(_), [_, _]) => {
+                return Err(Failure::Usage(
+                    "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
+                ));
+            }
+            (Some(other), _) => vec![stroke, self.stroke.with(other).load()?],
+            (None, _) => vec![stroke],
+        };
+        let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
+        // One clock: both are played as long as the longer one.
+        let longest = setups.iter().map(|setup| setup.duration_s).fold(0.0, f64::max);
+        setups.iter_mut().for_each(|setup| setup.duration_s = longest);
+        setups.iter().try_for_each(check)?;
+        let mut output = self.out.prepare("press", &press_pair::FILES)?;
+        let mut played = Vec::new();
+        for index in 0..2 {
+            let at = |count: usize| index.min(count - 1);
+            let (instrument, stroke, setup) =
+                (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
+            let started = Instant::now();
+            let run = play(instrument, stroke, setup)?;
+            let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
+            let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
+            played.push(Played { instrument, stroke: stroke.title.clone(), run, summary });
+        }
+        let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
+        press_pair::write(&played, &mut output)?;
+        let written = output.commit()?;
+        press_pair::tell(&played);
         let names: Vec<String> =
             written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
         say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));

@@ -205,6 +205,8 @@ pub struct Roles {
     pub key: Option<usize>,
     /// Where the finger presses, in the key's frame, m.
     pub key_front_m: Vec2,
+    /// Whether the key is a sharp, for drawings only.
+    pub is_sharp: bool,
     /// The body whose speed is the result.
     pub hammer: Option<usize>,
     /// The strike point, in the hammer's frame, m.
