@@ -12,7 +12,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page.css");
 
-/// The page: flags first, then the table, the pictures and the timing sheets.
+/// The page: flags first, then the pictures, the table and the timing sheets.
 pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> String {
     let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
     let title = names.join(" beside ");
@@ -34,9 +34,9 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> Str
                      Grams on the key are gram weights on the key front."
                 }
                 @for one in measured { (flags(one, measured.len() > 1)) }
-                (table(measured))
                 h2 { "Pictures" }
                 @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
+                (table(measured))
                 @for one in measured { (timing(one, measured.len() > 1)) }
             }
         }
@@ -60,10 +60,10 @@ fn table(measured: &[Measured]) -> Markup {
     let is_shown = |line: &&Line| line.norm.is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
     html! {
         h2 { "Measures" }
-        table {
+        div.wide tabindex="0" role="region" aria-label="Measures" { table {
             thead {
                 tr {
-                    th {}
+                    td {}
                     @for one in measured { th scope="col" { (one.label) } }
                     th scope="col" { "usual" }
                     th.source scope="col" { "source" }
@@ -75,7 +75,7 @@ fn table(measured: &[Measured]) -> Markup {
                     @for line in group.lines.iter().filter(is_shown) { (row(line, measured)) }
                 }
             }
-        }
+        } }
     }
 }
 
@@ -113,8 +113,8 @@ fn timing(one: &Measured, named: bool) -> Markup {
     html! {
         h2 { "Timing sheet" @if named { ": " (one.label) } }
         p.soft { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) }
-        table {
-            thead { tr { th {} @for heading in TIMING { th scope="col" { (heading) } } } }
+        div.wide tabindex="0" role="region" aria-label={ "Timing sheet, " (one.label) } { table {
+            thead { tr { td {} @for heading in TIMING { th scope="col" { (heading) } } } }
             tbody {
                 @for row in &one.sheet.timing {
                     tr {
@@ -123,7 +123,7 @@ fn timing(one: &Measured, named: bool) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 
