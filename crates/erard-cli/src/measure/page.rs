@@ -28,16 +28,18 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn]) -> Str
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                h1 { (title) }
-                p.soft {
-                    "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
-                     Grams on the key are gram weights on the key front."
+                main {
+                    h1 { (title) }
+                    p.soft {
+                        "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
+                         Grams on the key are gram weights on the key front."
+                    }
+                    @for one in measured { (flags(one, measured.len() > 1)) }
+                    h2 { "Pictures" }
+                    @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
+                    (table(measured))
+                    @for one in measured { (timing(one, measured.len() > 1)) }
                 }
-                @for one in measured { (flags(one, measured.len() > 1)) }
-                h2 { "Pictures" }
-                @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
-                (table(measured))
-                @for one in measured { (timing(one, measured.len() > 1)) }
             }
         }
     };

@@ -58,7 +58,7 @@ const nameParts = () => {
       let side = inside.filter(({ anchor }) => anchor[1] < middle === above);
       for (const label of side) label.wide = 7.4 * label.text.length * pixel;
       // a narrow view has no room for all: the longest chains of neighbours lose every other name
-      while (side.reduce((sum, { wide }) => sum + wide + 8 * pixel, 0) > 1.8 * (r - l)) side = side.filter((_, i) => i % 2 === 0);
+      while (side.length > 1 && side.reduce((sum, { wide }) => sum + wide + 8 * pixel, 0) > 1.8 * (r - l)) side = side.filter((_, i) => i % 2 === 0);
       spread(side, l + 3 * pixel, r - 3 * pixel);
       for (const label of side) {
         label.placed = true;

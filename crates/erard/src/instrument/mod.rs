@@ -34,7 +34,7 @@ pub mod serde_fault;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
-pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
+pub use provenance::{Certainty, Citation, CitedNumber, OutlivedNote, Provenance, Source, Spread};
 pub use rewrite::RewriteError;
 pub use schema::json_schema;
 
