@@ -77,7 +77,8 @@ pub fn text(weighed: &[WeighedKey]) -> String {
     row("note", "", samples.iter().map(|w| w.note.clone()).collect());
     for (column, name) in COLUMNS[GRAMS].iter().enumerate() {
         let name = name.trim_end_matches("_g").replace('_', " ");
-        row(&name, "g", samples.iter().map(|w| format!("{:.1}", numbers(w)[column])).collect());
+        let cell = |number: f64| if number.is_finite() { format!("{number:.1}") } else { "-".to_owned() };
+        row(&name, "g", samples.iter().map(|w| cell(numbers(w)[column])).collect());
     }
     if samples.len() < weighed.len() {
         let _ = writeln!(out, "\n  {} of {} keys; keyboard.csv holds every one", samples.len(), weighed.len());

@@ -18,7 +18,7 @@ use crate::identity;
 use crate::inputs::{self, shown};
 
 /// How a recording is understood and made ready.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Recordings")]
 pub struct RecordingOptions {
     /// Which columns of the file to read, by their titles, where these do not say it by themselves: as in
@@ -128,6 +128,19 @@ impl RecordingOptions {
             || !self.delay.is_empty()
             || self.low_pass != LowPass::Own
             || self.order != 4
+    }
+
+    /// As if none were given.
+    pub fn none() -> Self {
+        RecordingOptions {
+            columns: None,
+            position: None,
+            zero: ZeroName::Rest,
+            invert: Vec::new(),
+            delay: Vec::new(),
+            low_pass: LowPass::Own,
+            order: 4,
+        }
     }
 
     /// Reads a recording and makes it ready.

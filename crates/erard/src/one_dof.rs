@@ -107,6 +107,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
         roles: Roles {
             key: Some(0),
             key_front_m: full.roles.key_front_m,
+            is_sharp: full.roles.is_sharp,
             key_bottom: place(full.roles.key_bottom),
             ..Roles::default()
         },

@@ -224,7 +224,7 @@ impl Check {
         }
         say!();
         say!(
-            "  {} bodies, {} springs, {} zones, {} screws, {} drawn parts; {} numbers, {} of them without a source",
+            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} of them without a source",
             i.bodies.len(),
             i.springs.len(),
             i.zones.len(),
@@ -233,6 +233,17 @@ impl Check {
             file.provenance.numbers.len(),
             file.provenance.bare().count()
         );
+        let outlived = file.provenance.outlived_notes();
+        if !outlived.is_empty() {
+            say!();
+            say!("  Changed, while the note beside it still speaks of a built-in instrument's value:");
+        }
+        for one in outlived {
+            let note = one.number.citation.and_then(|citation| citation.note).unwrap_or_default();
+            let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+            let (line, key, now) = (one.number.line, one.number.key, numbers(&one.number.values));
+            say!("  line {line:>4}  {key}: {now}; {} in {}: \"{note}\"", numbers(&one.was), one.builtin);
+        }
         let counts = BTreeMap::from([
             ("bodies", i.bodies.len()),
             ("springs", i.springs.len()),

@@ -114,7 +114,7 @@ impl Draw {
         let row = self.row(&run)?;
         let options = PoseOptions {
             labels: self.labels,
-            forces: if self.forces { forces_at(&instrument, &run, row) } else { Vec::new() },
+            arrows: if self.forces { forces_at(&instrument, &run, row) } else { Vec::new() },
             caption: Some(if row == 0 {
                 format!("{}, at rest", run.instrument)
             } else {

@@ -12,6 +12,7 @@ mod measure;
 mod options;
 mod out;
 mod press;
+mod press_pair;
 mod regulate;
 mod reproduce;
 mod study;

@@ -76,6 +76,32 @@ impl InstrumentOption {
     }
 }
 
+/// One instrument, or two to be laid beside each other.
+#[derive(Debug, Args)]
+pub struct InstrumentsOption {
+    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88. Given twice, both are
+    /// played and shown on one page
+    #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
+    instruments: Vec<String>,
+    /// Which model of it
+    #[arg(long, value_enum, default_value_t = Model::Action)]
+    pub model: Model,
+}
+
+impl InstrumentsOption {
+    /// Loads the instrument, or both, reduced to the model that was asked for.
+    pub fn load(&self) -> Result<Vec<Instrument>, Failure> {
+        if self.instruments.len() > 2 {
+            return Err(Failure::Usage(format!(
+                "--instrument is given {} times; expected one instrument, or two to be laid beside each other",
+                self.instruments.len()
+            )));
+        }
+        let one = |name: &String| InstrumentOption { instrument: name.clone(), model: self.model }.load();
+        self.instruments.iter().map(one).collect()
+    }
+}
+
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
 pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
     if let Some(one) = KeyboardKey::asked(asked)? {
@@ -306,6 +332,22 @@ pub struct Stroke {
 }
 
 impl StrokeOptions {
+    /// The same touch and drive with another stroke: `pp` to `ff`, a constant force such as `3N`, or a file.
+    pub fn with(&self, other: &str) -> Self {
+        let force = other.strip_suffix('N').and_then(|number| number.trim_end().parse().ok());
+        let is_builtin = ["pp", "p", "mf", "f", "ff"].contains(&other);
+        let is_file = force.is_none() && !is_builtin;
+        StrokeOptions {
+            file: is_file.then(|| PathBuf::from(other)),
+            stroke: is_builtin.then(|| other.to_owned()),
+            touch: self.touch,
+            force_step: force,
+            drive: self.drive,
+            // They are a file's.
+            recording: if is_file { self.recording.clone() } else { RecordingOptions::none() },
+        }
+    }
+
     /// A constant force that is given otherwise: any stroke that is asked for contradicts it.
     pub fn load_constant(&self) -> Result<Stroke, Failure> {
         if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != DriveName::Force) {

@@ -8,8 +8,9 @@ use erard::player::{LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::simulation::{Setup, simulate_observed};
 
-use super::options::{InstrumentOption, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{InstrumentsOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
+use super::press_pair::{self, Played};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::inside::{self, Inside, LossReport, losses_svg, reactions_svg};
@@ -27,8 +28,11 @@ use erard_figures::page::page_html;
 pub struct Press {
     #[command(flatten)]
     stroke: StrokeOptions,
+    /// A second stroke, to be laid beside the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
+    #[arg(long, value_name = "STROKE")]
+    against: Option<String>,
     #[command(flatten)]
-    instrument: InstrumentOption,
+    instrument: InstrumentsOption,
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time, s [default: the stroke's, and a little more]
@@ -61,8 +65,8 @@ impl Press {
     pub fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         let stroke = self.stroke.load()?;
-        let instrument = self.instrument.load()?;
-        let setup = Setup {
+        let instruments = self.instrument.load()?;
+        let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
             duration_s: self.duration.unwrap_or(stroke.duration_s),
@@ -70,22 +74,27 @@ impl Press {
             tolerance: self.tolerance,
             ledger: true,
         };
+        if self.against.is_some() || instruments.len() == 2 {
+            return self.pair(&instruments, stroke, setup);
+        }
+        let [instrument] = &instruments[..] else { return Err(Failure::Internal("no instrument".into())) };
+        let setup = setup(&stroke);
         check(&setup)?;
         let mut output =
             self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
         let started = Instant::now();
         let mut inside = Inside {
-            reactions: self.reactions.then(|| ReactionRecorder::new(&instrument)),
-            losses: self.losses.then(|| LossRecorder::new(&instrument)),
+            reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
+            losses: self.losses.then(|| LossRecorder::new(instrument)),
         };
-        let run = play_observed(&instrument, &stroke, &setup, &mut inside)?;
+        let run = play_observed(instrument, &stroke, &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
         let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
-        let svg = run_svg(&run);
+        let svg = run_svg(&run, &stroke.title);
         let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
-        let page = page_html(&instrument, &run, &summary.lines());
+        let page = page_html(instrument, &run, &stroke.title, &summary.lines());
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
         let more = inside::columns(&pins);
         output.stage("run.csv", |w| table::write_csv(&run, &more, w))?;
@@ -100,7 +109,7 @@ impl Press {
         }
         let mut lost = None;
         if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
-            let report = LossReport::new(&instrument, losses);
+            let report = LossReport::new(instrument, losses);
             output.stage("losses.json", |w| {
                 serde_json::to_writer_pretty(&mut *w, &report)?;
                 w.write_all(b"\n")
@@ -124,6 +133,57 @@ impl Press {
         for warning in &summary.warnings {
             tell!("warning: not to be trusted: {warning}");
         }
+        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        Ok(())
+    }
+
+    /// Two instruments under one stroke, or one under two.
+    fn pair(
+        &self,
+        instruments: &[Instrument],
+        stroke: Stroke,
+        setup: impl Fn(&Stroke) -> Setup,
+    ) -> Result<(), Failure> {
+        let strokes = match (&self.against, instruments) {
+            (Some(_), [_, _]) => {
+                return Err(Failure::Usage(
+                    "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
+                ));
+            }
+            (Some(other), _) => vec![stroke, self.stroke.with(other).load()?],
+            (None, _) => vec![stroke],
+        };
+        if self.reactions || self.losses {
+            return Err(Failure::Usage("--reactions and --losses show one run; play the two one by one".into()));
+        }
+        let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
+        // One clock: both are played as long as the longer one.
+        let longest = setups.iter().map(|setup| setup.duration_s).fold(0.0, f64::max);
+        setups.iter_mut().for_each(|setup| setup.duration_s = longest);
+        setups.iter().try_for_each(check)?;
+        let mut output = self.out.prepare("press", &press_pair::FILES)?;
+        let mut played = Vec::new();
+        for index in 0..2 {
+            let at = |count: usize| index.min(count - 1);
+            let (instrument, stroke, setup) =
+                (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
+            let started = Instant::now();
+            let run = play(instrument, stroke, setup)?;
+            let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
+            let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
+            played.push(Played { instrument, stroke: stroke.title.clone(), run, summary });
+        }
+        let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
+        press_pair::write(&played, &mut output)?;
+        let written = output.commit()?;
+        press_pair::tell(&played);
+        for (one, name) in played.iter().zip(press_pair::names(&played)) {
+            for warning in &one.summary.warnings {
+                tell!("warning: {name}: not to be trusted: {warning}");
+            }
+        }
+        let names: Vec<String> =
+            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
         say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
         Ok(())
     }

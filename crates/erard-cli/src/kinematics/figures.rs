@@ -96,16 +96,23 @@ pub fn sliding_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -> Strin
     figure_svg(&figure(design, "sliding at the contacts", subtitle, range, panels, cases))
 }
 
+/// The axis of all leverages: from nothing, so that figures of one file and of several can be laid beside each other.
+fn from_nothing(highest: f64) -> (f64, f64) {
+    (0.0, 1.25 * highest)
+}
+
 /// Leverage over the key's travel.
 pub fn leverage_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -> String {
     let keys = keys(cases);
+    let curves = curves(cases, &keys, |pose| pose.leverage);
+    let highest = curves.iter().flat_map(|curve| curve.y.iter().copied()).filter(|y| y.is_finite()).fold(1.0, f64::max);
     let panel = Panel {
         quantity: "leverage".into(),
         unit: "mm per mm",
         height_px: 330.0,
         layout: Layout::Together,
-        y_range: None,
-        curves: curves(cases, &keys, |pose| pose.leverage),
+        y_range: Some(from_nothing(highest)),
+        curves,
     };
     let subtitle = "speed of the hammer head, upward, over speed of the key front";
     figure_svg(&figure(design, "leverage", subtitle, range, vec![panel], cases))
@@ -134,7 +141,7 @@ pub fn dynamics_svg(design: &Design, unmoved: &Shown, press: &SlowPress, agreeme
         unit: "mm per mm",
         height_px: 260.0,
         layout: Layout::Together,
-        y_range: Some((0.0, 1.25 * highest)),
+        y_range: Some(from_nothing(highest)),
         curves: vec![
             curve("geometry", &keys, leverage, 0, Dash::Solid),
             curve("slow press, 8 s", &grid, pressed, 1, Dash::Dashed),

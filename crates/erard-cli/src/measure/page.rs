@@ -16,7 +16,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page.css");
 
-/// The page: flags first, then the table, the pictures and the timing sheets.
+/// The page: flags first, then the pictures, the table and the timing sheets.
 pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn], headed: &Headed, lengths: Lengths) -> String {
     let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
     let title = names.join(" beside ");
@@ -32,23 +32,25 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn], headed
                 style { (PreEscaped(STYLE)) (PreEscaped(on_every_page(&title, headed))) }
             }
             body {
-                h1 { (title) }
-                @if headed.serial.is_some() || headed.date.is_some() {
-                    p {
-                        @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
-                        @if let Some(date) = &headed.date { (date) }
+                main {
+                    h1 { (title) }
+                    @if headed.serial.is_some() || headed.date.is_some() {
+                        p {
+                            @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
+                            @if let Some(date) = &headed.date { (date) }
+                        }
                     }
+                    @if let Some(note) = &headed.note { p { (note) } }
+                    p.soft {
+                        "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
+                         Grams on the key are gram weights on the key front."
+                    }
+                    @for one in measured { (flags(one, measured.len() > 1)) }
+                    h2 { "Pictures" }
+                    @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
+                    (table(measured, lengths))
+                    @for one in measured { (timing(one, measured.len() > 1)) }
                 }
-                @if let Some(note) = &headed.note { p { (note) } }
-                p.soft {
-                    "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
-                     Grams on the key are gram weights on the key front."
-                }
-                @for one in measured { (flags(one, measured.len() > 1)) }
-                (table(measured, lengths))
-                h2 { "Pictures" }
-                @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
-                @for one in measured { (timing(one, measured.len() > 1)) }
             }
         }
     };
@@ -92,10 +94,10 @@ fn table(measured: &[Measured], lengths: Lengths) -> Markup {
     let is_shown = |line: &&Line| line.norm.is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
     html! {
         h2 { "Measures" }
-        table {
+        div.wide tabindex="0" role="region" aria-label="Measures" { table {
             thead {
                 tr {
-                    th {}
+                    td {}
                     @for one in measured { th scope="col" { (one.label) } }
                     th scope="col" { "usual" }
                     th.source scope="col" { "source" }
@@ -107,7 +109,7 @@ fn table(measured: &[Measured], lengths: Lengths) -> Markup {
                     @for line in group.lines.iter().filter(is_shown) { (row(line, measured, lengths)) }
                 }
             }
-        }
+        } }
     }
 }
 
@@ -145,8 +147,8 @@ fn timing(one: &Measured, named: bool) -> Markup {
     html! {
         h2 { "Timing sheet" @if named { ": " (one.label) } }
         p.soft { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) }
-        table {
-            thead { tr { th {} @for heading in TIMING { th scope="col" { (heading) } } } }
+        div.wide tabindex="0" role="region" aria-label={ "Timing sheet, " (one.label) } { table {
+            thead { tr { td {} @for heading in TIMING { th scope="col" { (heading) } } } }
             tbody {
                 @for row in &one.sheet.timing {
                     tr {
@@ -155,7 +157,7 @@ fn timing(one: &Measured, named: bool) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 

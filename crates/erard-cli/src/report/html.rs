@@ -66,7 +66,7 @@ fn overview(all: &[Reproduced]) -> Markup {
     html! {
         h2 #claims { "Claims" }
         p { (held) " of " (count) " hold." }
-        table.claims {
+        div.wide tabindex="0" role="region" aria-label="Claims" { table.claims {
             thead { tr { @for heading in ["where", "the claim", "measured here", "holds", "again"] { th { (heading) } } } }
             tbody {
                 @for one in all {
@@ -81,7 +81,7 @@ fn overview(all: &[Reproduced]) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 
@@ -106,13 +106,13 @@ fn section(one: &Reproduced) -> Markup {
                     }
                 }
             }
-            @for (caption, text) in &section.listings { figure { pre { (text) } figcaption { (caption) } } }
             @for (index, chart) in section.charts.iter().enumerate() {
                 figure {
                     (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
                     figcaption { (chart.caption) }
                 }
             }
+            @for (caption, text) in &section.listings { figure { pre tabindex="0" { (text) } figcaption { (caption) } } }
             @for one in &section.tables { (table(one)) }
         }
     }
@@ -134,7 +134,7 @@ fn table(table: &Table) -> Markup {
         .collect();
     let class = |k: usize| (numbers.get(k) == Some(&true)).then_some("n");
     html! {
-        div.wide {
+        div.wide tabindex="0" role="region" aria-label=(table.caption) {
             table class=[table.clock.then_some("clock")] {
                 caption { (table.caption) }
                 thead { tr { @for (k, cell) in table.header.iter().enumerate() { th class=[class(k)] { (cell) } } } }

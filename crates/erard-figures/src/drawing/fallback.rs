@@ -1,7 +1,9 @@
-//! Something decent to look at for an instrument whose file draws no parts: a rod from every pivot to whatever the
-//! body touches or carries, and the contact curves themselves.
+//! Something decent to look at for an instrument that is no grand action and whose file draws no parts: a rod from every pivot to whatever
+//! the body touches or carries, and the contact curves themselves.
 
-use erard::instrument::{Curve, Instrument, Material, Part, Vec2};
+use super::material::Finish;
+use super::piece::{Carrier, Piece};
+use erard::instrument::{Curve, Instrument, Vec2, Zone};
 
 /// Half the width of a rod, m.
 const ROD: f64 = 2.5e-3;
@@ -12,33 +14,32 @@ const SLAB: f64 = 2.5e-3;
 /// A disc of radius 0 is a point, and is drawn this large, m.
 const POINT: f64 = 0.8e-3;
 
-/// Parts made up from bodies and zones.
-pub fn parts(instrument: &Instrument) -> Vec<Part> {
+/// Pieces made up from bodies and zones.
+pub fn pieces(instrument: &Instrument) -> Vec<Piece> {
     let mut out = Vec::new();
     for (index, body) in instrument.bodies.iter().enumerate() {
         for reach in reaches(instrument, index) {
             if reach[0].hypot(reach[1]) > ROD {
                 // without a comma, so that the body is labelled
-                let rod =
-                    part(&body.name.replace(',', " "), Some(index), Material::Wood, capsule([0.0, 0.0], reach, ROD));
-                out.push(rod);
+                let rod = capsule([0.0, 0.0], reach, ROD);
+                out.push(piece(&body.name.replace(',', " "), Some(index), Finish::Wood, rod));
             }
         }
     }
-    for zone in &instrument.zones {
-        let (outline, material) = match zone.curve {
-            Curve::Line { point_m, normal } => (slab(point_m, normal), Material::Cloth),
-            Curve::Segment { from_m, to_m, rounding_m } => {
-                (capsule(from_m, to_m, rounding_m.max(POINT)), Material::Leather)
-            }
-            Curve::Disc { center_m, radius_m } => (circle(center_m, radius_m.max(POINT)), Material::Leather),
-        };
-        let name = format!("{}, made up", zone.name);
-        out.push(part(&name, zone.curve_body, material, outline));
-        let disc = circle(zone.disc_center_m, zone.disc_radius_m.max(POINT));
-        out.push(part(&name, zone.disc_body, Material::Felt, disc));
-    }
+    out.extend(instrument.zones.iter().flat_map(sides));
     out
+}
+
+/// Both sides of a zone: its contact curves.
+pub(super) fn sides(zone: &Zone) -> [Piece; 2] {
+    let (outline, finish) = match zone.curve {
+        Curve::Line { point_m, normal } => (slab(point_m, normal), Finish::Cloth),
+        Curve::Segment { from_m, to_m, rounding_m } => (capsule(from_m, to_m, rounding_m.max(POINT)), Finish::Leather),
+        Curve::Disc { center_m, radius_m } => (circle(center_m, radius_m.max(POINT)), Finish::Leather),
+    };
+    let name = format!("{}, made up", zone.name);
+    let disc = circle(zone.disc_center_m, zone.disc_radius_m.max(POINT));
+    [piece(&name, zone.curve_body, finish, outline), piece(&name, zone.disc_body, Finish::Felt, disc)]
 }
 
 /// The points of a body worth a rod: its children's pivots and its contacts.
@@ -60,8 +61,14 @@ fn reaches(instrument: &Instrument, body: usize) -> Vec<Vec2> {
     out
 }
 
-fn part(name: &str, body: Option<usize>, material: Material, outline_m: Vec<Vec2>) -> Part {
-    Part { name: name.to_owned(), body, material, outline_m, smooth: true }
+fn piece(name: &str, body: Option<usize>, finish: Finish, outline_m: Vec<Vec2>) -> Piece {
+    Piece {
+        name: name.to_owned(),
+        carrier: body.map_or(Carrier::Ground, Carrier::Body),
+        finish,
+        outline_m,
+        smooth: true,
+    }
 }
 
 fn below(point: Vec2, normal: Vec2, depth: f64) -> Vec2 {
@@ -83,12 +90,12 @@ fn slab(point: Vec2, normal: Vec2) -> Vec<Vec2> {
 }
 
 /// A polygon that a smooth outline turns into a circle: its edges' midpoints lie on the circle.
-fn circle(center: Vec2, radius: f64) -> Vec<Vec2> {
+pub(super) fn circle(center: Vec2, radius: f64) -> Vec<Vec2> {
     capsule(center, center, radius)
 }
 
 /// The points within `radius` of the segment.
-fn capsule(from: Vec2, to: Vec2, radius: f64) -> Vec<Vec2> {
+pub(super) fn capsule(from: Vec2, to: Vec2, radius: f64) -> Vec<Vec2> {
     const HALF: usize = 6;
     let step = std::f64::consts::PI / HALF as f64;
     let corner = radius / (0.5 * step).cos();
@@ -111,12 +118,12 @@ mod tests {
     #[test]
     fn every_body_and_zone_gets_a_shape() {
         let instrument = two_levers();
-        let made_up = parts(&instrument);
+        let made_up = pieces(&instrument);
         for body in 0..instrument.bodies.len() {
-            assert!(made_up.iter().any(|part| part.body == Some(body)));
+            assert!(made_up.iter().any(|piece| piece.carrier == Carrier::Body(body)));
         }
-        assert!(made_up.iter().any(|part| part.body.is_none()));
-        assert!(made_up.iter().flat_map(|part| &part.outline_m).flatten().all(|c| c.is_finite()));
+        assert!(made_up.iter().any(|piece| piece.carrier == Carrier::Ground));
+        assert!(made_up.iter().flat_map(|piece| &piece.outline_m).flatten().all(|c| c.is_finite()));
     }
 
     /// Midpoints of a circle's polygon lie on the circle, which is what the smooth outline passes through.

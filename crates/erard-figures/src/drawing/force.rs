@@ -1,23 +1,10 @@
-//! Contact forces, as arrows.
+//! The forces of a run: what pushes where, and how large its arrow is.
 
-use super::outline::MM;
-use crate::svg::number;
-use erard::instrument::{Instrument, Vec2};
+use super::arrows::{Arrow, ArrowKind};
+use super::pose::placements;
+use erard::grand::KEY_DOWN;
+use erard::instrument::Instrument;
 use erard::run::Run;
-use std::fmt::Write;
-
-/// A push at a contact, as it is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactForce {
-    /// Index of the zone.
-    pub zone: usize,
-    /// Where, in the world, m.
-    pub point_m: Vec2,
-    /// Unit direction in which the arrow points.
-    pub direction: Vec2,
-    /// Normal force, N.
-    pub normal_n: f64,
-}
 
 /// Which way a zone's arrow points: +1 along the normal (the push on side A), -1 against it (the push on side B).
 ///
@@ -28,21 +15,32 @@ pub fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
     if zone.disc_body >= zone.curve_body { 1.0 } else { -1.0 }
 }
 
-/// All contacts that push in one frame of a run.
-pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<ContactForce> {
+/// What pushes in one frame of a run: the finger, and all contacts.
+pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Arrow> {
+    let placed = placements(instrument, &angles_at(run, frame));
+    let force_n = run.force_n.get(frame).copied().filter(|force| force.is_finite() && *force > 0.0);
+    let finger = instrument.roles.key.zip(force_n).map(|(key, force_n)| {
+        let point_m = placed[key].to_world(instrument.roles.key_front_m);
+        Arrow { kind: ArrowKind::Finger, point_m, direction: KEY_DOWN, force_n }
+    });
     let zones = instrument.zones.len().min(run.zones.len());
-    (0..zones)
-        .filter_map(|zone| {
-            let series = &run.zones[zone];
-            let normal_n = *series.normal_n.get(frame)?;
-            let [x, y, nx, ny] = series.contact.get(frame)?.map(f64::from);
-            if normal_n <= 0.0 || ![normal_n, x, y, nx, ny].iter().all(|v| v.is_finite()) {
-                return None;
-            }
-            let sign = arrow_sign(instrument, zone);
-            Some(ContactForce { zone, point_m: [x, y], direction: [sign * nx, sign * ny], normal_n })
-        })
-        .collect()
+    let unseen = super::drawing(instrument).unseen;
+    let is_seen = |body: Option<usize>| body.is_none_or(|body| !unseen.contains(&body));
+    let contacts = (0..zones).filter_map(|zone| {
+        let touching = &instrument.zones[zone];
+        if !is_seen(touching.disc_body) || !is_seen(touching.curve_body) {
+            return None;
+        }
+        let series = &run.zones[zone];
+        let force_n = *series.normal_n.get(frame)?;
+        let [x, y, nx, ny] = series.contact.get(frame)?.map(f64::from);
+        if force_n <= 0.0 || ![force_n, x, y, nx, ny].iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let sign = arrow_sign(instrument, zone);
+        Some(Arrow { kind: ArrowKind::Contact, point_m: [x, y], direction: [sign * nx, sign * ny], force_n })
+    });
+    finger.into_iter().chain(contacts).collect()
 }
 
 /// The absolute angles of all bodies in one frame of a run, in the instrument's order.
@@ -85,66 +83,6 @@ pub fn force_label(normal_n: f64) -> String {
     }
 }
 
-/// The arrows as SVG, in picture millimetres.
-pub fn arrows(forces: &[ContactForce]) -> String {
-    let mut out = String::from("<g class=\"forces\">");
-    let mut numbers = String::new();
-    let mut taken: Vec<Vec2> = Vec::new();
-    for force in forces.iter().filter(|force| force.normal_n >= ARROW.smallest_drawn_n) {
-        let [ux, uy] = [force.direction[0], -force.direction[1]];
-        let length = ARROW.length_mm(force.normal_n);
-        let point = |along: f64, across: f64| {
-            let x = force.point_m[0] * MM + ux * along - uy * across;
-            let y = -force.point_m[1] * MM + uy * along + ux * across;
-            format!("{} {}", number(x), number(y))
-        };
-        let (neck, half) = (length - 4.0, 1.9);
-        let _ = write!(
-            out,
-            "<path class=\"arrow\" d=\"M{}L{}M{}L{}L{}Z\"/>",
-            point(0.0, 0.0),
-            point(neck, 0.0),
-            point(length, 0.0),
-            point(neck, half),
-            point(neck, -half)
-        );
-        if force.normal_n >= ARROW.smallest_labelled_n {
-            write_number(&mut numbers, &mut taken, force, length);
-        }
-    }
-    // numbers after all arrows, so that none is struck through
-    out.push_str(&numbers);
-    out.push_str("</g>");
-    out
-}
-
-/// Writes a force's number beyond its arrow's tip, further on where another number stands already.
-fn write_number(out: &mut String, taken: &mut Vec<Vec2>, force: &ContactForce, length: f64) {
-    let [ux, uy] = [force.direction[0], -force.direction[1]];
-    let (anchor, aside) = match ux {
-        ux if ux.abs() < 0.4 => ("middle", 0.0),
-        ux if ux > 0.0 => ("start", 1.0),
-        _ => ("end", -1.0),
-    };
-    let x = force.point_m[0] * MM + ux * (length + 3.0) + aside;
-    let mut y = -force.point_m[1] * MM + uy * (length + 3.0) + 1.8;
-    let step = if uy <= 0.0 { -5.5 } else { 5.5 };
-    for _ in 0..6 {
-        if !taken.iter().any(|[a, b]| (a - x).abs() < 17.0 && (b - y).abs() < 5.0) {
-            break;
-        }
-        y += step;
-    }
-    taken.push([x, y]);
-    let _ = write!(
-        out,
-        "<text class=\"newton\" x=\"{}\" y=\"{}\" text-anchor=\"{anchor}\">{}</text>",
-        number(x),
-        number(y),
-        force_label(force.normal_n)
-    );
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,13 +92,5 @@ mod tests {
         assert!(ARROW.length_mm(0.2) > 7.0);
         assert!(ARROW.length_mm(1.0) < ARROW.length_mm(10.0));
         assert!(ARROW.length_mm(300.0) < 45.0);
-    }
-
-    #[test]
-    fn small_forces_stay_silent() {
-        let force = |normal_n| ContactForce { zone: 0, point_m: [0.0, 0.0], direction: [0.0, 1.0], normal_n };
-        assert!(!arrows(&[force(0.001)]).contains("path"));
-        assert!(!arrows(&[force(0.1)]).contains("text"));
-        assert!(arrows(&[force(12.34)]).contains("12.3 N"));
     }
 }

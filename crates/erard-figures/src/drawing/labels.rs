@@ -2,9 +2,10 @@
 
 use super::anchor::visible_point;
 use super::outline::MM;
-use super::pose::{Placement, carrier};
+use super::piece::Piece;
+use super::pose::{Placement, drawn_angles, placements};
 use crate::svg::{escape, number};
-use erard::instrument::{Part, Vec2};
+use erard::instrument::{Instrument, Vec2};
 use std::fmt::Write;
 
 /// Height of a label's letters, mm of the picture.
@@ -45,22 +46,12 @@ pub(crate) const MARGIN: f64 = 2.0 * ROW + 6.0;
 ///
 /// Only main parts are named: a name with a comma (`whippen, post felt`) is a detail, and of several parts of one
 /// name the first is labelled.
-pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> String {
+pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -> String {
     let [left, top, right, bottom] = bounds;
-    let outlines: Vec<Vec<Vec2>> = parts
-        .iter()
-        .map(|part| part.outline_m.iter().map(|point| carrier(placed, part.body).to_world(*point)).collect())
-        .collect();
     let mut found: Vec<Label> = Vec::new();
-    for (index, part) in parts.iter().enumerate() {
-        if part.name.contains(',') || part.name.is_empty() || found.iter().any(|label| label.text == part.name) {
-            continue;
-        }
-        let Some(world) = visible_point(&outlines, index) else {
-            continue;
-        };
+    for (index, world) in visible_points(pieces, placed) {
         let anchor = [world[0] * MM, -world[1] * MM];
-        found.push(Label { text: part.name.clone(), anchor, edge: 0.0, x: anchor[0], row: 0 });
+        found.push(Label { text: pieces[index].name.clone(), anchor, edge: 0.0, x: anchor[0], row: 0 });
     }
     let mut heights: Vec<f64> = found.iter().map(|label| label.anchor[1]).collect();
     heights.sort_by(f64::total_cmp);
@@ -96,6 +87,27 @@ pub(crate) fn labels(parts: &[Part], placed: &[Placement], bounds: [f64; 4]) -> 
     }
     out.push_str("</g>");
     out
+}
+
+/// The pieces that have a label: a name with a comma is a detail, and of several pieces of one name the first is labelled. With a point of
+/// each that can be seen, m in the world.
+fn visible_points(pieces: &[Piece], placed: &[Placement]) -> Vec<(usize, Vec2)> {
+    let outlines: Vec<Vec<Vec2>> = pieces
+        .iter()
+        .map(|piece| piece.outline_m.iter().map(|point| piece.carrier.placement(placed).to_world(*point)).collect())
+        .collect();
+    let is_first = |index: usize| !pieces[..index].iter().any(|other| other.name == pieces[index].name);
+    (0..pieces.len())
+        .filter(|&index| !pieces[index].name.contains(',') && !pieces[index].name.is_empty() && is_first(index))
+        .filter_map(|index| Some((index, visible_point(&outlines, index)?)))
+        .collect()
+}
+
+/// The pieces that have a label, each with a point of it that can be seen as drawn, m in its carrier's frame.
+pub(crate) fn named_points(instrument: &Instrument, pieces: &[Piece]) -> Vec<(usize, Vec2)> {
+    let drawn = placements(instrument, &drawn_angles(instrument));
+    let in_carrier = |(index, world): (usize, Vec2)| (index, pieces[index].carrier.placement(&drawn).from_world(world));
+    visible_points(pieces, &drawn).into_iter().map(in_carrier).collect()
 }
 
 /// Puts the labels of one side into two staggered rows, in the order of what they name, pushed apart as little as

@@ -4,7 +4,7 @@ use crate::svg::escape;
 use erard::instrument::Material;
 use std::fmt::Write;
 
-/// How a material is painted: lit from above, with a darker edge.
+/// How a finish is painted: lit from above, with a darker edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Paint {
     /// Identifier of the gradient, and class of the shapes.
@@ -17,36 +17,91 @@ pub struct Paint {
     pub edge: &'static str,
 }
 
-/// All materials, in the order their gradients are written.
-pub const ALL: [Material; 9] = [
-    Material::Wood,
-    Material::DarkWood,
-    Material::Felt,
-    Material::Cloth,
-    Material::Leather,
-    Material::Metal,
-    Material::Lead,
-    Material::Ivory,
-    Material::String,
+/// What an outline looks like: a material of instrument files, or what only pictures have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Finish {
+    /// Key sticks, whippens, shanks, mouldings.
+    Wood,
+    /// Rails and other wood that does not move.
+    DarkWood,
+    /// Felt.
+    Felt,
+    /// Bushing and rail cloth.
+    Cloth,
+    /// Leather.
+    Leather,
+    /// Capstans, screws, wires.
+    Metal,
+    /// Leads in the key.
+    Lead,
+    /// Key tops.
+    Ivory,
+    /// The string.
+    String,
+    /// Sharps.
+    Ebony,
+    /// The finger.
+    Skin,
+    /// Its nail.
+    Nail,
+    /// What stands for something else: the inertia of a model's one body.
+    Symbol,
+}
+
+impl From<Material> for Finish {
+    fn from(material: Material) -> Self {
+        match material {
+            Material::Wood => Finish::Wood,
+            Material::DarkWood => Finish::DarkWood,
+            Material::Felt => Finish::Felt,
+            Material::Cloth => Finish::Cloth,
+            Material::Leather => Finish::Leather,
+            Material::Metal => Finish::Metal,
+            Material::Lead => Finish::Lead,
+            Material::Ivory => Finish::Ivory,
+            Material::String => Finish::String,
+        }
+    }
+}
+
+/// All finishes, in the order their gradients are written.
+pub const ALL: [Finish; 13] = [
+    Finish::Wood,
+    Finish::DarkWood,
+    Finish::Felt,
+    Finish::Cloth,
+    Finish::Leather,
+    Finish::Metal,
+    Finish::Lead,
+    Finish::Ivory,
+    Finish::String,
+    Finish::Ebony,
+    Finish::Skin,
+    Finish::Nail,
+    Finish::Symbol,
 ];
 
-/// The look of a material.
-pub const fn paint(material: Material) -> Paint {
-    let (id, light, shade, edge) = match material {
-        Material::Wood => ("wood", "#ecd3a8", "#d3ac77", "#8a683c"),
-        Material::DarkWood => ("dark-wood", "#8f6a4b", "#6c4a31", "#452d1b"),
-        Material::Felt => ("felt", "#f6f0e2", "#ded3bc", "#a3967b"),
-        Material::Cloth => ("cloth", "#b8414a", "#922c35", "#611a21"),
-        Material::Leather => ("leather", "#b3aca2", "#8d867d", "#5a554e"),
-        Material::Metal => ("metal", "#d3d9de", "#929ba3", "#555e66"),
-        Material::Lead => ("lead", "#868c92", "#62686e", "#3c4146"),
-        Material::Ivory => ("ivory", "#fdfbf4", "#ece4d0", "#8d8266"),
-        Material::String => ("string", "#b9a778", "#857346", "#5b4d2b"),
+/// The look of a finish.
+pub const fn paint(finish: Finish) -> Paint {
+    let (id, light, shade, edge) = match finish {
+        Finish::Wood => ("wood", "#ecd3a8", "#d3ac77", "#8a683c"),
+        Finish::DarkWood => ("dark-wood", "#8f6a4b", "#6c4a31", "#452d1b"),
+        Finish::Felt => ("felt", "#f6f0e2", "#ded3bc", "#a3967b"),
+        Finish::Cloth => ("cloth", "#b8414a", "#922c35", "#611a21"),
+        Finish::Leather => ("leather", "#b3aca2", "#8d867d", "#5a554e"),
+        Finish::Metal => ("metal", "#d3d9de", "#929ba3", "#555e66"),
+        Finish::Lead => ("lead", "#868c92", "#62686e", "#3c4146"),
+        Finish::Ivory => ("ivory", "#fdfbf4", "#ece4d0", "#8d8266"),
+        Finish::String => ("string", "#b9a778", "#857346", "#5b4d2b"),
+        Finish::Ebony => ("ebony", "#4a4642", "#2b2825", "#171513"),
+        Finish::Skin => ("skin", "#f3d2bc", "#e2ae92", "#a4755c"),
+        Finish::Nail => ("nail", "#fbe9e2", "#f0cfc3", "#b58a78"),
+        Finish::Symbol => ("symbol", "#cfdbe6", "#a3b7c9", "#5f7589"),
     };
     Paint { id, light, shade, edge }
 }
 
-/// The gradients of all materials, for a document's `<defs>`.
+/// The gradients of all finishes, for a document's `<defs>`.
 pub fn gradients() -> String {
     let mut out = String::new();
     for paint in ALL.map(paint) {

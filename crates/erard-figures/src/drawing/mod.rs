@@ -1,26 +1,33 @@
-//! The action as a picture: the instrument's parts, each carried by its body, in one pose.
+//! The action as a picture: outlines that hang on the instrument's geometry, each carried by its body, in one pose.
+//!
+//! A grand action is drawn by `grand`, a key alone by `lever`, anything else from its contact curves (`fallback`). Outlines that an instrument
+//! file brings along come on top, or instead of the latter.
 
-#[cfg(test)]
-mod agreement;
 mod anchor;
+mod arrows;
 mod fallback;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod force;
+mod grand;
 mod labels;
+mod lever;
 mod material;
 mod outline;
+mod piece;
 mod pose;
 
-pub use force::{ARROW, ArrowLaw, ContactForce, angles_at, arrow_sign, arrows, force_label, forces_at};
-pub use material::{Paint, gradients, paint};
+pub use arrows::{Arrow, ArrowKind, arrows};
+pub use force::{ARROW, ArrowLaw, angles_at, arrow_sign, force_label, forces_at};
+pub(crate) use labels::named_points;
+pub use material::{Finish, Paint, gradients, paint};
 pub use outline::{path, transform};
-pub use pose::{Placement, carrier, drawn_angles, placements};
+pub use piece::{Carrier, Piece};
+pub use pose::{Placement, drawn_angles, placements};
 
 use crate::svg::{escape, number};
-use erard::instrument::{Instrument, Part};
+use erard::instrument::Instrument;
 pub(crate) use outline::MM;
-use std::borrow::Cow;
 use std::fmt::Write;
 
 /// The fonts asked for, the one bundled for PNGs first.
@@ -33,21 +40,53 @@ pub struct PoseOptions {
     pub size_px: f64,
     /// Whether the main parts are named, with leader lines.
     pub labels: bool,
-    /// Contact forces to draw as arrows.
-    pub forces: Vec<ContactForce>,
+    /// Forces to draw.
+    pub arrows: Vec<Arrow>,
     /// A line below the picture, e.g. the instrument's name and the time.
     pub caption: Option<String>,
 }
 
 impl Default for PoseOptions {
     fn default() -> Self {
-        Self { size_px: 1400.0, labels: false, forces: Vec::new(), caption: None }
+        Self { size_px: 1400.0, labels: false, arrows: Vec::new(), caption: None }
     }
 }
 
-/// The instrument's parts, or made-up ones where its file draws none.
-pub fn parts(instrument: &Instrument) -> Cow<'_, [Part]> {
-    if instrument.parts.is_empty() { Cow::Owned(fallback::parts(instrument)) } else { Cow::Borrowed(&instrument.parts) }
+/// The outlines of an instrument.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// In painter's order.
+    pub pieces: Vec<Piece>,
+    /// Bodies whose pivots are shown.
+    pub pins: Vec<usize>,
+    /// Bodies that are not shown, for nothing ever moves them: the damper of a note that has none.
+    pub unseen: Vec<usize>,
+}
+
+/// Draws an instrument from its geometry.
+///
+/// What its file draws itself comes on top of a grand action or a key alone, unless the program draws a part of that name, which follows the
+/// geometry; of any other mechanism it is the whole picture.
+#[must_use]
+pub fn drawing(instrument: &Instrument) -> Drawing {
+    let all: Vec<usize> = (0..instrument.bodies.len()).collect();
+    let own = instrument.parts.iter().map(Piece::of_file);
+    let mut drawing = if let Some(grand) = grand::draw(instrument) {
+        grand
+    } else if let Some(pieces) = lever::draw(instrument) {
+        Drawing { pieces, pins: all, unseen: Vec::new() }
+    } else {
+        let pieces = if instrument.parts.is_empty() { fallback::pieces(instrument) } else { Vec::new() };
+        Drawing { pieces, pins: all, unseen: Vec::new() }
+    };
+    let is_drawn =
+        |piece: &Piece| grand::draws(&piece.name) || drawing.pieces.iter().any(|drawn| drawn.name == piece.name);
+    let is_known = drawing.pieces.is_empty();
+    let own: Vec<Piece> = own.filter(|piece| is_known || !is_drawn(piece)).collect();
+    drawing.pieces.extend(own);
+    let placed = placements(instrument, &drawn_angles(instrument));
+    drawing.pieces.extend(piece::finger(instrument, &placed));
+    drawing
 }
 
 /// The style of everything in a picture of the action; the page inlines the same.
@@ -57,8 +96,8 @@ pub const STYLE: &str = include_str!("drawing.css");
 /// as in the file), as an SVG document.
 pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptions) -> String {
     let placed = placements(instrument, angles_rad);
-    let parts = parts(instrument);
-    let bounds = view(instrument, &parts, &placed);
+    let drawing = drawing(instrument);
+    let bounds = view(instrument, &drawing.pieces, &placed);
     let [left, mut top, right, mut bottom] = bounds;
     if options.labels {
         top -= labels::MARGIN;
@@ -87,10 +126,10 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
         number(width),
         number(height),
     );
-    out.push_str(&shapes(instrument, &parts, &placed));
-    out.push_str(&arrows(&options.forces));
+    out.push_str(&shapes(&drawing, &placed));
+    out.push_str(&arrows(&options.arrows));
     if options.labels {
-        out.push_str(&labels::labels(&parts, &placed, bounds));
+        out.push_str(&labels::labels(&drawing.pieces, &placed, bounds));
     }
     if let Some(caption) = &options.caption {
         let _ = write!(
@@ -105,50 +144,61 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
     out
 }
 
-/// Parts and pins as SVG elements, each part in its body's frame: `data-body` says which frame moves it.
-pub fn shapes(instrument: &Instrument, parts: &[Part], placed: &[Placement]) -> String {
+/// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with `data-point` it follows
+/// that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without turning, with `data-guided` up and down only.
+pub fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
     let mut out = String::from("<g class=\"parts\">");
-    for part in parts {
-        let drawn = path(part);
+    for piece in &drawing.pieces {
+        let drawn = path(piece);
         if drawn.is_empty() {
             continue;
         }
-        let paint = paint(part.material);
+        let paint = paint(piece.finish);
         let _ = write!(
             out,
             "<path d=\"{drawn}\" fill=\"url(#{})\" stroke=\"{}\"{}><title>{}</title></path>",
             paint.id,
             paint.edge,
-            carried(part.body, placed),
-            escape(&part.name)
+            carried(&piece.carrier, placed),
+            escape(&piece.name)
         );
     }
     out.push_str("</g><g class=\"pins\">");
-    for index in 0..instrument.bodies.len() {
+    for &body in &drawing.pins {
         let _ = write!(
             out,
             "<g{}><circle class=\"pin\" r=\"1.5\"/><circle class=\"pin-core\" r=\"0.5\"/></g>",
-            carried(Some(index), placed)
+            carried(&Carrier::Body(body), placed)
         );
     }
     out.push_str("</g>");
     out
 }
 
-fn carried(body: Option<usize>, placed: &[Placement]) -> String {
-    body.map_or(String::new(), |index| format!(" data-body=\"{index}\" transform=\"{}\"", transform(&placed[index])))
+fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
+    let Some(body) = carrier.body() else { return String::new() };
+    let mut out = format!(" data-body=\"{body}\"");
+    if let Carrier::Point { point_m, drawn_m, is_guided, .. } = carrier {
+        let pair = |[x, y]: [f64; 2]| format!("{} {}", number(x * MM), number(y * MM));
+        let _ = write!(out, " data-point=\"{}\" data-drawn=\"{}\"", pair(*point_m), pair(*drawn_m));
+        if *is_guided {
+            out.push_str(" data-guided=\"\"");
+        }
+    }
+    let _ = write!(out, " transform=\"{}\"", transform(&carrier.placement(placed)));
+    out
 }
 
-/// `[left, top, right, bottom]` in picture millimetres, with a margin, holding the parts both in this pose and as
+/// `[left, top, right, bottom]` in picture millimetres, with a margin, holding the pieces both in this pose and as
 /// drawn, so that pictures of neighbouring poses match.
-pub fn view(instrument: &Instrument, parts: &[Part], placed: &[Placement]) -> [f64; 4] {
+pub fn view(instrument: &Instrument, pieces: &[Piece], placed: &[Placement]) -> [f64; 4] {
     const MARGIN: f64 = 8.0;
     let drawn = placements(instrument, &drawn_angles(instrument));
     let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     for frames in [placed, &drawn] {
-        for part in parts {
-            let frame = carrier(frames, part.body);
-            for &point in part.outline_m.iter().filter(|p| p.iter().all(|c| c.is_finite())) {
+        for piece in pieces {
+            let frame = piece.carrier.placement(frames);
+            for &point in piece.outline_m.iter().filter(|p| p.iter().all(|c| c.is_finite())) {
                 let [x, y] = frame.to_world(point).map(|c| c * MM);
                 bounds = [bounds[0].min(x), bounds[1].min(-y), bounds[2].max(x), bounds[3].max(-y)];
             }

@@ -3,21 +3,22 @@
 //! SVG's y points down and the piano's up, so everything is written as (x, -y) in millimetres; a body's frame then
 //! becomes `translate(x -y) rotate(-angle)` and text needs no flipping back.
 
+use super::piece::Piece;
 use super::pose::Placement;
 use crate::svg::number;
-use erard::instrument::{Part, Vec2};
+use erard::instrument::Vec2;
 use std::fmt::Write;
 
 /// Metres of the instrument to millimetres of the picture.
 pub(crate) const MM: f64 = 1000.0;
 
-/// The path of a part in the frame of its body; empty where the outline is no area.
+/// The path of a piece in the frame of its carrier; empty where the outline is no area.
 ///
-/// A smooth part has every corner cut by half the shorter of its two edges and replaced by an arc through the cuts.
+/// A smooth piece has every corner cut by half the shorter of its two edges and replaced by an arc through the cuts.
 /// Long edges so stay straight, short ones blend into a curve through their midpoints, and a corner written twice
 /// stays sharp.
-pub fn path(part: &Part) -> String {
-    let points: Vec<Vec2> = part
+pub fn path(piece: &Piece) -> String {
+    let points: Vec<Vec2> = piece
         .outline_m
         .iter()
         .filter(|point| point.iter().all(|c| c.is_finite()))
@@ -27,7 +28,7 @@ pub fn path(part: &Part) -> String {
         return String::new();
     }
     let mut out = String::new();
-    if part.smooth {
+    if piece.smooth {
         smooth(&points, &mut out);
     } else {
         for (index, point) in points.iter().enumerate() {
@@ -83,13 +84,13 @@ pub fn transform(placement: &Placement) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use erard::instrument::Material;
+    use crate::drawing::{Carrier, Finish};
 
-    fn square(smooth: bool) -> Part {
-        Part {
+    fn square(smooth: bool) -> Piece {
+        Piece {
             name: "square".into(),
-            body: None,
-            material: Material::Wood,
+            carrier: Carrier::Ground,
+            finish: Finish::Wood,
             outline_m: vec![[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]],
             smooth,
         }

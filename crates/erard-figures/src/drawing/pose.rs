@@ -15,6 +15,13 @@ impl Placement {
     /// The world's own frame, for what the ground carries.
     pub const GROUND: Self = Self { pivot_m: [0.0, 0.0], angle_rad: 0.0 };
 
+    /// A point of the world, seen from the body.
+    pub fn from_world(&self, world_m: Vec2) -> Vec2 {
+        let (sin, cos) = self.angle_rad.sin_cos();
+        let [x, y] = [world_m[0] - self.pivot_m[0], world_m[1] - self.pivot_m[1]];
+        [cos * x + sin * y, cos * y - sin * x]
+    }
+
     /// A point of the body, seen in the world.
     pub fn to_world(&self, point_m: Vec2) -> Vec2 {
         let (sin, cos) = self.angle_rad.sin_cos();
@@ -37,11 +44,6 @@ pub fn placements(instrument: &Instrument, angles_rad: &[f64]) -> Vec<Placement>
 /// The angles that the instrument is drawn with.
 pub fn drawn_angles(instrument: &Instrument) -> Vec<f64> {
     instrument.bodies.iter().map(|body| body.angle_rad).collect()
-}
-
-/// The frame of an optional carrier, `None` being the ground.
-pub fn carrier(placed: &[Placement], body: Option<usize>) -> Placement {
-    body.map_or(Placement::GROUND, |index| placed[index])
 }
 
 #[cfg(test)]

@@ -184,8 +184,13 @@ pub(super) fn short(value: f64) -> String {
 /// The panel's quantity, turned to run along the ordinate.
 pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
     let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height_px);
-    let name =
-        if panel.unit.is_empty() { panel.quantity.clone() } else { format!("{} ({})", panel.quantity, panel.unit) };
+    // A logarithmic axis says so: its numbers alone are easily misread.
+    let scale = if panel.layout == Layout::Together { "" } else { "log" };
+    let details: Vec<&str> = [panel.unit, scale].into_iter().filter(|detail| !detail.is_empty()).collect();
+    let name = match details[..] {
+        [] => panel.quantity.clone(),
+        _ => format!("{} ({})", panel.quantity, details.join(", ")),
+    };
     let _ = write!(
         out,
         "<text class=\"ink\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\">{}</text>",

@@ -59,11 +59,11 @@ impl Axis {
         }
     }
 
-    /// Powers of ten, with their doubles and fivefolds where there are few.
+    /// Powers of ten, with their doubles and fivefolds where there is room for them; round values where the axis is shorter than that.
     fn powers(&self, most: usize) -> Vec<(f64, String)> {
-        let decades = (self.high - self.low).ceil().max(1.0);
+        let decades = (self.high - self.low).max(1e-12);
         let every = (decades / most as f64).ceil().max(1.0) as i32;
-        let multiples: &[f64] = if decades <= 3.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let multiples: &[f64] = if 3.0 * decades <= most as f64 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let mut marks = Vec::new();
         for power in (self.low.floor() as i32..=self.high.ceil() as i32).filter(|power| power % every == 0) {
             for multiple in multiples {
@@ -73,7 +73,12 @@ impl Axis {
                 }
             }
         }
-        marks
+        if marks.len() >= 2 {
+            return marks;
+        }
+        let values = ticks((10f64.powf(self.low), 10f64.powf(self.high)), most.min(5));
+        let step = if values.len() > 1 { values[1] - values[0] } else { 1.0 };
+        values.into_iter().map(|value| (self.share(self.measure(value)), tick_label(value, step))).collect()
     }
 }
 
@@ -102,6 +107,14 @@ mod tests {
         assert_eq!(labels, ["1", "10", "100", "1000", "1e4"]);
         assert_eq!(power_label(2.0, -3), "0.002");
         assert_eq!(power_label(1.0, -6), "1e-6");
+    }
+
+    /// An axis of a tenth of a decade has numbers too.
+    #[test]
+    fn short_logarithmic_axes_are_labelled() {
+        let labels: Vec<String> =
+            Axis::between(Scale::Logarithmic, (3.05, 3.55)).ticks(6).into_iter().map(|t| t.1).collect();
+        assert_eq!(labels, ["3.1", "3.2", "3.3", "3.4", "3.5"]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod axis;
 mod decimate;
 mod lanes;
 mod markers;
+mod pair;
 #[cfg(feature = "png")]
 mod png;
 mod run;
@@ -18,6 +19,8 @@ mod ticks;
 
 pub use axis::Scale;
 pub use decimate::decimate;
+pub(crate) use pair::paired_zones;
+pub use pair::{pair_figure, pair_svg};
 #[cfg(feature = "png")]
 pub use png::{PngError, png_from_svg};
 pub use run::{events, instants, run_figure, run_svg, windows};
@@ -28,9 +31,12 @@ use crate::svg::{escape, number};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Colours told apart by everybody, also in grey print when combined with [`Dash`] (Okabe and Ito's set, yellow left
-/// out because it vanishes on paper).
-pub const PALETTE: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"];
+/// Colours told apart by everybody, also in grey print when combined with [`Dash`]: first Okabe and Ito's set (yellow left out because it
+/// vanishes on paper), then darker and duller ones, so that sixteen curves of one panel have sixteen colours.
+pub const PALETTE: [&str; 16] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#7a4b9e", "#8c6d1f", "#a1253b",
+    "#4a7a3a", "#5c6f8a", "#c08a6a", "#00807f", "#8f8f8f", "#3a3f8f",
+];
 
 /// How a curve's line is broken.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -196,7 +202,7 @@ pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
          font-family=\"{FONTS}\" font-size=\"12\" role=\"img\"><title>{title}</title><style>{STYLE}</style>\
-         <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
+         <rect class=\"sheet\" width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
          <text class=\"ink\" x=\"{LEFT}\" y=\"22\" font-size=\"16\">{title}</text>",
         w = number(width),
         h = number(height),
@@ -300,7 +306,7 @@ mod tests {
     #[test]
     fn the_same_run_gives_the_same_bytes() {
         let run = two_levers_run(500);
-        assert_eq!(run_svg(&run), run_svg(&run));
+        assert_eq!(run_svg(&run, "mf"), run_svg(&run, "mf"));
     }
 
     #[test]
@@ -308,7 +314,7 @@ mod tests {
         let mut run = two_levers_run(500);
         run.instrument = "a<b>&\"".into();
         run.zones[0].label = "</svg><script>".into();
-        let svg = run_svg(&run);
+        let svg = run_svg(&run, "mf");
         assert!(svg.contains("a&lt;b&gt;&amp;&quot;") && svg.contains("&lt;/svg&gt;"));
         assert_eq!(svg.matches("</svg>").count(), 1);
     }
@@ -320,7 +326,7 @@ mod tests {
         broken.force_n.fill(f64::NAN);
         broken.zones[0].normal_n[7] = f64::INFINITY;
         for run in [two_levers_run(0), two_levers_run(1), broken] {
-            let svg = run_svg(&run);
+            let svg = run_svg(&run, "mf");
             assert!(!svg.contains("NaN") && !svg.contains("inf"));
             #[cfg(feature = "png")]
             png_from_svg(&svg, 0.5).unwrap();

@@ -6,15 +6,15 @@ use erard::run::{Events, Run};
 use std::borrow::Cow;
 
 /// Contact forces below this are drawn as nothing, N: a fiftieth of what a key weighs.
-const FORCE_FLOOR: f64 = 0.01;
+pub(super) const FORCE_FLOOR: f64 = 0.01;
 
-/// The run's figure as an SVG document.
-pub fn run_svg(run: &Run) -> String {
-    figure_svg(&run_figure(run))
+/// The run's figure as an SVG document. `stroke` is what was played, for the headline.
+pub fn run_svg(run: &Run, stroke: &str) -> String {
+    figure_svg(&run_figure(run, stroke))
 }
 
 /// The run's figure: the whole run and, where the blow takes only a small part of it, the blow beside it.
-pub fn run_figure(run: &Run) -> Figure<'_> {
+pub fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     let mut panels = vec![
         panel(run, ("force", "N"), 110.0, [("finger on key", Cow::Borrowed(&run.force_n[..]))]),
         panel(run, ("key", "mm"), 110.0, [("key front, down", scaled(&run.key_m, 1e3))]),
@@ -32,7 +32,7 @@ pub fn run_figure(run: &Run) -> Figure<'_> {
     }
     let speed = run.events.hammer_speed_m_s.filter(|speed| speed.is_finite());
     Figure {
-        title: run.instrument.clone(),
+        title: if stroke.is_empty() { run.instrument.clone() } else { format!("{}: {stroke}", run.instrument) },
         subtitle: speed.map_or(String::new(), |speed| format!("hammer at the string: {speed:.2} m/s")),
         width_px: 1180.0,
         x_label: "time (ms)".into(),
@@ -163,6 +163,6 @@ fn panel<'a>(
     }
 }
 
-fn scaled(values: &[f64], factor: f64) -> Cow<'_, [f64]> {
+pub(super) fn scaled(values: &[f64], factor: f64) -> Cow<'_, [f64]> {
     Cow::Owned(values.iter().map(|value| value * factor).collect())
 }

@@ -1,5 +1,8 @@
 //! Ranges and round numbers for axes.
 
+/// Values that differ by less than this share of themselves are one value to an axis.
+const CONSTANT: f64 = 1e-6;
+
 /// The smallest range that holds all finite values, a little widened; never empty.
 pub fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
@@ -9,8 +12,8 @@ pub fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let spread = high - low;
-    // a constant curve, or one whose spread is only rounding
-    if spread <= 1e-12 * low.abs().max(high.abs()) || spread == 0.0 {
+    // A constant curve, or one whose spread no label of six digits would show: ticks that all read the same say nothing.
+    if spread <= CONSTANT * low.abs().max(high.abs()) || spread == 0.0 {
         let half = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
         return (low - half, high + half);
     }
@@ -36,7 +39,14 @@ pub(super) fn ticks((low, high): (f64, f64), most: usize) -> Vec<f64> {
 
 /// A tick's number with no more decimals than its step needs.
 pub(super) fn tick_label(tick: f64, step: f64) -> String {
-    let decimals = (-(step.abs().log10() + 1e-9).floor()).clamp(0.0, 9.0) as usize;
+    let power = (step.abs().log10() + 1e-9).floor();
+    if power < -5.0 || tick.abs() >= 1e7 {
+        // Beyond a few decimals a power of ten is shorter; its digits are those that tell neighbours apart.
+        let first = if tick == 0.0 { power } else { tick.abs().log10().floor() };
+        let digits = (first - power).clamp(0.0, 9.0) as usize;
+        return if tick.abs() < 1e-3 * step.abs() { "0".to_owned() } else { format!("{tick:.digits$e}") };
+    }
+    let decimals = (-power).clamp(0.0, 9.0) as usize;
     let text = format!("{tick:.decimals$}");
     match text.trim_start_matches(['-', '0', '.']) {
         "" => "0".to_owned(),
@@ -62,6 +72,21 @@ mod tests {
         assert_eq!(tick_label(20.0, 20.0), "20");
         assert_eq!(tick_label(-0.0, 0.5), "0");
         assert_eq!(tick_label(-2.5, 0.5), "-2.5");
+    }
+
+    /// Whatever the data, no two ticks of an axis read the same, and none is longer than the room for it.
+    #[test]
+    fn ticks_are_told_apart() {
+        for (a, b) in
+            [(3.0, 3.0), (5.0, 5.000_000_1), (1e-9, 3e-9), (-2e-7, 1e-7), (4e8, 5e8), (1234.5, 1234.6), (0.0, 0.0)]
+        {
+            let ends = range([a, b].into_iter());
+            let marks = ticks(ends, 6);
+            let step = marks[1] - marks[0];
+            let labels: Vec<String> = marks.iter().map(|tick| tick_label(*tick, step)).collect();
+            assert!(labels.windows(2).all(|pair| pair[0] != pair[1]), "{labels:?}");
+            assert!(labels.iter().all(|label| label.len() <= 9), "{labels:?}");
+        }
     }
 
     #[test]

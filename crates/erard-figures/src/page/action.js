@@ -1,71 +1,152 @@
 // The action: turning the outlines, drawing the forces, moving the view.
 const picture = $("action");
-const carried = [...picture.querySelectorAll("[data-body]")].map((element) => [element, +element.dataset.body]);
-const forces = $("forces");
 const SVG = "http://www.w3.org/2000/svg";
+const element = (name, attributes, into) => {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  into.append(made);
+  return made;
+};
+
+// What moves: an element turns with its body, or follows a point of it without turning (`data-point`, from `data-drawn`), a guided one up and
+// down only. `placed` is where its frame is now.
+const pair = (text) => text.split(" ").map(Number);
+data.actions.forEach((action, index) => {
+  action.group = picture.querySelector(`[data-action="${index}"]`);
+  action.pieces = [...action.group.querySelectorAll(".parts > path")];
+  action.moving = [...action.group.querySelectorAll("[data-body]")].map((element) => {
+    const { body, point, drawn, guided } = element.dataset;
+    return { element, body: +body, point: point && pair(point), drawn: drawn && pair(drawn), guided: guided !== undefined };
+  });
+});
+const STILL = { x: 0, y: 0, cos: 1, sin: 0, angle: 0 };
+const carry = (on, [x, y]) => [on.x + on.cos * x - on.sin * y, on.y + on.sin * x + on.cos * y];
 
 const pose = (where) => {
-  const placed = [];
-  for (const body of data.bodies) {
-    const angle = mix(body.angle, where);
-    let [x, y] = body.pivot;
-    if (body.parent !== null) {
-      const on = placed[body.parent];
-      [x, y] = [on.x + on.cos * x - on.sin * y, on.y + on.sin * x + on.cos * y];
+  for (const action of data.actions) {
+    const placed = [];
+    for (const body of action.bodies) {
+      const angle = mix(body.angle, where);
+      const [x, y] = body.parent === null ? body.pivot : carry(placed[body.parent], body.pivot);
+      placed.push({ x, y, angle, cos: Math.cos(angle), sin: Math.sin(angle) });
     }
-    placed.push({ x, y, angle, cos: Math.cos(angle), sin: Math.sin(angle) });
-  }
-  for (const [element, index] of carried) {
-    const { x, y, angle } = placed[index];
-    const degrees = (-angle * 180) / Math.PI;
-    element.setAttribute("transform", `translate(${x.toFixed(3)} ${(-y).toFixed(3)}) rotate(${degrees.toFixed(4)})`);
+    action.placed = placed;
+    for (const moving of action.moving) {
+      const on = placed[moving.body];
+      let frame = on;
+      if (moving.point) {
+        const [x, y] = carry(on, moving.point);
+        frame = { ...STILL, x: moving.guided ? 0 : x - moving.drawn[0], y: y - moving.drawn[1] };
+      }
+      moving.element.frame = frame;
+      const degrees = (-frame.angle * 180) / Math.PI;
+      moving.element.setAttribute("transform", `translate(${frame.x.toFixed(3)} ${(-frame.y).toFixed(3)}) rotate(${degrees.toFixed(4)})`);
+    }
   }
 };
 
-// Arrows and their numbers are made once per zone and reused.
-const arrows = data.zones.map(() => {
-  const path = document.createElementNS(SVG, "path");
-  const text = document.createElementNS(SVG, "text");
-  path.setAttribute("class", "arrow");
-  text.setAttribute("class", "newton");
-  forces.append(path, text);
-  return { path, text };
+// Arrows and their numbers are made once and reused: the finger's and one per zone, and whatever else a later kind of force brings (its
+// class is its kind, and `at` says where it acts, which way and how much, or nothing).
+const arrows = [];
+const arrow = (action, kind, at) => {
+  const group = $("forces"), tint = data.actions.length > 1 ? ` a${action}` : "";
+  const path = element("path", { class: `arrow ${kind}${tint}` }, group);
+  const text = element("text", { class: `newton ${kind}${tint}`, "text-anchor": "middle" }, $("numbers"));
+  arrows.push({ action: data.actions[action], path, text, at });
+};
+data.actions.forEach((action, index) => {
+  if (action.press) {
+    arrow(index, "touch", (where) => {
+      const [x, y] = carry(action.placed[action.press.body], action.press.point);
+      return { x, y, ux: 0, uy: 1, force: mix(action.force, where) };
+    });
+  }
+  action.zones.forEach((zone) => {
+    if (zone.unseen) return;
+    arrow(index, "contact", (where) => {
+      // at the edge of a contact only one of the two frames knows the place
+      const entry = zone.at[where.i] >= 0 ? zone.at[where.i] : zone.at[where.j];
+      if (entry < 0) return null;
+      const next = zone.at[where.i] >= 0 && zone.at[where.j] >= 0 ? zone.at[where.j] : entry;
+      const at = (k) => zone.values[entry + k] + where.share * (zone.values[next + k] - zone.values[entry + k]);
+      const turn = zone.values[entry + 3];
+      return { x: at(1), y: at(2), ux: Math.cos(turn), uy: -Math.sin(turn), force: mix(zone.force, where) };
+    });
+  });
 });
 
+// Whether a line, with some room, crosses a box [left, top, right, bottom]: Liang and Barsky's clipping.
+const crosses = ([from, to], box, room) => {
+  let enter = 0, leave = 1;
+  for (const axis of [0, 1]) {
+    const low = box[axis] - room, high = box[axis + 2] + room, way = to[axis] - from[axis];
+    if (Math.abs(way) < 1e-12) {
+      if (from[axis] < low || from[axis] > high) return false;
+      continue;
+    }
+    const a = (low - from[axis]) / way, b = (high - from[axis]) / way;
+    enter = Math.max(enter, Math.min(a, b));
+    leave = Math.min(leave, Math.max(a, b));
+  }
+  return enter <= leave;
+};
+const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+const TURNS = [0, 0.5, -0.5, 1, -1, 1.5, -1.5, 2, -2, 2.5, -2.5, 3.1];
+
+// The nearest place for a number about its arrow's tip that no arrow and no other number crosses.
+const freePlace = ([from, tip], wide, tall, shafts, taken) => {
+  const heading = Math.atan2(tip[1] - from[1], tip[0] - from[0]);
+  for (let ring = 0; ring < 40; ring++) {
+    for (const turn of TURNS) {
+      const cos = Math.cos(heading + turn), sin = Math.sin(heading + turn);
+      const away = (2 + 4 * ring) * pixel + 0.5 * (wide * Math.abs(cos) + tall * Math.abs(sin));
+      const x = tip[0] + away * cos, y = tip[1] + away * sin;
+      const place = [x - wide / 2, y - tall / 2, x + wide / 2, y + tall / 2];
+      if (!taken.some((other) => overlap(other, place)) && !shafts.some((shaft) => crosses(shaft, place, 2.2))) return place;
+    }
+  }
+  return null;
+};
+
 const push = (where) => {
-  const law = data.arrow;
-  const taken = [];
-  data.zones.forEach((zone, index) => {
-    const { path, text } = arrows[index];
-    const force = mix(zone.force, where);
-    // at the edge of a contact only one of the two frames knows the place
-    const entry = zone.at[where.i] >= 0 ? zone.at[where.i] : zone.at[where.j];
-    const shown = force >= law.drawn && entry >= 0 && $("arrows").checked;
-    path.style.display = shown ? "" : "none";
-    text.style.display = shown && force >= law.labelled ? "" : "none";
-    if (!shown) return;
-    const next = zone.at[where.i] >= 0 && zone.at[where.j] >= 0 ? zone.at[where.j] : entry;
-    const at = (k) => zone.values[entry + k] + where.share * (zone.values[next + k] - zone.values[entry + k]);
-    const x = at(1), y = -at(2), turn = zone.values[entry + 3];
-    const ux = Math.cos(turn), uy = -Math.sin(turn);
-    const length = law.base + law.decade * Math.log10(1 + force / law.knee);
+  const law = data.arrow, on = $("arrows").checked;
+  const shown = [];
+  for (const { action, path, text, at } of arrows) {
+    const force = on && !action.group.hasAttribute("hidden") ? at(where) : null;
+    const visible = force !== null && force.force >= law.drawn;
+    path.style.display = visible ? "" : "none";
+    text.style.display = "none";
+    if (!visible) continue;
+    const { x, ux, uy } = force, y = -force.y;
+    const length = law.base + law.decade * Math.log10(1 + force.force / law.knee);
     const neck = length - 4, half = 1.9;
     const point = (along, across) => `${(x + ux * along - uy * across).toFixed(2)} ${(y + uy * along + ux * across).toFixed(2)}`;
     path.setAttribute("d", `M${point(0, 0)}L${point(neck, 0)}M${point(length, 0)}L${point(neck, half)}L${point(neck, -half)}Z`);
-    text.textContent = newtons(force);
-    const upright = Math.abs(ux) < 0.4;
-    const tx = x + ux * (length + 6 * pixel) + (upright ? 0 : Math.sign(ux) * 2 * pixel);
-    let ty = y + uy * (length + 8 * pixel) + 4.5 * pixel;
-    // numbers of neighbouring arrows step aside along the picture's height
-    const step = (uy <= 0 ? -14 : 14) * pixel;
-    const meets = ([a, b]) => Math.abs(a - tx) < 46 * pixel && Math.abs(b - ty) < 13 * pixel;
-    for (let tries = 0; tries < 6 && taken.some(meets); tries++) ty += step;
-    taken.push([tx, ty]);
-    text.setAttribute("x", tx.toFixed(2));
-    text.setAttribute("y", ty.toFixed(2));
-    text.setAttribute("text-anchor", upright ? "middle" : ux > 0 ? "start" : "end");
-  });
+    shown.push({ text, force: force.force, shaft: [[x, y], [x + ux * length, y + uy * length]] });
+  }
+  const shafts = shown.map(({ shaft }) => shaft), taken = [];
+  for (const { text, force, shaft } of shown) {
+    if (force < law.labelled) continue;
+    const label = newtons(force);
+    const place = freePlace(shaft, 7.6 * label.length * pixel, 13 * pixel, shafts, taken);
+    if (!place) continue;
+    taken.push(place);
+    text.style.display = "";
+    text.textContent = label;
+    text.setAttribute("x", ((place[0] + place[2]) / 2).toFixed(2));
+    text.setAttribute("y", (place[3] - 2.6 * pixel).toFixed(2));
+  }
 };
+
+// Which of two actions are seen.
+data.actions.forEach((action, index) => {
+  const box = $(`see-${index}`);
+  if (!box) return;
+  box.addEventListener("change", () => {
+    action.group.toggleAttribute("hidden", !box.checked);
+    show();
+  });
+});
 
 // The view: [left, top, width, height] in millimetres of the picture.
 const box = (view) => [view[0], view[1], view[2] - view[0], view[3] - view[1]];
@@ -76,6 +157,8 @@ const look = (to) => {
   view = to;
   picture.setAttribute("viewBox", view.map((v) => v.toFixed(3)).join(" "));
   measure();
+  show();
+  remember();
 };
 // Numbers at the arrows keep their size on the screen whatever the zoom: millimetres of the picture per pixel.
 let pixel = 0.4;
@@ -96,22 +179,30 @@ picture.addEventListener("wheel", (event) => {
   event.preventDefault();
   zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...inPicture(event));
 }, { passive: false });
+// One finger or the mouse moves the picture, two fingers zoom it: the points under them stay under them.
+const fingers = new Map();
 picture.addEventListener("pointerdown", (event) => {
-  const from = inPicture(event);
   picture.setPointerCapture(event.pointerId);
+  fingers.set(event.pointerId, inPicture(event));
   picture.classList.add("grabbed");
-  const move = (moved) => {
-    const to = inPicture(moved);
-    look([view[0] + from[0] - to[0], view[1] + from[1] - to[1], view[2], view[3]]);
-  };
-  const stop = () => {
-    picture.classList.remove("grabbed");
-    picture.removeEventListener("pointermove", move);
-  };
-  picture.addEventListener("pointermove", move);
-  picture.addEventListener("pointerup", stop, { once: true });
-  picture.addEventListener("pointercancel", stop, { once: true });
 });
+picture.addEventListener("pointermove", (event) => {
+  const from = fingers.get(event.pointerId);
+  if (!from) return;
+  const to = inPicture(event);
+  const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+  if (other) {
+    const apart = (at) => Math.hypot(at[0] - other[0], at[1] - other[1]);
+    zoom(Math.min(Math.max(apart(from) / Math.max(apart(to), 1e-3), 0.5), 2), ...other);
+    fingers.set(event.pointerId, inPicture(event));
+  } else look([view[0] + from[0] - to[0], view[1] + from[1] - to[1], view[2], view[3]]);
+});
+for (const over of ["pointerup", "pointercancel"]) {
+  picture.addEventListener(over, (event) => {
+    fingers.delete(event.pointerId);
+    if (!fingers.size) picture.classList.remove("grabbed");
+  });
+}
 const wholeView = () => look(box(data.views.whole));
 picture.addEventListener("dblclick", wholeView);
 $("whole").addEventListener("click", wholeView);

@@ -197,12 +197,14 @@ const heading = (g, panel, y) => {
   if (panel.lanes) return;
   let x = LEFT + g.measureText(title).width + 14;
   for (const curve of panel.curves) {
+    const room = wide - RIGHT - x - 24;
+    if (room < 12) break;
     g.setLineDash(curve.dash);
     g.lineWidth = 2;
     rule(g, curveColour(curve), x, y - 4, x + 18, y - 4);
     g.setLineDash([]);
     g.fillStyle = colour("--soft");
-    g.fillText(curve.label, x + 22, y);
+    g.fillText(curve.label, x + 22, y, room);
     x += 34 + g.measureText(curve.label).width;
   }
 };

@@ -1,52 +1,47 @@
-//! A run as the page's script reads it: one JSON object, long series in base64.
+//! Runs as the page's script reads it: one JSON object, long series in base64.
 
-use super::frames;
-use crate::drawing::{self, ARROW, MM};
-use crate::figure::{self, Dash, Layout, Panel};
+use super::{Shown, Views, frames};
+use crate::drawing::{self, ARROW, Drawing, MM};
+use crate::figure::{self, Dash, Figure, Layout, Panel};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use erard::instrument::Instrument;
-use erard::run::{Run, ZoneSeries};
+use erard::run::ZoneSeries;
 use serde_json::{Value, json};
 
-/// The run, thinned to frames, with what the script needs to place bodies and arrows.
-pub(crate) fn data(instrument: &Instrument, run: &Run, close_up: Option<[f64; 4]>, whole: [f64; 4]) -> Value {
-    let instants = figure::instants(&run.events);
-    let times: Vec<f64> = instants.iter().map(|(_, time)| *time).collect();
-    let rows = frames::choose(run, &times, frames::MOST);
-    let at = |series: &[f64]| {
-        let picked: Vec<f64> = rows.iter().map(|row| series.get(*row).copied().unwrap_or(f64::NAN)).collect();
-        floats(picked.into_iter())
-    };
-    let angles: Vec<String> = (0..instrument.bodies.len())
-        .map(|body| match run.bodies.get(body) {
-            Some(series) => at(&series.angle_rad),
-            None => at(&vec![instrument.bodies[body].angle_rad; run.time_s.len()]),
+/// The runs, thinned to common frames, with what the script needs to place bodies and arrows.
+pub(crate) fn data(shown: &[Shown<'_>], drawings: &[Drawing], figure: &Figure<'_>, views: Views) -> Value {
+    let instants: Vec<Vec<(String, f64)>> = shown.iter().map(|one| figure::instants(&one.run.events)).collect();
+    let most = frames::MOST / shown.len();
+    let mut time_s: Vec<f64> = shown
+        .iter()
+        .zip(&instants)
+        .flat_map(|(one, instants)| {
+            let times: Vec<f64> = instants.iter().map(|(_, time)| *time).collect();
+            frames::choose(one.run, &times, most).into_iter().map(|row| one.run.time_s[row])
         })
         .collect();
-    let bodies: Vec<Value> = instrument
-        .bodies
+    time_s.sort_by(f64::total_cmp);
+    time_s.dedup();
+    let actions: Vec<Value> = shown
         .iter()
-        .zip(&angles)
-        .map(|(body, angle)| json!({"parent": body.parent, "pivot": body.pivot_m.map(|c| c * MM), "angle": angle}))
+        .zip(drawings)
+        .map(|(one, drawing)| action(one, drawing, &Frames::new(&one.run.time_s, &time_s)))
         .collect();
-    let zones: Vec<Value> = run
-        .zones
+    let lanes = match shown {
+        [first, second] => figure::paired_zones([first.run, second.run]),
+        _ => shown.first().map_or(Vec::new(), |one| (0..one.run.zones.len()).map(|zone| (0, zone)).collect()),
+    };
+    let panels: Vec<Value> = figure.panels.iter().map(|panel| panel_value(panel, shown, &lanes, &time_s)).collect();
+    let events: Vec<Value> = instants
         .iter()
         .enumerate()
-        .map(|(index, zone)| {
-            let sign = if index < instrument.zones.len() { drawing::arrow_sign(instrument, index) } else { 1.0 };
-            contacts(zone, &rows, sign)
-        })
+        .flat_map(|(action, list)| list.iter().map(move |(name, time)| json!([name, time, action])))
         .collect();
-    let figure = figure::run_figure(run);
-    let panels: Vec<Value> = figure.panels.iter().map(|panel| panel_value(panel, &at)).collect();
     json!({
-        "time": at(&run.time_s),
-        "bodies": bodies,
-        "zones": zones,
+        "time": floats(time_s.iter().copied()),
+        "actions": actions,
         "panels": panels,
-        "events": instants.iter().map(|(name, time)| json!([name, time])).collect::<Vec<_>>(),
+        "events": events,
         "windows": figure.windows.iter().map(|window| [window.from, window.to]).collect::<Vec<_>>(),
         "arrow": {
             "base": ARROW.base_mm,
@@ -55,12 +50,86 @@ pub(crate) fn data(instrument: &Instrument, run: &Run, close_up: Option<[f64; 4]
             "drawn": ARROW.smallest_drawn_n,
             "labelled": ARROW.smallest_labelled_n,
         },
-        "views": {"whole": whole, "close": close_up},
-        "rows": run.time_s.len(),
+        "views": {"whole": views.whole, "close": views.close},
+        "rows": shown.iter().map(|one| one.run.time_s.len()).max(),
     })
 }
 
-fn panel_value(panel: &Panel, at: &dyn Fn(&[f64]) -> String) -> Value {
+/// Where the page's frames lie among the rows of a series: the row before, and the share of the way to the next.
+struct Frames(Vec<(usize, f64)>);
+
+impl Frames {
+    fn new(rows_s: &[f64], time_s: &[f64]) -> Self {
+        let mut row = 0;
+        let at = |time: &f64| {
+            while row + 1 < rows_s.len() && rows_s[row + 1] <= *time {
+                row += 1;
+            }
+            let (from, to) = (rows_s.get(row).copied().unwrap_or(0.0), rows_s.get(row + 1).copied());
+            let share = to.map_or(0.0, |to| ((time - from) / (to - from)).clamp(0.0, 1.0));
+            (row, if share.is_finite() { share } else { 0.0 })
+        };
+        Frames(time_s.iter().map(at).collect())
+    }
+
+    /// A series at the frames, straight between its rows; the last value after its end.
+    fn of(&self, series: &[f64]) -> String {
+        let value = |&(row, share): &(usize, f64)| {
+            let from = series.get(row).copied().unwrap_or(f64::NAN);
+            if share == 0.0 { from } else { from + share * (series.get(row + 1).copied().unwrap_or(from) - from) }
+        };
+        floats(self.0.iter().map(value))
+    }
+}
+
+/// One action: how it moves, what pushes it, what its parts are called.
+fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
+    let Shown { instrument, run, .. } = *shown;
+    let bodies: Vec<Value> = instrument
+        .bodies
+        .iter()
+        .enumerate()
+        .map(|(index, body)| {
+            let still = vec![body.angle_rad; run.time_s.len()];
+            let angle = frames.of(run.bodies.get(index).map_or(&still, |series| &series.angle_rad));
+            json!({"parent": body.parent, "pivot": body.pivot_m.map(|c| c * MM), "angle": angle})
+        })
+        .collect();
+    let zones: Vec<Value> = run
+        .zones
+        .iter()
+        .enumerate()
+        .map(|(index, zone)| {
+            let known = instrument.zones.get(index);
+            let sign = known.map_or(1.0, |_| drawing::arrow_sign(instrument, index));
+            let is_unseen = |body: Option<usize>| body.is_some_and(|body| drawing.unseen.contains(&body));
+            let unseen = known.is_some_and(|zone| is_unseen(zone.disc_body) || is_unseen(zone.curve_body));
+            contacts(zone, frames, sign, unseen)
+        })
+        .collect();
+    let press =
+        instrument.roles.key.map(|body| json!({"body": body, "point": instrument.roles.key_front_m.map(|c| c * MM)}));
+    // An outline that encloses nothing is not written into the picture.
+    let written: Vec<usize> =
+        (0..drawing.pieces.len()).filter(|&piece| !drawing::path(&drawing.pieces[piece]).is_empty()).collect();
+    let labels: Vec<Value> = drawing::named_points(instrument, &drawing.pieces)
+        .into_iter()
+        .filter_map(|(piece, point_m)| {
+            let at = written.iter().position(|&index| index == piece)?;
+            Some(json!({"text": drawing.pieces[piece].name, "piece": at, "at": point_m.map(|c| c * MM)}))
+        })
+        .collect();
+    json!({
+        "name": shown.name,
+        "bodies": bodies,
+        "zones": zones,
+        "force": frames.of(&run.force_n),
+        "press": press,
+        "labels": labels,
+    })
+}
+
+fn panel_value(panel: &Panel, shown: &[Shown<'_>], lanes: &[(usize, usize)], time_s: &[f64]) -> Value {
     let curves: Vec<Value> = panel
         .curves
         .iter()
@@ -73,10 +142,22 @@ fn panel_value(panel: &Panel, at: &dyn Fn(&[f64]) -> String) -> Value {
             };
             // lanes show the zones' forces, which are there already
             let source = match panel.layout {
-                Layout::Together | Layout::Logarithmic | Layout::Stacked => json!({"y": at(&curve.y)}),
-                Layout::Lanes { .. } => json!({"zone": index}),
+                Layout::Together | Layout::Logarithmic | Layout::Stacked => {
+                    json!({"y": Frames::new(curve.x, time_s).of(&curve.y)})
+                }
+                Layout::Lanes { .. } => {
+                    let (action, zone) = lanes.get(index).copied().unwrap_or_default();
+                    json!({"action": action, "zone": zone})
+                }
             };
-            json!({"label": curve.label, "colour": curve.colour, "dash": dash, "source": source})
+            // A list of contacts tells the second action's by its name.
+            let label = match (panel.layout, lanes.get(index)) {
+                (Layout::Lanes { .. }, Some(&(1, zone))) => {
+                    format!("{}, {}", shown[1].run.zones[zone].label, shown[1].name)
+                }
+                _ => curve.label.clone(),
+            };
+            json!({"label": label, "colour": curve.colour, "dash": dash, "source": source})
         })
         .collect();
     let lanes = match panel.layout {
@@ -88,12 +169,16 @@ fn panel_value(panel: &Panel, at: &dyn Fn(&[f64]) -> String) -> Value {
 
 /// A zone's contact, only where it pushes: `spans` are `[first frame, frames]`, and for every frame within them stand
 /// force, point (mm) and the direction of the arrow, one span after the other.
-fn contacts(zone: &ZoneSeries, rows: &[usize], sign: f64) -> Value {
+fn contacts(zone: &ZoneSeries, frames: &Frames, sign: f64, unseen: bool) -> Value {
     let mut spans: Vec<[usize; 2]> = Vec::new();
     let mut values: Vec<f64> = Vec::new();
-    for (frame, row) in rows.iter().enumerate() {
-        let force = zone.normal_n.get(*row).copied().unwrap_or(0.0);
-        let Some(contact) = zone.contact.get(*row).filter(|_| force > 0.0 && force.is_finite()) else {
+    for (frame, &(row, share)) in frames.0.iter().enumerate() {
+        let force_at = |row: usize| zone.normal_n.get(row).copied().filter(|force| force.is_finite()).unwrap_or(0.0);
+        let force =
+            if share == 0.0 { force_at(row) } else { force_at(row) + share * (force_at(row + 1) - force_at(row)) };
+        // Only a row that pushes knows the place.
+        let place = if force_at(row) > 0.0 { row } else { row + 1 };
+        let Some(contact) = zone.contact.get(place).filter(|_| force > 0.0) else {
             continue;
         };
         match spans.last_mut() {
@@ -103,7 +188,7 @@ fn contacts(zone: &ZoneSeries, rows: &[usize], sign: f64) -> Value {
         let [x, y, nx, ny] = contact.map(f64::from);
         values.extend([force, x * MM, y * MM, (sign * ny).atan2(sign * nx)]);
     }
-    json!({"label": zone.label, "spans": spans, "values": floats(values.into_iter())})
+    json!({"label": zone.label, "spans": spans, "values": floats(values.into_iter()), "unseen": unseen})
 }
 
 /// The values as little-endian `f32`, in base64. What is not finite becomes 0: the page draws numbers only.

@@ -6,59 +6,143 @@
 mod data;
 mod frames;
 
-use crate::drawing::{self, gradients, parts, placements, shapes};
+use crate::drawing::{self, Drawing, Piece, gradients, placements, shapes};
+use crate::figure::{self, Figure};
 use crate::svg::{escape, number};
-use erard::instrument::{Instrument, Part};
+use erard::instrument::Instrument;
 use erard::run::Run;
 use std::fmt::Write;
 
 /// The script, in the order of its parts: later ones use earlier ones.
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("read.js"),
     include_str!("action.js"),
+    include_str!("names.js"),
     include_str!("curves.js"),
     include_str!("numbers.js"),
+    include_str!("save.js"),
     include_str!("transport.js"),
 ];
 const STYLE: &str = include_str!("page.css");
 const BODY: &str = include_str!("body.html");
 
-/// The page. `summary` is what the command prints, as pairs of a name and a value with its unit.
+/// A run, and what it was played on.
+#[derive(Debug, Clone)]
+pub struct Shown<'a> {
+    /// What tells it from the other one, e.g. `heavy-touch`.
+    pub name: String,
+    /// The instrument.
+    pub instrument: &'a Instrument,
+    /// The run.
+    pub run: &'a Run,
+}
+
+/// What stands in the page's table: a heading for every column of values (none where there is one), and rows of a name and its values.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SummaryTable {
+    /// Headings.
+    pub heads: Vec<String>,
+    /// Names with their values, units included.
+    pub rows: Vec<(String, Vec<String>)>,
+}
+
+/// What the page may look at, in picture millimetres: `[left, top, right, bottom]`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Views {
+    whole: [f64; 4],
+    close: Option<[f64; 4]>,
+}
+
+/// The page. `stroke` is what was played; `summary` is what the command prints, as pairs of a name and a value with its unit.
 ///
 /// Nothing is fetched, and the page's own policy forbids it. Without JavaScript it shows the action at rest, the summary,
 /// and says what is missing.
-pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)]) -> String {
-    let angles = drawing::angles_at(run, 0);
-    let placed = placements(instrument, &angles);
-    let parts = parts(instrument);
-    let whole = drawing::view(instrument, &parts, &placed);
-    let close_up = close_up(instrument, &parts, &placed);
-    let data = data::data(instrument, run, close_up, whole);
-    let mut rows = String::new();
-    for (name, value) in summary {
-        let _ = write!(rows, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
+pub fn page_html(instrument: &Instrument, run: &Run, stroke: &str, summary: &[(String, String)]) -> String {
+    let figure = figure::run_figure(run, stroke);
+    let rows = summary.iter().map(|(name, value)| (name.clone(), vec![value.clone()])).collect();
+    let shown = Shown { name: run.instrument.clone(), instrument, run };
+    page(&[shown], &figure, &SummaryTable { heads: Vec::new(), rows })
+}
+
+/// The page of two runs on one clock: both actions over each other in two tints, their curves, and a table of what differs.
+pub fn pair_html(title: &str, shown: &[Shown<'_>; 2], summary: &SummaryTable) -> String {
+    let runs = [0, 1].map(|index| (shown[index].name.as_str(), shown[index].run));
+    page(shown, &figure::pair_figure(title, runs), summary)
+}
+
+fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> String {
+    let drawings: Vec<Drawing> = shown.iter().map(|one| drawing::drawing(one.instrument)).collect();
+    let mut views: Option<Views> = None;
+    let mut groups = String::new();
+    for (index, (one, drawing)) in shown.iter().zip(&drawings).enumerate() {
+        let placed = placements(one.instrument, &drawing::angles_at(one.run, 0));
+        let whole = drawing::view(one.instrument, &drawing.pieces, &placed);
+        let close = close_up(one.instrument, &drawing.pieces, &placed);
+        views = Some(match views {
+            None => Views { whole, close },
+            Some(other) => Views {
+                whole: around(other.whole, whole),
+                close: other.close.zip(close).map(|(a, b)| around(a, b)).or(other.close).or(close),
+            },
+        });
+        let tint = if shown.len() > 1 { format!(" a{index}") } else { String::new() };
+        let shapes = shapes(drawing, &placed);
+        let _ = write!(groups, "<g class=\"action{tint}\" data-action=\"{index}\">{shapes}</g>");
     }
+    let views = views.unwrap_or(Views { whole: [0.0, 0.0, 1.0, 1.0], close: None });
+    let data = data::data(shown, &drawings, figure, views);
+    let mut rows = String::new();
+    if !summary.heads.is_empty() {
+        let heads: String =
+            summary.heads.iter().map(|head| format!("<th scope=\"col\">{}</th>", escape(head))).collect();
+        let _ = write!(rows, "<thead><tr><th scope=\"col\">measure</th>{heads}</tr></thead>");
+    }
+    rows.push_str("<tbody>");
+    for (name, values) in &summary.rows {
+        let values: String = values.iter().map(|value| format!("<td>{}</td>", escape(value))).collect();
+        let _ = write!(rows, "<tr><th scope=\"row\">{}</th>{values}</tr>", escape(name));
+    }
+    rows.push_str("</tbody>");
+    let whole = views.whole;
     let picture = format!(
         "<svg id=\"action\" tabindex=\"0\" role=\"img\" aria-label=\"The action, {}\" viewBox=\"{} {} {} {}\" \
-         preserveAspectRatio=\"xMaxYMid meet\"><style>{}</style><defs>{}</defs>{}<g class=\"forces\" id=\"forces\"></g></svg>",
-        escape(&instrument.name),
+         preserveAspectRatio=\"xMaxYMid meet\"><style>{}</style><defs>{}</defs>{groups}<g id=\"names\"></g>\
+         <g class=\"forces\" id=\"forces\"></g><g id=\"numbers\"></g></svg>",
+        escape(&figure.title),
         number(whole[0]),
         number(whole[1]),
         number(whole[2] - whole[0]),
         number(whole[3] - whole[1]),
         drawing::STYLE,
         gradients(),
-        shapes(instrument, &parts, &placed),
     );
-    let title = escape(&run.instrument);
+    // Two actions can be hidden one by one, and say which is which.
+    let mut which = String::new();
+    if shown.len() > 1 {
+        for (index, one) in shown.iter().enumerate() {
+            let _ = writeln!(
+                which,
+                "<label><input type=\"checkbox\" id=\"see-{index}\" checked><span class=\"swatch a{index}\"></span>{}</label>",
+                escape(&one.name)
+            );
+        }
+    }
+    let title = escape(&figure.title);
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-         script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         script-src 'unsafe-inline'; img-src data: blob:\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n"
     );
-    let doubts = doubts(run);
-    let marks = [("{title}", title.as_str()), ("{doubts}", &doubts), ("{summary}", &rows), ("{picture}", &picture)];
+    let doubts: String = shown.iter().map(|one| doubts(one, shown.len() > 1)).collect();
+    let marks = [
+        ("{title}", title.as_str()),
+        ("{doubts}", &doubts),
+        ("{summary}", &rows),
+        ("{picture}", &picture),
+        ("{which}", &which),
+    ];
     out.push_str(&filled(BODY, &marks));
     let _ = write!(out, "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n", inline(&data));
     out.push_str("\"use strict\";\n(() => {\n");
@@ -69,15 +153,22 @@ pub fn page_html(instrument: &Instrument, run: &Run, summary: &[(String, String)
     out
 }
 
-/// Why the run is not to be trusted; nothing where nothing speaks against it.
-fn doubts(run: &Run) -> String {
+/// Why a run is not to be trusted; nothing where nothing speaks against it. Of two, it says which.
+fn doubts(shown: &Shown<'_>, of_two: bool) -> String {
+    let run = shown.run;
     if run.is_trusted() {
         return String::new();
     }
     let each: String = run.warnings.iter().map(|w| format!("<li>{}</li>", escape(&w.what))).collect();
+    let which = if of_two { format!("{}: t", escape(&shown.name)) } else { "T".to_owned() };
     format!(
-        "<section class=\"warning\" id=\"doubts\" role=\"alert\"><strong>This run is not to be trusted</strong><ul>{each}</ul></section>\n"
+        "<section class=\"warning\" role=\"alert\"><strong>{which}his run is not to be trusted</strong><ul>{each}</ul></section>\n"
     )
+}
+
+/// The smallest rectangle around two.
+fn around(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
 /// A template with its marks replaced. What replaces them is not looked at again: a name may hold a mark.
@@ -99,10 +190,11 @@ fn inline(data: &serde_json::Value) -> String {
 
 /// The part of the picture where the small things happen: from the first thing carried by a body other than the key,
 /// to the end, and as high as the whole. `None` where that is nearly all.
-fn close_up(instrument: &Instrument, parts: &[Part], placed: &[drawing::Placement]) -> Option<[f64; 4]> {
+fn close_up(instrument: &Instrument, pieces: &[Piece], placed: &[drawing::Placement]) -> Option<[f64; 4]> {
     let key = instrument.roles.key?;
-    let small: Vec<Part> = parts.iter().filter(|part| part.body.is_some_and(|body| body != key)).cloned().collect();
-    let whole = drawing::view(instrument, parts, placed);
+    let small: Vec<Piece> =
+        pieces.iter().filter(|piece| piece.carrier.body().is_some_and(|body| body != key)).cloned().collect();
+    let whole = drawing::view(instrument, pieces, placed);
     let mut close = drawing::view(instrument, &small, placed);
     [_, close[1], close[2], close[3]] = whole;
     (!small.is_empty() && close[2] - close[0] < 0.8 * (whole[2] - whole[0])).then_some(close)
@@ -124,7 +216,7 @@ mod tests {
         let mut run = two_levers_run(200);
         run.instrument = "</title><script>alert(1)</script>".into();
         run.zones[0].label = "</script><script>alert(2)</script>".into();
-        let page = page_html(&instrument, &run, &summary());
+        let page = page_html(&instrument, &run, "mf", &summary());
         assert!(!page.contains("alert(1)</script>") && !page.contains("alert(2)</script>"));
         assert!(!page.contains("speed <i>") && page.contains("1 &amp; 2 m/s"));
         assert_eq!(page.matches("<script").count(), 2);
@@ -136,7 +228,7 @@ mod tests {
     fn names_are_not_filled_in() {
         let mut run = two_levers_run(200);
         run.instrument = "A {picture} {summary} {title}".into();
-        let page = page_html(&two_levers(), &run, &summary());
+        let page = page_html(&two_levers(), &run, "", &summary());
         assert_eq!(page.matches("id=\"action\"").count(), 1);
         assert_eq!(page.matches("1 &amp; 2 m/s").count(), 1);
         assert!(page.contains("<title>A {picture} {summary} {title}</title>"));
@@ -146,7 +238,7 @@ mod tests {
 
     #[test]
     fn nothing_is_fetched() {
-        let page = page_html(&two_levers(), &two_levers_run(200), &summary());
+        let page = page_html(&two_levers(), &two_levers_run(200), "mf", &summary());
         for word in ["http://", "https://", "src=", "@import", "url(//", "fetch(", "XMLHttpRequest"] {
             let found = page.matches(word).count();
             // the one address allowed is the name of SVG's namespace
@@ -159,7 +251,7 @@ mod tests {
     #[test]
     fn the_same_run_gives_the_same_page() {
         let (instrument, run) = (two_levers(), two_levers_run(9000));
-        assert_eq!(page_html(&instrument, &run, &summary()), page_html(&instrument, &run, &summary()));
+        assert_eq!(page_html(&instrument, &run, "mf", &summary()), page_html(&instrument, &run, "mf", &summary()));
     }
 
     #[test]
@@ -168,7 +260,7 @@ mod tests {
         broken.force_n.fill(f64::NAN);
         broken.bodies.pop();
         for run in [two_levers_run(0), two_levers_run(1), broken] {
-            assert!(page_html(&two_levers(), &run, &[]).ends_with("</html>\n"));
+            assert!(page_html(&two_levers(), &run, "mf", &[]).ends_with("</html>\n"));
         }
     }
 }

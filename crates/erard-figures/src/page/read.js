@@ -12,24 +12,29 @@ const time = floats(data.time);
 const frames = time.length;
 const begin = frames ? time[0] : 0;
 const end = frames > 1 ? time[frames - 1] : begin + 1e-3;
-for (const body of data.bodies) body.angle = floats(body.angle);
 
-// A zone's values only exist where it pushes; `force` is filled up with zeros so that it can be drawn as a curve.
-for (const zone of data.zones) {
-  zone.values = floats(zone.values);
-  zone.force = new Float32Array(frames);
-  zone.at = new Int32Array(frames).fill(-1);
-  let entry = 0;
-  for (const [first, count] of zone.spans) {
-    for (let i = first; i < first + count; i++, entry++) {
-      zone.force[i] = zone.values[4 * entry];
-      zone.at[i] = 4 * entry;
+// One action, or two on one clock.
+for (const action of data.actions) {
+  for (const body of action.bodies) body.angle = floats(body.angle);
+  action.force = floats(action.force);
+  // A zone's values only exist where it pushes; `force` is filled up with zeros so that it can be drawn as a curve.
+  for (const zone of action.zones) {
+    zone.values = floats(zone.values);
+    zone.force = new Float32Array(frames);
+    zone.at = new Int32Array(frames).fill(-1);
+    let entry = 0;
+    for (const [first, count] of zone.spans) {
+      for (let i = first; i < first + count; i++, entry++) {
+        zone.force[i] = zone.values[4 * entry];
+        zone.at[i] = 4 * entry;
+      }
     }
   }
 }
 for (const panel of data.panels) {
   for (const curve of panel.curves) {
-    curve.y = curve.source.y === undefined ? data.zones[curve.source.zone].force : floats(curve.source.y);
+    const { y, action, zone } = curve.source;
+    curve.y = y === undefined ? data.actions[action].zones[zone].force : floats(y);
   }
 }
 

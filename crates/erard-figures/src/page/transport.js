@@ -6,6 +6,7 @@ const show = () => {
   const where = between(now);
   pose(where);
   push(where);
+  nameParts();
   readOut(where);
   drawCursor(now);
   $("time").value = now;
@@ -15,6 +16,7 @@ const show = () => {
 const go = (t) => {
   now = Math.min(Math.max(t, begin), end);
   show();
+  remember();
 };
 
 const speeds = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
@@ -59,14 +61,11 @@ const nextEvent = (direction) => {
   const times = data.events.map(([, t]) => t).sort((a, b) => a - b);
   const found = direction > 0 ? times.find((t) => t > now + 1e-6) : times.findLast((t) => t < now - 1e-6);
   if (found !== undefined) {
-    play(false);
-    go(found);
+    visit(found);
   }
 };
 
 const slider = $("time");
-slider.min = begin;
-slider.max = end;
 slider.addEventListener("input", () => {
   play(false);
   go(+slider.value);
@@ -76,19 +75,31 @@ $("back").addEventListener("click", () => step(-1));
 $("on").addEventListener("click", () => step(1));
 $("first").addEventListener("click", () => go(begin));
 $("arrows").addEventListener("change", show);
+// Goes to an instant, and takes the curves along where they do not show it.
 const visit = (t) => {
   play(false);
+  if (t < shownTime[0] || t > shownTime[1]) {
+    const half = (shownTime[1] - shownTime[0]) / 2;
+    showTime(t - half, t + half);
+  }
   go(t);
 };
 // The first blow's events as buttons; of the blows after it a few as well, many as a list.
 const isBlow = ([name]) => name.startsWith("blow ");
 const blows = data.events.filter(isBlow);
 const listed = blows.length > 6;
-for (const [name, t] of data.events.filter((event) => !(listed && isBlow(event)))) {
+for (const [name, t, action] of data.events.filter((event) => !(listed && isBlow(event)))) {
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = name;
   button.title = milliseconds(t);
+  if (data.actions.length > 1) {
+    const whose = document.createElement("span");
+    whose.className = `swatch a${action}`;
+    button.prepend(whose);
+    button.title += `, ${data.actions[action].name}`;
+    button.setAttribute("aria-label", `${name}, ${data.actions[action].name}`);
+  }
   button.addEventListener("click", () => visit(t));
   $("events").append(button);
 }
@@ -107,18 +118,23 @@ const showTime = (from, to) => {
   const span = Math.min(Math.max(to - from, least), all);
   const start = Math.min(Math.max(from, begin), end - span);
   shownTime = [start, start + span];
+  // the slider spans what the curves show, and the time stays within it
+  [slider.min, slider.max] = shownTime;
+  if (now < shownTime[0] || now > shownTime[1]) go(Math.min(Math.max(now, shownTime[0]), shownTime[1]));
   for (const button of $("windows").children) {
     const [a, b] = button.window;
     button.setAttribute("aria-pressed", Math.abs(a - shownTime[0]) + Math.abs(b - shownTime[1]) < 1e-6);
   }
   drawCurves();
   drawCursor(now);
+  slider.value = now;
+  remember();
 };
-const names = data.windows.length > 1 ? ["whole run", "the blow"] : ["whole run"];
+const windowNames = data.windows.length > 1 ? ["whole run", "the blow"] : ["whole run"];
 data.windows.forEach((window, index) => {
   const button = document.createElement("button");
   button.type = "button";
-  button.textContent = names[index];
+  button.textContent = windowNames[index];
   button.window = window;
   button.addEventListener("click", () => showTime(...window));
   $("windows").append(button);
@@ -127,14 +143,24 @@ const seek = (event) => {
   play(false);
   go(tOf(event.clientX - cursor.getBoundingClientRect().left));
 };
+// One finger or the mouse seeks, two fingers zoom the time.
+const touching = new Map();
+const placeOf = (event) => event.clientX - cursor.getBoundingClientRect().left;
 cursor.addEventListener("pointerdown", (event) => {
   cursor.setPointerCapture(event.pointerId);
-  seek(event);
-  cursor.addEventListener("pointermove", seek);
-  const stop = () => cursor.removeEventListener("pointermove", seek);
-  cursor.addEventListener("pointerup", stop, { once: true });
-  cursor.addEventListener("pointercancel", stop, { once: true });
+  touching.set(event.pointerId, tOf(placeOf(event)));
+  if (touching.size === 1) seek(event);
 });
+cursor.addEventListener("pointermove", (event) => {
+  if (!touching.has(event.pointerId)) return;
+  const [other] = [...touching].filter(([id]) => id !== event.pointerId).map(([, t]) => t);
+  if (other === undefined) return seek(event);
+  const was = touching.get(event.pointerId), is = tOf(placeOf(event));
+  const factor = Math.min(Math.max(Math.abs(was - other) / Math.max(Math.abs(is - other), 1e-7), 0.5), 2);
+  showTime(other + (shownTime[0] - other) * factor, other + (shownTime[1] - other) * factor);
+  touching.set(event.pointerId, tOf(placeOf(event)));
+});
+for (const over of ["pointerup", "pointercancel"]) cursor.addEventListener(over, (event) => touching.delete(event.pointerId));
 cursor.addEventListener("wheel", (event) => {
   event.preventDefault();
   const t = tOf(event.clientX - cursor.getBoundingClientRect().left);
@@ -166,8 +192,6 @@ document.addEventListener("keydown", (event) => {
   act();
 });
 
-// #t=0.123 opens the page at that time (s); view=whole with the whole action; shown=from,to at that stretch of the curves.
-const hash = new URLSearchParams(location.hash.slice(1));
 const redraw = () => {
   arrange();
   measure();
@@ -176,11 +200,28 @@ const redraw = () => {
 };
 addEventListener("resize", redraw);
 dark.addEventListener("change", redraw);
+
+// #t=0.123 opens the page at that time (s); shown=from,to at that stretch of the curves; view=whole, or left,top,width,height in
+// millimetres of the picture, at that view; names=1 with the parts' names.
+const open = () => {
+  const hash = new URLSearchParams(location.hash.slice(1));
+  const numbers = (key, count) => {
+    const found = (hash.get(key) ?? "").split(",").map(Number);
+    return found.length === count && found.every(Number.isFinite) ? found : null;
+  };
+  const asked = numbers("view", 4);
+  if (asked) look(asked);
+  else if (hash.get("view") === "whole" || data.views.close === null || matchMedia("(max-width: 600px)").matches) wholeView();
+  else closeUp();
+  const stretch = numbers("shown", 2);
+  if (stretch && stretch[1] > stretch[0]) showTime(...stretch);
+  if (hash.has("names")) $("naming").checked = hash.get("names") === "1";
+  const t = hash.has("t") ? +hash.get("t") || 0 : shownTime[0];
+  if (t < shownTime[0] || t > shownTime[1]) showTime(...data.windows[0]);
+  go(t);
+};
 redraw();
-if (hash.get("view") === "whole" || data.views.close === null) wholeView();
-else closeUp();
-const asked = (hash.get("shown") ?? "").split(",").map(Number);
-if (asked.length === 2 && asked[1] > asked[0]) showTime(...asked);
-go(hash.has("t") ? +hash.get("t") || 0 : begin);
-$("what").textContent = `A simulated run of ${milliseconds(end - begin)}, ${frames} frames${
+open();
+addEventListener("hashchange", open);
+$("what").textContent = `${data.actions.length > 1 ? "Two simulated runs" : "A simulated run"} of ${milliseconds(end - begin)}, ${frames} frames${
   frames < data.rows ? ` of ${data.rows} rows` : ""}.`;

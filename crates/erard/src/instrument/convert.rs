@@ -360,6 +360,7 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
     Ok(Roles {
         key,
         key_front_m,
+        is_sharp: table.sharp,
         hammer,
         hammer_head_m,
         key_bottom: zone(&table.key_bottom)?,

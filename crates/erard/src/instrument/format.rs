@@ -214,6 +214,9 @@ pub(crate) struct RolesToml {
     pub key: Option<At<String>>,
     /// Where the finger presses, in the key's own frame, mm.
     pub key_front_mm: Option<Num<Pair>>,
+    /// Whether the key is a sharp; a keyboard says it of each of its keys. For drawings only.
+    #[serde(default)]
+    pub sharp: bool,
     /// The body whose speed is the result.
     pub hammer: Option<At<String>>,
     /// The strike point in the hammer's own frame, mm.

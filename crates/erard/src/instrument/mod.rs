@@ -36,7 +36,7 @@ pub mod serde_fault;
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
 pub use numbers::{numbers_at, with_numbers};
-pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
+pub use provenance::{Certainty, Citation, CitedNumber, OutlivedNote, Provenance, Source, Spread};
 pub use rewrite::RewriteError;
 pub use schema::json_schema;
 
@@ -213,6 +213,8 @@ pub struct Roles {
     pub key: Option<usize>,
     /// Where the finger presses, in the key's frame, m.
     pub key_front_m: Vec2,
+    /// Whether the key is a sharp, for drawings only.
+    pub is_sharp: bool,
     /// The body whose speed is the result.
     pub hammer: Option<usize>,
     /// The strike point, in the hammer's frame, m.

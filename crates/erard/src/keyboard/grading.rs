@@ -5,10 +5,10 @@
 
 use std::collections::BTreeMap;
 
-use toml_edit::{Array, DocumentMut, value};
+use toml_edit::{Array, DocumentMut, Item, value};
 
 use super::grading_curve::GradingCurve;
-use super::{Keyboard, note_name};
+use super::{Keyboard, is_sharp, note_name};
 use crate::instrument::edit::{cite, find, numbers, set, source_name};
 
 /// Who the source of graded numbers is, in the instrument's own list of sources.
@@ -60,6 +60,14 @@ pub enum Graded {
 pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
     let mut document: DocumentMut = keyboard.base_text.parse().ok()?;
     document["name"] = value(format!("{}, key {key} ({})", keyboard.name, note_name(key)));
+    if let Some(roles) = document.get_mut("roles").and_then(Item::as_table_like_mut) {
+        // A file that says nothing has a natural.
+        if is_sharp(key) {
+            roles.insert("sharp", value(true));
+        } else {
+            roles.remove("sharp");
+        }
+    }
     let mut changed = Changed::default();
     for Grading { name, graded, curve } in &keyboard.gradings {
         let by = curve.at(key);

@@ -90,6 +90,12 @@ pub fn note_name(key: usize) -> String {
     format!("{}{}", NAMES[from_c0 % 12], from_c0 / 12)
 }
 
+/// Whether a key is a black one.
+#[must_use]
+pub fn is_sharp(key: usize) -> bool {
+    note_name(key).contains('#')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,128 @@
+// Checks pages in a real browser: nothing overflows on a phone, no error, axe finds nothing, and run.html does what it says.
+// Usage: node check.mjs PAGE.html... ; the page called run.html gets the checks of a run.
+import { chromium } from 'playwright-core';
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { basename, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const axe = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
+let faults = 0;
+const fail = (page, what) => { faults++; console.log(`FAIL ${page}: ${what}`); };
+const expect = (page, holds, what) => { if (!holds) fail(page, what); };
+
+const visit = async (path, hash, options, look) => {
+  const context = await browser.newContext({ bypassCSP: true, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  page.on('pageerror', (error) => fail(path, error.message));
+  page.on('console', (message) => message.type() === 'error' && fail(path, message.text()));
+  await page.goto(pathToFileURL(resolve(path)) + hash);
+  await page.waitForTimeout(200);
+  await look(page);
+  await context.close();
+};
+
+const run = async (path) => {
+  const desk = { viewport: { width: 1400, height: 900 } };
+  await visit(path, '#t=0.053&shown=0.02,0.08&view=60,-200,250,180&names=1', desk, async (page) => {
+    const state = await page.evaluate(() => ({
+      slider: [+document.getElementById('time').min, +document.getElementById('time').max, +document.getElementById('time').value],
+      view: document.getElementById('action').getAttribute('viewBox'),
+      names: document.getElementById('naming').checked,
+    }));
+    const near = (a, b) => Math.abs(a - b) < 1e-6;
+    expect(path, near(state.slider[0], 0.02) && near(state.slider[1], 0.08) && near(state.slider[2], 0.053), `the slider spans the window: ${state.slider}`);
+    expect(path, state.view === '60.000 -200.000 250.000 180.000', `the link sets the view: ${state.view}`);
+    expect(path, state.names, 'the link sets the names');
+    // boxes of the numbers against the arrows, at many instants
+    for (let k = 0; k <= 60; k++) {
+      await page.evaluate((t) => {
+        const slider = document.getElementById('time');
+        slider.value = t;
+        slider.dispatchEvent(new Event('input'));
+      }, 0.02 + 0.001 * k);
+      const crossed = await page.evaluate(() => {
+        const shown = (element) => element.style.display !== 'none';
+        const texts = [...document.querySelectorAll('#numbers text')].filter(shown);
+        const arrows = [...document.querySelectorAll('#forces path')].filter(shown);
+        let found = 0;
+        for (const text of texts) {
+          const box = text.getBBox();
+          for (const other of texts) {
+            if (other === text) continue;
+            const b = other.getBBox();
+            if (box.x < b.x + b.width && b.x < box.x + box.width && box.y + 0.2 * box.height < b.y + 0.8 * b.height && b.y + 0.2 * b.height < box.y + 0.8 * box.height) found++;
+          }
+          for (const arrow of arrows) {
+            const [, x1, y1, , , x2, y2] = arrow.getAttribute('d').match(/M(\S+) (\S+)L(\S+) (\S+)M(\S+) (\S+)L/);
+            for (let s = 0; s <= 1; s += 0.02) {
+              const x = +x1 + s * (x2 - x1), y = +y1 + s * (y2 - y1);
+              if (x > box.x && x < box.x + box.width && y > box.y + 0.2 * box.height && y < box.y + 0.8 * box.height) { found++; break; }
+            }
+          }
+        }
+        return found;
+      });
+      expect(path, crossed === 0, `${crossed} numbers are crossed at ${20 + k} ms`);
+    }
+    // names on the screen do not cover each other
+    const covered = await page.evaluate(() => {
+      const boxes = [...document.querySelectorAll('#names .label')].filter((e) => e.style.display !== 'none').map((e) => e.getBBox());
+      return boxes.filter((a, i) => boxes.some((b, j) => j > i && a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height)).length;
+    });
+    expect(path, covered === 0, `${covered} names cover each other`);
+    for (const [button, name, least] of [['save-png', 'action.png', 20_000], ['save-curves', 'curves.csv', 1000], ['save-summary', 'summary.csv', 100]]) {
+      const [file] = await Promise.all([page.waitForEvent('download'), page.click(`#${button}`)]);
+      const bytes = (await readFile(await file.path())).length;
+      expect(path, file.suggestedFilename() === name && bytes > least, `${button} gives ${file.suggestedFilename()} of ${bytes} bytes`);
+      if (process.env.KEEP) await file.saveAs(`${process.env.KEEP}/${name}`);
+    }
+    await page.click('#link');
+    expect(path, page.url().includes('#t=') && page.url().includes('shown=0.02,0.08'), `the address holds the page: ${page.url()}`);
+  });
+  // two fingers, apart: the picture grows
+  await visit(path, '#view=whole', { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, async (page) => {
+    const wide = () => page.evaluate(() => +document.getElementById('action').getAttribute('viewBox').split(' ')[2]);
+    const before = await wide();
+    const { x, y, width, height } = await page.locator('#action').boundingBox();
+    const session = await page.context().newCDPSession(page);
+    const touch = (type, apart) => session.send('Input.dispatchTouchEvent', {
+      type,
+      touchPoints: apart ? [-1, 1].map((side, id) => ({ x: x + width / 2 + side * apart, y: y + height / 2, id })) : [],
+    });
+    await touch('touchStart', 20);
+    for (const apart of [30, 45, 60, 80]) await touch('touchMove', apart);
+    await touch('touchEnd', 0);
+    const after = await wide();
+    expect(path, after < 0.6 * before, `two fingers zoom: ${before} to ${after} mm`);
+  });
+};
+
+for (const path of process.argv.slice(2)) {
+  if (basename(path) === 'run.html') await run(path);
+  for (const [name, options] of [
+    ['at a desk', { viewport: { width: 1400, height: 900 } }],
+    ['on a phone', { viewport: { width: 390, height: 844 } }],
+    ['at night', { viewport: { width: 1400, height: 900 }, colorScheme: 'dark' }],
+    ['on a phone at night', { viewport: { width: 390, height: 844 }, colorScheme: 'dark' }],
+  ]) {
+    await visit(path, '', options, async (page) => {
+      const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      expect(path, over <= 0, `${name}: ${over} px too wide`);
+      await page.evaluate(axe);
+      const { violations } = await page.evaluate(() => axe.run());
+      for (const { id, help, nodes } of violations) {
+        fail(path, `${name}: axe, ${id}: ${help} (${nodes.length}: ${nodes.slice(0, 3).map((node) => node.html.slice(0, 90)).join(' | ')})`);
+      }
+      if (options.colorScheme) {
+        const light = await page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).slice(0, 3).every((c) => +c > 128));
+        expect(path, !light, `${name}: the page is light`);
+      }
+    });
+  }
+  console.log(`looked at ${path}`);
+}
+await browser.close();
+if (faults) process.exit(1);
+console.log('pages: no fault');

@@ -1,0 +1,147 @@
+//! Two presses on one clock: both actions on one page, their curves over each other, and a table of what differs.
+
+use erard::instrument::Instrument;
+use erard::run::Run;
+use erard_figures::figure::{pair_svg, png_from_svg};
+use erard_figures::page::{Shown, SummaryTable, pair_html};
+use serde_json::{Map, Value, json};
+
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::say;
+use crate::summary::Summary;
+use crate::table;
+
+/// What is written; the tables of the two runs are numbered.
+pub const FILES: [&str; 8] =
+    ["run-1.csv", "run-1.parquet", "run-2.csv", "run-2.parquet", "summary.json", "run.svg", "run.png", "run.html"];
+
+/// One of the two.
+#[derive(Debug)]
+pub struct Played<'a> {
+    /// What was played on.
+    pub instrument: &'a Instrument,
+    /// What was played.
+    pub stroke: String,
+    /// The run.
+    pub run: Run,
+    /// Its numbers.
+    pub summary: Summary,
+}
+
+/// A number of a run: its JSON key, its name, the value of the JSON in the table's unit, that unit, and decimals.
+type Measure = (&'static str, &'static str, f64, &'static str, usize);
+const MEASURES: [Measure; 10] = [
+    ("hammer_speed_m_s", "hammer speed at the string", 1.0, "m/s", 3),
+    ("key_start_s", "key start", 1e3, "ms", 2),
+    ("toe_contact_s", "jack toe at let-off button", 1e3, "ms", 2),
+    ("let_off_s", "let-off", 1e3, "ms", 2),
+    ("hammer_contact_s", "hammer contact", 1e3, "ms", 2),
+    ("free_flight_s", "free flight", 1e3, "ms", 2),
+    ("key_bottom_s", "key bottom", 1e3, "ms", 2),
+    ("check_s", "check", 1e3, "ms", 2),
+    ("peak_force_N", "peak finger force", 1.0, "N", 2),
+    ("drive_work_J", "work of the finger", 1e3, "mJ", 2),
+];
+
+/// What the two are called: by what differs, the instrument or the stroke.
+pub fn names(played: &[Played<'_>; 2]) -> [String; 2] {
+    let [a, b] = played;
+    if a.stroke != b.stroke {
+        [a.stroke.clone(), b.stroke.clone()]
+    } else if a.run.instrument != b.run.instrument {
+        [a.run.instrument.clone(), b.run.instrument.clone()]
+    } else {
+        ["first", "second"].map(|which| format!("{}, {which}", a.run.instrument))
+    }
+}
+
+fn title(played: &[Played<'_>; 2]) -> String {
+    let ([a, b], names) = (played, names(played));
+    let common = if a.stroke == b.stroke { &a.stroke } else { &a.run.instrument };
+    format!("{} beside {}: {common}", names[0], names[1])
+}
+
+/// The value of a measure in a run, in the table's unit; `None` where it did not happen.
+fn value(summary: &Value, (key, _, factor, ..): &Measure) -> Option<f64> {
+    summary.get(key)?.as_f64().map(|value| value * factor)
+}
+
+fn json_of(played: &[Played<'_>; 2]) -> Result<[Value; 2], Failure> {
+    let of =
+        |one: &Played<'_>| serde_json::to_value(&one.summary).map_err(|error| Failure::Internal(error.to_string()));
+    Ok([of(&played[0])?, of(&played[1])?])
+}
+
+/// Rows of name, first, second and second less first.
+fn rows(summaries: &[Value; 2]) -> Vec<(String, [String; 3])> {
+    let row = |measure: &Measure| {
+        let (_, name, _, unit, decimals) = measure;
+        let values = [0, 1].map(|index| value(&summaries[index], measure));
+        if values == [None, None] {
+            return None;
+        }
+        let shown = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.decimals$} {unit}"));
+        let difference = values[0].zip(values[1]).map(|(a, b)| b - a);
+        let signed = difference.map_or("-".to_owned(), |d| {
+            // What rounds to nothing has no sign.
+            let text = format!("{d:+.decimals$}");
+            let is_nothing = !text.contains(|c: char| ('1'..='9').contains(&c));
+            format!("{} {unit}", if is_nothing { text.trim_start_matches(['+', '-']).to_owned() } else { text })
+        });
+        Some(((*name).to_owned(), [shown(values[0]), shown(values[1]), signed]))
+    };
+    MEASURES.iter().filter_map(row).collect()
+}
+
+/// Stages the page, the figure, the tables and the numbers.
+pub fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failure> {
+    let (names, title, summaries) = (names(played), title(played), json_of(played)?);
+    for (one, tables) in played.iter().zip([["run-1.csv", "run-1.parquet"], ["run-2.csv", "run-2.parquet"]]) {
+        output.stage(tables[0], |w| table::write_csv(&one.run, &[], w))?;
+        output.stage(tables[1], |w| table::write_parquet(&one.run, &[], w))?;
+    }
+    let mut difference = Map::new();
+    for measure in &MEASURES {
+        let (key, _, factor, ..) = measure;
+        let values = [0, 1].map(|index| value(&summaries[index], measure));
+        let second_less_first = values[0].zip(values[1]).map(|(a, b)| (b - a) / factor);
+        difference.insert((*key).to_owned(), json!(second_less_first));
+    }
+    let rows = rows(&summaries);
+    let both = json!({"names": names, "runs": summaries, "difference": difference});
+    output.stage("summary.json", |w| {
+        serde_json::to_writer_pretty(&mut *w, &both)?;
+        w.write_all(b"\n")
+    })?;
+    let svg = pair_svg(&title, [(&names[0], &played[0].run), (&names[1], &played[1].run)]);
+    let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
+    output.stage("run.svg", |w| w.write_all(svg.as_bytes()))?;
+    output.stage("run.png", |w| w.write_all(&png))?;
+    let shown = [0, 1].map(|index| Shown {
+        name: names[index].clone(),
+        instrument: played[index].instrument,
+        run: &played[index].run,
+    });
+    let table = SummaryTable {
+        heads: names.iter().cloned().chain(["difference".to_owned()]).collect(),
+        rows: rows.into_iter().map(|(name, values)| (name, values.to_vec())).collect(),
+    };
+    let page = pair_html(&title, &shown, &table);
+    output.stage("run.html", |w| w.write_all(page.as_bytes()))?;
+    Ok(())
+}
+
+/// Prints the table of differences.
+pub fn tell(played: &[Played<'_>; 2]) {
+    let names = names(played);
+    say!("{}", title(played));
+    say!();
+    let Ok(summaries) = json_of(played) else { return };
+    let wide = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(14) + 2;
+    say!("  {:<28}{:>wide$}{:>wide$}{:>14}", "", names[0], names[1], "difference");
+    for (name, [first, second, difference]) in rows(&summaries) {
+        say!("  {name:<28}{first:>wide$}{second:>wide$}{difference:>14}");
+    }
+    say!();
+}

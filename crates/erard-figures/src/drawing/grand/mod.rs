@@ -1,0 +1,287 @@
+//! A grand action drawn from its own geometry: every outline hangs on the pivots, felts and screws that it depicts, so that what is moved in
+//! the file, by a screw or by a keyboard's grading moves in the picture.
+//!
+//! `shapes` is the drawing: for every outline its corners as offsets from places of the geometry. `places` finds those places in an
+//! instrument. `made` draws what is round or varies in number. The offsets are a concert grand's, drawn by hand in the style of an action
+//! of the early twentieth century, to no particular maker's drawing; they give the wood its looks, and what touches its exact place comes from the
+//! instrument.
+
+mod chain;
+mod made;
+mod places;
+mod shapes;
+
+use super::pose::{Placement, drawn_angles, placements};
+use super::{Drawing, fallback};
+use chain::Look;
+use erard::instrument::{Curve, Instrument, Vec2, Zone};
+use made::Scene;
+use places::Places;
+
+/// A part of the action that is one piece of wood, whether or not the mechanics lets it bend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Component {
+    Ground,
+    Key,
+    Whippen,
+    Jack,
+    Lever,
+    Hammer,
+    Damper,
+}
+
+/// Which body and which zone is which. Zones are told by who touches whom.
+#[derive(Debug)]
+pub(super) struct Parts {
+    key: Vec<usize>,
+    whippen: usize,
+    jack: usize,
+    lever: Option<usize>,
+    hammer: Vec<usize>,
+    /// The damper, where the key can lift it.
+    damper: Option<usize>,
+    /// The body about whose pivot the key turns.
+    key_pin: usize,
+    punching: usize,
+    back_rail: Option<usize>,
+    capstan: usize,
+    jack_knuckle: usize,
+    lever_knuckle: Option<usize>,
+    button: usize,
+    jack_rest: Option<usize>,
+    lever_stop: Option<usize>,
+    drop_screw: Option<usize>,
+    string: usize,
+    check: Option<usize>,
+    hammer_rest: Option<usize>,
+    lift: Option<usize>,
+    damper_stop: Option<usize>,
+    /// Bodies that are there in the mechanics only: a damper that nothing lifts.
+    unseen: Vec<usize>,
+}
+
+/// How much further than the key goes a damper may be and still be taken for one that it lifts.
+const OUT_OF_REACH: f64 = 1.3;
+
+impl Parts {
+    /// Finds the parts; `None` for what is no grand action.
+    fn of(instrument: &Instrument, drawn: &[Placement]) -> Option<Self> {
+        let (roles, zones) = (&instrument.roles, &instrument.zones);
+        let root = |mut body: usize| {
+            while let Some(parent) = instrument.bodies[body].parent {
+                body = parent;
+            }
+            body
+        };
+        let all = |of: usize| (0..instrument.bodies.len()).filter(|&body| root(body) == root(of)).collect::<Vec<_>>();
+        let (key, hammer) = (all(roles.key?), all(roles.hammer?));
+        let button = roles.let_off?;
+        let jack = zones[button].disc_body?;
+        let whippen = instrument.bodies[jack].parent?;
+        let pushes = |zone: &usize, by: usize| zones[*zone].curve_body == Some(by);
+        let jack_knuckle = roles.knuckle.iter().copied().find(|zone| pushes(zone, jack))?;
+        let rides = |zone: &usize| {
+            let body = zones[*zone].curve_body;
+            body != Some(jack) && body.is_some_and(|body| instrument.bodies[body].parent == Some(whippen))
+        };
+        let lever_knuckle = roles.knuckle.iter().copied().find(rides);
+        let lever = lever_knuckle.and_then(|zone| zones[zone].curve_body);
+        if key.contains(&whippen) || hammer.contains(&whippen) || key.iter().any(|body| hammer.contains(body)) {
+            return None;
+        }
+        // The zones whose disc is on one of the bodies `a` and whose curve is on one of `b`; none of them is the ground.
+        let between = |a: &[usize], b: &[usize]| {
+            let on = |body: Option<usize>, of: &[usize]| body.map_or(of.is_empty(), |body| of.contains(&body));
+            let is_it = |zone: &Zone| on(zone.disc_body, a) && on(zone.curve_body, b);
+            (0..zones.len()).filter(|&zone| is_it(&zones[zone])).collect::<Vec<_>>().into_iter()
+        };
+        let capstan = between(&key, &[whippen]).next()?;
+        let punching = roles.key_bottom?;
+        let lifted = zones.iter().enumerate().find_map(|(index, zone)| {
+            let damper = zone
+                .disc_body
+                .filter(|body| !key.contains(body) && !hammer.contains(body) && root(*body) != root(whippen))?;
+            zone.curve_body.is_some_and(|body| key.contains(&body)).then_some((damper, index))
+        });
+        let key_pin = key_pin(instrument, &key, punching, capstan, drawn);
+        let lever_slice = lever.as_slice();
+        let mut parts = Parts {
+            whippen,
+            jack,
+            lever,
+            damper: None,
+            key_pin,
+            punching,
+            back_rail: between(&key, &[]).filter(|&zone| zone != punching).find(|&zone| {
+                let zone = &zones[zone];
+                zone.disc_body
+                    .is_some_and(|body| drawn[body].to_world(zone.disc_center_m)[0] > drawn[key_pin].pivot_m[0] + 0.05)
+            }),
+            capstan,
+            jack_knuckle,
+            lever_knuckle,
+            button,
+            jack_rest: between(&[jack], &[whippen]).next(),
+            lever_stop: lever.and_then(|_| between(lever_slice, &[whippen]).next()),
+            drop_screw: lever.and_then(|_| between(lever_slice, &[]).next()),
+            string: roles.string?,
+            check: roles.check,
+            hammer_rest: between(&hammer, &[whippen]).next(),
+            lift: None,
+            damper_stop: None,
+            unseen: Vec::new(),
+            key,
+            hammer,
+        };
+        if let Some((damper, lift)) = lifted {
+            if parts.reaches(instrument, lift, drawn) {
+                (parts.damper, parts.lift) = (Some(damper), Some(lift));
+                parts.damper_stop = between(&[damper], &[]).next();
+            } else {
+                parts.unseen.push(damper);
+            }
+        }
+        let expected = [punching, capstan, button, parts.string];
+        let is_usual = expected.iter().all(|&zone| matches!(zones[zone].curve, Curve::Line { .. }))
+            && zones[punching].curve_body.is_none()
+            && zones[button].curve_body.is_none()
+            && zones[parts.string].curve_body.is_none()
+            && matches!(zones[jack_knuckle].curve, Curve::Segment { .. });
+        is_usual.then_some(parts)
+    }
+
+    /// Whether the key's whole way takes it to the damper.
+    fn reaches(&self, instrument: &Instrument, lift: usize, drawn: &[Placement]) -> bool {
+        let from_pin = |zone: &Zone| drawn_disc(zone, drawn)[0] - drawn[self.key_pin].pivot_m[0];
+        let (front, lift) = (&instrument.zones[self.punching], &instrument.zones[lift]);
+        gap(lift, drawn) < OUT_OF_REACH * gap(front, drawn) * (from_pin(lift) / from_pin(front)).abs()
+    }
+
+    /// Which component a body belongs to.
+    fn component_of(&self, body: Option<usize>) -> Option<Component> {
+        let Some(body) = body else { return Some(Component::Ground) };
+        let one = |of: Option<usize>, component| (of == Some(body)).then_some(component);
+        (self.key.contains(&body).then_some(Component::Key))
+            .or(self.hammer.contains(&body).then_some(Component::Hammer))
+            .or(one(Some(self.whippen), Component::Whippen))
+            .or(one(Some(self.jack), Component::Jack))
+            .or(one(self.lever, Component::Lever))
+            .or(one(self.damper, Component::Damper))
+    }
+
+    /// The frame of a component as drawn: upright at its pin; the hammer's lies along its shank.
+    fn frame(&self, component: Component, drawn: &[Placement]) -> Placement {
+        let upright = |body: usize| Placement { pivot_m: drawn[body].pivot_m, angle_rad: 0.0 };
+        match component {
+            Component::Ground => Placement::GROUND,
+            Component::Key => upright(self.key_pin),
+            Component::Whippen => upright(self.whippen),
+            Component::Jack => upright(self.jack),
+            Component::Lever => self.lever.map_or(Placement::GROUND, upright),
+            Component::Damper => self.damper.map_or(Placement::GROUND, upright),
+            Component::Hammer => drawn[self.hammer[0]],
+        }
+    }
+
+    /// The bodies of a component.
+    fn bodies(&self, component: Component) -> &[usize] {
+        match component {
+            Component::Ground => &[],
+            Component::Key => &self.key,
+            Component::Whippen => std::slice::from_ref(&self.whippen),
+            Component::Jack => std::slice::from_ref(&self.jack),
+            Component::Lever => self.lever.as_slice(),
+            Component::Hammer => &self.hammer,
+            Component::Damper => self.damper.as_slice(),
+        }
+    }
+
+    /// The zones whose both sides the outlines show.
+    fn shown_zones(&self) -> [Option<usize>; 14] {
+        [
+            Some(self.punching),
+            self.back_rail,
+            Some(self.capstan),
+            Some(self.jack_knuckle),
+            self.lever_knuckle,
+            Some(self.button),
+            self.jack_rest,
+            self.lever_stop,
+            self.drop_screw,
+            Some(self.string),
+            self.check,
+            self.hammer_rest,
+            self.lift,
+            self.damper_stop,
+        ]
+    }
+}
+
+/// The pin that the key turns about: of the pivots of its bodies between its front and the capstan the one nearest to the capstan.
+fn key_pin(instrument: &Instrument, key: &[usize], punching: usize, capstan: usize, drawn: &[Placement]) -> usize {
+    let front = drawn_disc(&instrument.zones[punching], drawn)[0];
+    let capstan = drawn_disc(&instrument.zones[capstan], drawn)[0];
+    let pivot = |body: usize| drawn[body].pivot_m[0];
+    let between = key.iter().copied().filter(|&body| pivot(body) > front && pivot(body) < capstan);
+    between.max_by(|a, b| pivot(*a).total_cmp(&pivot(*b))).unwrap_or(key[0])
+}
+
+/// Where a zone's disc is as drawn, m, in the world.
+fn drawn_disc(zone: &Zone, drawn: &[Placement]) -> Vec2 {
+    zone.disc_body.map_or(Placement::GROUND, |body| drawn[body]).to_world(zone.disc_center_m)
+}
+
+/// How far a disc and a line are apart as drawn, m; infinite for other curves.
+fn gap(zone: &Zone, drawn: &[Placement]) -> f64 {
+    let Curve::Line { point_m, normal } = zone.curve else { return f64::INFINITY };
+    let carrier = zone.curve_body.map_or(Placement::GROUND, |body| drawn[body]);
+    let [x, y] = carrier.from_world(drawn_disc(zone, drawn));
+    (x - point_m[0]) * normal[0] + (y - point_m[1]) * normal[1] - zone.disc_radius_m
+}
+
+/// Whether the drawing of a grand action has an outline of this name, in whatever instrument.
+pub(super) fn draws(name: &str) -> bool {
+    const MADE: [&str; 8] =
+        ["capstan", "key, top", "key lead", "knuckle", "knuckle, core", "damper lever, wire", "damper", "sharp"];
+    let is_shape = |entry: &shapes::Entry| matches!(entry, shapes::Entry::Shape(shape) if shape.name == name);
+    MADE.contains(&name) || shapes::DRAWING.iter().any(is_shape)
+}
+
+/// Draws a grand action; `None` where the instrument is none.
+pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
+    let drawn = placements(instrument, &drawn_angles(instrument));
+    let parts = Parts::of(instrument, &drawn)?;
+    let places = Places::new(instrument, &parts, &drawn);
+    let scene = Scene { instrument, parts: &parts, places: &places, drawn: &drawn };
+    let mut pieces = Vec::new();
+    for entry in shapes::DRAWING {
+        match entry {
+            shapes::Entry::Shape(shape) => {
+                let corners: Option<Vec<Vec2>> = shape
+                    .corners
+                    .iter()
+                    .flat_map(|(place, offsets)| offsets.iter().map(|offset| (*place, *offset)))
+                    .map(|(place, offset)| Some(places.find(place)?.offset(offset)))
+                    .collect();
+                if let Some(corners) = corners {
+                    let look = Look { name: shape.name, on: shape.on, finish: shape.finish, smooth: shape.smooth };
+                    pieces.extend(chain::carried(instrument, &parts, &drawn, &look, &corners));
+                }
+            }
+            shapes::Entry::Made(make) => pieces.extend(make(&scene)),
+        }
+    }
+    // What this drawing knows nothing of is shown by its contact curves.
+    for (index, zone) in instrument.zones.iter().enumerate() {
+        let is_seen = |body: Option<usize>| body.is_none_or(|body| !parts.unseen.contains(&body));
+        if !parts.shown_zones().contains(&Some(index)) && is_seen(zone.disc_body) && is_seen(zone.curve_body) {
+            pieces.extend(fallback::sides(zone));
+        }
+    }
+    let is_pin = |body: &usize| {
+        let is_bend = |chain: &[usize], pin: usize| chain.contains(body) && *body != pin;
+        !is_bend(&parts.key, parts.key_pin) && !is_bend(&parts.hammer, parts.hammer[0]) && !parts.unseen.contains(body)
+    };
+    let pins = (0..instrument.bodies.len()).filter(is_pin).collect();
+    Some(Drawing { pieces, pins, unseen: parts.unseen })
+}

@@ -1,0 +1,209 @@
+//! Two runs on one clock: their curves over each other, and their difference where they lie too close to be told apart.
+
+use super::run::{FORCE_FLOOR, scaled, windows};
+use super::ticks::range;
+use super::{Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, figure_svg};
+use erard::run::Run;
+use std::borrow::Cow;
+
+/// Two curves whose largest difference is below this share of what they span are taken to coincide.
+const COINCIDE: f64 = 0.1;
+/// How a curve of the first and of the second run is drawn.
+const DASHES: [Dash; 2] = [Dash::Solid, Dash::Dashed];
+
+/// The figure of two runs as an SVG document.
+pub fn pair_svg(title: &str, runs: [(&str, &Run); 2]) -> String {
+    figure_svg(&pair_figure(title, runs))
+}
+
+/// What two runs are compared in: its name, its unit, the unit's share of the SI unit, and the series.
+type Quantity = (&'static str, &'static str, f64, fn(&Run) -> &[f64]);
+const QUANTITIES: [Quantity; 3] = [
+    ("force", "N", 1.0, |run| &run.force_n),
+    ("key", "mm", 1e3, |run| &run.key_m),
+    ("hammer", "mm", 1e3, |run| &run.hammer_head_m),
+];
+
+/// The figure of two runs, each with its name.
+pub fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure<'a> {
+    let mut panels = Vec::new();
+    for (quantity, unit, factor, of) in QUANTITIES {
+        let series: Vec<(usize, &str, &Run)> = runs
+            .iter()
+            .enumerate()
+            .filter(|(_, (_, run))| !of(run).is_empty())
+            .map(|(k, (n, run))| (k, *n, *run))
+            .collect();
+        if series.is_empty() {
+            continue;
+        }
+        let curves: Vec<Trace> = series
+            .iter()
+            .map(|&(index, name, run)| Trace {
+                label: name.to_owned(),
+                x: &run.time_s,
+                y: scaled(of(run), factor),
+                colour: PALETTE[index],
+                dash: DASHES[index],
+            })
+            .collect();
+        let y_range = range(curves.iter().flat_map(|curve| curve.y.iter().copied()).chain([0.0]));
+        let difference = if let [first, second] = &curves[..] { difference(first, second) } else { None };
+        panels.push(Panel {
+            quantity: quantity.into(),
+            unit,
+            height_px: 120.0,
+            layout: Layout::Together,
+            y_range: Some(y_range),
+            curves,
+        });
+        let largest = difference.iter().flatten().fold(0.0, |most, d: &f64| f64::max(most, d.abs()));
+        // A force that is prescribed is the same, and differs nowhere.
+        let is_told_apart = largest >= COINCIDE * (y_range.1 - y_range.0);
+        if let Some(y) = difference.filter(|_| !is_told_apart && (largest > 0.0 || quantity != "force")) {
+            panels.push(Panel {
+                quantity: format!("{quantity}, second − first"),
+                unit,
+                height_px: 120.0,
+                layout: Layout::Together,
+                y_range: Some(range(y.iter().copied().chain([0.0]))),
+                curves: vec![Trace {
+                    label: "difference".into(),
+                    x: &runs[0].1.time_s,
+                    y: Cow::Owned(y),
+                    colour: PALETTE[6],
+                    dash: Dash::Solid,
+                }],
+            });
+        }
+    }
+    let zones = paired_zones([runs[0].1, runs[1].1]);
+    let peak = runs.iter().flat_map(|(_, run)| run.zones.iter().flat_map(|zone| zone.normal_n.iter().copied()));
+    let peak = peak.filter(|force| force.is_finite()).fold(10.0, f64::max);
+    if !zones.is_empty() {
+        panels.push(Panel {
+            quantity: "contact forces".into(),
+            unit: "N",
+            height_px: 27.0 * zones.len() as f64,
+            layout: Layout::Lanes { floor: FORCE_FLOOR, ceiling: 1.5 * peak },
+            y_range: None,
+            curves: zones
+                .iter()
+                .map(|&(index, zone)| {
+                    let (name, run) = runs[index];
+                    let series = &run.zones[zone];
+                    Trace {
+                        label: if index == 0 { series.label.clone() } else { format!("    {name}") },
+                        x: &run.time_s,
+                        y: Cow::Borrowed(&series.normal_n),
+                        colour: PALETTE[index],
+                        dash: Dash::Solid,
+                    }
+                })
+                .collect(),
+        });
+    }
+    let speed = |run: &Run| run.events.hammer_speed_m_s.map_or("no blow".to_owned(), |speed| format!("{speed:.2} m/s"));
+    let blow = |(name, run): (&str, &Run)| {
+        Some(Marker {
+            x: run.events.hammer_contact_s?,
+            label: format!("blow, {name} {:.1}", run.events.hammer_contact_s? * 1e3),
+        })
+    };
+    let longer = if runs[1].1.time_s.last() > runs[0].1.time_s.last() { runs[1].1 } else { runs[0].1 };
+    // The window of the blow holds both blows.
+    let mut shown = windows(longer);
+    if let ([_, first], [_, second]) = (&windows(runs[0].1)[..], &windows(runs[1].1)[..])
+        && shown.len() == 2
+    {
+        (shown[1].from, shown[1].to) = (first.from.min(second.from), first.to.max(second.to));
+    }
+    Figure {
+        title: title.to_owned(),
+        subtitle: format!(
+            "hammer at the string: {}, {} - {}, {}",
+            runs[0].0,
+            speed(runs[0].1),
+            runs[1].0,
+            speed(runs[1].1)
+        ),
+        width_px: 1180.0,
+        x_label: "time (ms)".into(),
+        x_unit: 1e3,
+        x_scale: Scale::Linear,
+        windows: shown,
+        panels,
+        markers: runs.into_iter().filter_map(blow).collect(),
+    }
+}
+
+/// The zones of two runs, by run and index: those of one name stand together.
+pub(crate) fn paired_zones(runs: [&Run; 2]) -> Vec<(usize, usize)> {
+    let [first, second] = runs;
+    let twin = |name: &str| second.zones.iter().position(|zone| zone.name == name);
+    let mut out = Vec::new();
+    for (index, zone) in first.zones.iter().enumerate() {
+        out.push((0, index));
+        out.extend(twin(&zone.name).map(|index| (1, index)));
+    }
+    let is_new = |name: &str| !first.zones.iter().any(|zone| zone.name == name);
+    out.extend(second.zones.iter().enumerate().filter(|(_, zone)| is_new(&zone.name)).map(|(index, _)| (1, index)));
+    out
+}
+
+/// The second curve less the first at the first one's instants, as far as both go; `None` where they never meet in time.
+fn difference(first: &Trace, second: &Trace) -> Option<Vec<f64>> {
+    let mut at = 0;
+    let values: Vec<f64> = first
+        .x
+        .iter()
+        .zip(first.y.iter())
+        .map(|(x, y)| {
+            while at + 1 < second.x.len() && second.x[at + 1] <= *x {
+                at += 1;
+            }
+            let (Some(x0), Some(y0)) = (second.x.get(at), second.y.get(at)) else { return f64::NAN };
+            match (second.x.get(at + 1), second.y.get(at + 1)) {
+                (Some(x1), Some(y1)) if x >= x0 => y0 + (x - x0) / (x1 - x0) * (y1 - y0) - y,
+                _ if (x - x0).abs() < 1e-9 => y0 - y,
+                _ => f64::NAN,
+            }
+        })
+        .collect();
+    values.iter().any(|value| value.is_finite()).then_some(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drawing::fixture::two_levers_run;
+
+    /// A run beside itself differs nowhere, and says so; a heavier one beside it does not coincide and has no difference plotted.
+    #[test]
+    fn a_difference_is_drawn_where_curves_coincide() {
+        let run = two_levers_run(400);
+        let same = pair_figure("t", [("a", &run), ("b", &run)]);
+        let panel = same.panels.iter().find(|panel| panel.quantity == "key, second − first").unwrap();
+        assert!(panel.curves[0].y.iter().all(|value| *value == 0.0));
+        assert!(!same.panels.iter().any(|panel| panel.quantity.starts_with("force, second")));
+        let mut harder = run.clone();
+        harder.force_n.iter_mut().for_each(|force| *force *= 2.0);
+        let other = pair_figure("t", [("a", &run), ("b", &harder)]);
+        assert!(!other.panels.iter().any(|panel| panel.quantity.starts_with("force, second")));
+        assert!(other.panels.iter().any(|panel| panel.quantity.starts_with("key, second")));
+    }
+
+    #[test]
+    fn differences_are_taken_between_rows_and_end_with_the_shorter_run() {
+        let trace = |x: &'static [f64], y: &[f64]| Trace {
+            label: String::new(),
+            x,
+            y: Cow::Owned(y.to_vec()),
+            colour: "",
+            dash: Dash::Solid,
+        };
+        let found = difference(&trace(&[0.0, 1.0, 2.0, 3.0], &[0.0; 4]), &trace(&[0.0, 2.0], &[0.0, 4.0])).unwrap();
+        assert_eq!(found[..3], [0.0, 2.0, 4.0]);
+        assert!(found[3].is_nan());
+    }
+}
