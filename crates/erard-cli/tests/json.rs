@@ -39,12 +39,20 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         &[
             &["check", "mine.toml"],
             &["check", "run/run.csv"],
+            &["check", "noisy.csv"],
             &["check", "c7f-like"],
             &["check", "keyboard:concert-grand"],
             &["check", "run/summary.json"],
         ],
     ),
-    ("compare", &[&["compare", "run/run.csv"], &["compare", "key.csv", "--no-pictures"]]),
+    (
+        "compare",
+        &[
+            &["compare", "run/run.csv"],
+            &["compare", "key.csv", "--no-pictures"],
+            &["compare", "noisy.csv", "--no-pictures"],
+        ],
+    ),
     ("reproduce", &[&["reproduce", "--only", "paper2-rest"]]),
     ("reproduce-list", &[&["reproduce", "--list"]]),
     ("bench", &[&["bench", "--quick"]]),
@@ -57,6 +65,9 @@ fn home(name: &str) -> PathBuf {
 
 /// Whose keys are names of things, not of the format.
 const MAPS: [&str; 2] = ["options", "table"];
+
+/// Texts that may be null.
+const NULLABLE: [&str; 4] = ["commit", "file", "sha256", "likely_reason"];
 
 fn kind(value: &Value) -> &'static str {
     match value {
@@ -72,10 +83,17 @@ fn kind(value: &Value) -> &'static str {
 /// The schema of all these values, which stand under the same key.
 fn infer(values: &[&Value], key: &str) -> Value {
     let mut kinds: Vec<&str> = values.iter().map(|value| kind(value)).collect();
+    // A number that did not come out is null, and so is what is not known of a source.
+    if kinds.contains(&"number") || NULLABLE.contains(&key) {
+        kinds.push("null");
+    }
     kinds.sort_unstable();
     kinds.dedup();
     let mut schema = Map::new();
-    schema.insert("type".into(), if kinds.len() == 1 { kinds[0].into() } else { kinds.into() });
+    // Of what was always null nothing is known.
+    if kinds != ["null"] {
+        schema.insert("type".into(), if kinds.len() == 1 { kinds[0].into() } else { kinds.into() });
+    }
     let objects: Vec<&Map<String, Value>> = values.iter().filter_map(|value| value.as_object()).collect();
     if MAPS.contains(&key) && !objects.is_empty() {
         let all: Vec<&Value> = objects.iter().flat_map(|object| object.values()).collect();
@@ -102,9 +120,10 @@ fn faults(value: &Value, schema: &Value, path: &str, found: &mut Vec<String>) {
     let schema = schema.as_object().unwrap();
     let known = ["$schema", "title", "type", "required", "properties", "items", "additionalProperties"];
     assert!(schema.keys().all(|key| known.contains(&key.as_str())), "{path}: a keyword that is not checked");
-    let types = match &schema["type"] {
-        Value::Array(types) => types.clone(),
-        one => vec![one.clone()],
+    let types = match schema.get("type") {
+        Some(Value::Array(types)) => types.clone(),
+        Some(one) => vec![one.clone()],
+        None => vec![kind(value).into()],
     };
     if !types.contains(&kind(value).into()) {
         found.push(format!("{path}: {}, not {types:?}", kind(value)));
@@ -135,6 +154,15 @@ fn every_command_answers_by_its_schema() {
     let table = folder.read("run/run.csv");
     let part: Vec<String> = table.lines().map(|l| [0, 2].map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
     folder.file("key.csv", &part.join("\n"));
+    // One with a rest, an offset, noise and a gap, so that all of a preparation is there.
+    let mut noisy = String::from("t (ms);Force (gf);Travel (mm)\n");
+    for n in 0..1000_u64 {
+        let push = (n.saturating_sub(300).min(100)) as f64;
+        let noise = |salt: u64| ((n * 7919 + salt).wrapping_mul(2_654_435_761) >> 7) as f64 % 1000.0 / 1000.0 - 0.5;
+        let force = if n == 500 { String::new() } else { format!("{:.3}", 20.0 + 4.0 * push + 3.0 * noise(1)) };
+        noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
+    }
+    folder.file("noisy.csv", &noisy);
     let mut without: Vec<&str> = Vec::new();
     for (name, calls) in CALLS {
         let answers: Vec<Value> = calls
