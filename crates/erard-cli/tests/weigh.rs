@@ -42,7 +42,7 @@ fn a_work_list() {
     // Every key that was weighed has its line.
     assert_eq!(
         said.lines().filter(|line| line.contains(" forward") || line.contains(" back")).count(),
-        87 + 3,
+        87 + 2,
         "{said}"
     );
     let plan = read(&folder, "work/weigh.json");
