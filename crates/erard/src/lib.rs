@@ -33,9 +33,9 @@ pub mod stroke;
 
 pub use instrument::Instrument;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
-pub use player::{Action, ActionError, Drive, Input, Reading, Snapshot, SnapshotError};
+pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
 pub use run::{Events, Run, Strike};
-pub use simulation::{Setup, SimulationError, press, simulate};
+pub use simulation::{Setup, SimulationError, press, simulate, simulate_hand};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

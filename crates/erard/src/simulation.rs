@@ -6,7 +6,8 @@ use thiserror::Error;
 use crate::equilibrium::EquilibriumError;
 use crate::instrument::Instrument;
 use crate::player::course::Course;
-use crate::player::{Action, ActionError, Drive, Input};
+use crate::player::hand::MovingHand;
+use crate::player::{Action, ActionError, Drive, Hand, HandError, Input};
 use crate::run::Run;
 
 /// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
@@ -95,6 +96,12 @@ pub enum SimulationError {
     /// The instrument has no key to drive.
     #[error("the instrument names no key (`roles.key`), so that nothing can be driven")]
     NoKey,
+    /// A hand that cannot press so.
+    #[error(transparent)]
+    Hand(#[from] HandError),
+    /// A hand takes steps of one length.
+    #[error("a hand presses in steps of one length; expected no tolerance")]
+    HandControlled,
     /// No rest to start from.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
@@ -209,4 +216,31 @@ pub fn simulate(
     }
     progress(1.0);
     Ok(course.finish(instrument))
+}
+
+/// [`simulate`] with a hand between stroke and key: the stroke's force is its muscle's, or its motion is where muscle drives it.
+///
+/// # Errors
+/// See [`SimulationError`].
+pub fn simulate_hand(
+    instrument: &Instrument,
+    hand: &Hand,
+    stroke: &Drive<'_>,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    let steps = setup.check()?;
+    if instrument.roles.key.is_none() {
+        return Err(SimulationError::NoKey);
+    }
+    if setup.tolerance.is_some() {
+        return Err(SimulationError::HandControlled);
+    }
+    let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
+    let fitted = hand.fitted(instrument);
+    let action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
+    let mut course = Course::new(&fitted, stroke, setup, steps, action).by_hand(hand);
+    course.fixed(progress)?;
+    progress(1.0);
+    Ok(course.finish(&fitted))
 }

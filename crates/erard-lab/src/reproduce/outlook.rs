@@ -48,8 +48,8 @@ pub(super) fn section(_: &Instrument, _: &mut Progress) -> Result<Section, Repro
     row(
         "the finger as part of a hand and an arm",
         "[T13]",
-        "no",
-        "a spring and a damper between a prescribed motion and the key",
+        "as an option",
+        "`Hand`: a mass that muscle moves behind the fingertip; the built-in strokes are prescribed",
     );
     row("wear, humidity, hysteresis of felt beyond its law", "-", "no", "F = k g^r + b g^2 dg/dt only");
     Ok(Section { tables: vec![table], ..Section::default() })

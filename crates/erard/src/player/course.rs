@@ -2,6 +2,7 @@
 
 use moreau::{Accuracy, ControlledStep, Input, Outcome, Settings, StepReport};
 
+use super::hand::MovingHand;
 use super::recorder::Recorded;
 use super::{Action, Drive, LedgerBook, PlayError, Recorder};
 use crate::events::Watch;
@@ -30,6 +31,8 @@ pub(crate) struct Course<'a> {
     every: u64,
     rest: Rest,
     action: Action,
+    /// Between stroke and key, where there is one.
+    hand: Option<MovingHand>,
     observers: Observers,
     work: Work,
 }
@@ -68,7 +71,12 @@ impl<'a> Course<'a> {
             record_every: every,
             control: None,
         };
-        Course { drive, setup, steps, every, rest, action, observers, work }
+        Course { drive, setup, steps, every, rest, action, hand: None, observers, work }
+    }
+
+    /// The same, with a hand that the stroke moves, and that the action has been fitted to.
+    pub fn by_hand(self, hand: MovingHand) -> Self {
+        Course { hand: Some(hand), ..self }
     }
 
     /// The instant after so many steps of the setup's length, s.
@@ -79,15 +87,18 @@ impl<'a> Course<'a> {
     /// All steps of the same length.
     pub fn fixed(&mut self, progress: &mut Progress) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
-        let Course { drive, setup, steps, every, rest, action, observers, work } = self;
+        let Course { drive, setup, steps, every, rest, action, hand, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
-        let (mut n, mut due) = (0, every);
+        let (mut n, mut due, mut failed) = (0, every, None);
         let taken = std::cell::Cell::new(0_u64);
         let mut going = || progress(taken.get() as f64 / steps as f64);
         let played = action.play_engine(&mut going, &mut |action, last| {
             let t = start_s + n as f64 * h;
             if let Some(report) = last {
                 work.count(report, 1);
+                if let Some(hand) = hand {
+                    hand.advance(action.view().drive_n);
+                }
                 let row = n == due || n == steps;
                 due += if n == due { every } else { 0 };
                 observers.step(&rest, t, row, action.view(), action.mechanism());
@@ -97,9 +108,22 @@ impl<'a> Course<'a> {
                 return None;
             }
             n += 1;
+            if let Some(hand) = hand {
+                let free = hand.input(&drive(t + theta * h));
+                return match free {
+                    Ok(free) => Some(rest.engine_input(&free, || 0.0)),
+                    Err(error) => {
+                        failed = Some(error);
+                        None
+                    }
+                };
+            }
             Some(rest.input(drive, t, h, theta, h, &|| action.mechanism().site_position()))
         });
-        played.map_err(SimulationError::from)
+        match failed {
+            Some(error) => Err(error.into()),
+            None => played.map_err(SimulationError::from),
+        }
     }
 
     /// From row to row in steps as long as their error allows.

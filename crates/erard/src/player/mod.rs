@@ -3,12 +3,14 @@
 mod action;
 #[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
 pub mod course;
+pub(crate) mod hand;
 mod input;
 mod ledger;
 mod recorder;
 mod snapshot;
 
 pub use action::{Action, ActionError, PlayError, Reading};
+pub use hand::{Hand, HandError};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use ledger::LedgerBook;
 pub use recorder::{Recorded, Recorder};

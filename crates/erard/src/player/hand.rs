@@ -1,0 +1,296 @@
+//! A hand behind the fingertip: a mass that muscle moves.
+//!
+//! A prescribed force is there whatever the key does, and a prescribed motion stops for nothing. A hand has inertia: it arrives with speed, its
+//! force rises above its muscle's when the key stops it, and it may lift off. That is the coupled pianist that \[T13\] names as future work.
+//!
+//! ```text
+//! m dv/dt = K (x_t - x) + C (v_t - v) + F_m - F        muscle toward a target, or with a force; F is the fingertip's
+//! F = max(0, k (x - y) + d (v - w))                    y, w: the key front
+//! ```
+//!
+//! x is positive downward, from where the unpressed key's front is. Over a step of the theta method the first line is linear, so that the hand's
+//! displacement can be taken out of it, exactly: with D = v1 - v0, M = m/h + theta C + theta^2 h K and the load G without the finger,
+//!
+//! ```text
+//! D = (G - F) / M,  x_theta = x_f - (theta^2 h / M) F,  v_theta = v_f - (theta / M) F
+//! F = max(0, k (x_f - y) + d (v_f - w)) / (1 + (theta^2 h k + theta d) / M)
+//! ```
+//!
+//! So the key feels a softer fingertip that follows the hand as it would fly free (x_f, v_f): the engine solves both at once, and nothing is passed to
+//! and fro between two simulators.
+
+use moreau::Settings;
+
+use super::Input;
+use crate::instrument::{Finger, Instrument};
+
+/// A hand, as the fingertip feels it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hand {
+    /// Effective mass at the fingertip, kg. An estimate: 0.1 to 0.3, the finger alone to the hand with a part of the forearm.
+    pub mass_kg: f64,
+    /// Stiffness with which muscle holds the hand on its way, N/m. Only where the stroke is a motion. An estimate.
+    pub stiffness_n_per_m: f64,
+    /// Damping of the muscle, N s/m: toward the stroke's velocity, or toward standing still where the stroke is a force. An estimate.
+    pub damping_n_s_per_m: f64,
+    /// Where the fingertip is at first, m below the key front's rest; negative in the air.
+    pub start_m: f64,
+    /// How fast it is then, m/s, down positive.
+    pub start_m_s: f64,
+}
+
+impl Default for Hand {
+    /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 5 N s/m.
+    fn default() -> Self {
+        Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 5.0, start_m: 0.0, start_m_s: 0.0 }
+    }
+}
+
+impl Hand {
+    /// What is wrong with its numbers, if anything: the number, what was found and what is expected.
+    ///
+    /// # Errors
+    /// The first number that is not sound.
+    pub fn check(&self) -> Result<(), HandError> {
+        let bad = |what, found: f64, from: f64, to: f64| HandError::Number { what, found, from, to };
+        for (what, found, from, to) in [
+            ("mass, kg", self.mass_kg, 1e-3, 1e2),
+            ("stiffness of the muscle, N/m", self.stiffness_n_per_m, 0.0, 1e7),
+            ("damping of the muscle, N s/m", self.damping_n_s_per_m, 0.0, 1e5),
+            ("place, m", self.start_m, -1.0, 1.0),
+            ("speed, m/s", self.start_m_s, -20.0, 20.0),
+        ] {
+            if !(from..=to).contains(&found) {
+                return Err(bad(what, found, from, to));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a hand cannot press.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HandError {
+    /// A number out of range.
+    #[error("the hand's {what}, is {found}; expected a number from {from} to {to}")]
+    Number {
+        /// Which, with its unit.
+        what: &'static str,
+        /// It.
+        found: f64,
+        /// The smallest.
+        from: f64,
+        /// The largest.
+        to: f64,
+    },
+    /// The stroke is neither a force nor a motion throughout.
+    #[error("a hand follows a force or a motion, one of them throughout the stroke")]
+    Stroke,
+}
+
+/// A hand under way.
+#[derive(Debug, Clone)]
+pub(crate) struct MovingHand {
+    hand: Hand,
+    follows_motion: bool,
+    /// Place, m, and speed, m/s.
+    at: [f64; 2],
+    /// The load G of the step under way, N.
+    load_n: f64,
+    h: f64,
+    theta: f64,
+    /// M.
+    inertia: f64,
+}
+
+impl MovingHand {
+    /// At its start, for steps of these settings; `first`: the stroke's first input.
+    pub fn new(hand: Hand, settings: &Settings<f64>, first: &Input) -> Result<Self, HandError> {
+        hand.check()?;
+        let follows_motion = match first {
+            Input::Motion { .. } => true,
+            Input::Free | Input::Force(_) => false,
+            Input::Rigid { .. } => return Err(HandError::Stroke),
+        };
+        let Settings { step: h, theta, .. } = *settings;
+        let stiffness = if follows_motion { hand.stiffness_n_per_m } else { 0.0 };
+        let inertia = hand.mass_kg / h + theta * (hand.damping_n_s_per_m + theta * h * stiffness);
+        Ok(MovingHand { hand, follows_motion, at: [hand.start_m, hand.start_m_s], load_n: 0.0, h, theta, inertia })
+    }
+
+    /// The instrument with the fingertip that the key feels.
+    pub fn fitted(&self, instrument: &Instrument) -> Instrument {
+        let Finger { stiffness_n_per_m: k, damping_n_s_per_m: d } = instrument.finger;
+        let share = 1.0 / (1.0 + self.theta * (self.theta * self.h * k + d) / self.inertia);
+        let finger = Finger { stiffness_n_per_m: share * k, damping_n_s_per_m: share * d };
+        Instrument { finger, ..instrument.clone() }
+    }
+
+    /// The hand as it would fly free in the step; `stroke` is what the muscle is told at the step's theta point.
+    pub fn input(&mut self, stroke: &Input) -> Result<Input, HandError> {
+        let ([x, v], Hand { stiffness_n_per_m, damping_n_s_per_m, .. }) = (self.at, self.hand);
+        let (h, theta) = (self.h, self.theta);
+        self.load_n = match *stroke {
+            Input::Motion { position_m, velocity_m_s } if self.follows_motion => {
+                stiffness_n_per_m * (position_m - x - theta * h * v) + damping_n_s_per_m * (velocity_m_s - v)
+            }
+            Input::Force(force_n) if !self.follows_motion => force_n - damping_n_s_per_m * v,
+            Input::Free if !self.follows_motion => -damping_n_s_per_m * v,
+            _ => return Err(HandError::Stroke),
+        };
+        let change = theta * self.load_n / self.inertia;
+        Ok(Input::Motion { position_m: x + theta * h * (v + change), velocity_m_s: v + change })
+    }
+
+    /// The step has been taken, and this was the fingertip's force, N.
+    pub fn advance(&mut self, finger_n: f64) {
+        let [x, v] = self.at;
+        let change = (self.load_n - finger_n) / self.inertia;
+        self.at = [x + self.h * (v + self.theta * change), v + change];
+    }
+
+    /// Place, m, and speed, m/s.
+    #[cfg(test)]
+    pub fn at(&self) -> [f64; 2] {
+        self.at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Action;
+
+    const H_S: f64 = 25e-6;
+
+    /// A key on a spring, its front 0.2 m from its pivot, with a linear fingertip.
+    const KEY: &str = r#"
+        format = "erard-instrument/1"
+        name = "A key"
+        gravity_m_s2 = 0
+        finger = { stiffness_N_per_m = 2e4, damping_N_s_per_m = 0 }
+        roles = { key = "key", key_front_mm = [-200, 0] }
+        [[body]]
+        name = "key"
+        pivot_mm = [0, 0]
+        mass_g = 100
+        inertia_kg_m2 = 2e-3
+        center_of_mass_mm = [0, 0]
+        [[spring]]
+        name = "return"
+        body = "key"
+        torque_N_m = 0
+        stiffness_N_m_per_rad = 400
+    "#;
+
+    /// The same, with the hand as a body: 0.2 kg at the end of an arm of five metres, pressed down by 0.6 N, on a felt of exponent 1.
+    const WITH_A_BODY: &str = r#"
+        [[body]]
+        name = "hand"
+        pivot_mm = [-5200, 0]
+        mass_g = 200
+        inertia_kg_m2 = 5.0
+        center_of_mass_mm = [5000, 0]
+        [[spring]]
+        name = "muscle"
+        body = "hand"
+        torque_N_m = -3
+        stiffness_N_m_per_rad = 0
+        [[zone]]
+        name = "fingertip"
+        disc = { body = "hand", center_mm = [5000, 0] }
+        line = { body = "key", point_mm = [-200, 0], normal = [0, 1] }
+        felt = { stiffness_N_per_m_r = 2e4, exponent = 1 }
+    "#;
+
+    fn pressed(hand: Hand, stroke: impl Fn(f64) -> Input, seconds: f64) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
+        pressed_in_steps(hand, stroke, seconds, H_S)
+    }
+
+    fn pressed_in_steps(
+        hand: Hand,
+        stroke: impl Fn(f64) -> Input,
+        seconds: f64,
+        h: f64,
+    ) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
+        let key = Instrument::parse(KEY, "key").unwrap();
+        let settings = Settings::new(h);
+        let mut moving = MovingHand::new(hand, &settings, &stroke(0.0)).unwrap();
+        let mut action = Action::as_drawn(&moving.fitted(&key), settings).unwrap();
+        let (mut key_m, mut finger_n) = (Vec::new(), Vec::new());
+        for n in 0..(seconds / h).round() as usize {
+            let free = moving.input(&stroke((n as f64 + 0.5) * h)).unwrap();
+            let reading = action.step(free);
+            moving.advance(reading.finger_n);
+            key_m.push(reading.key_m);
+            finger_n.push(reading.finger_n);
+        }
+        (key_m, finger_n, moving.at())
+    }
+
+    /// The hand that is taken out of the equations moves the key as one does that is a body of the mechanism.
+    #[test]
+    fn it_is_a_body_of_its_own() {
+        let hand = Hand { damping_n_s_per_m: 0.0, ..Hand::default() };
+        let (key_m, finger_n, _) = pressed(hand, |_| Input::Force(0.6), 0.03);
+        let both = Instrument::parse(&format!("{KEY}{WITH_A_BODY}"), "both").unwrap();
+        let mut action = Action::as_drawn(&both, Settings::new(H_S)).unwrap();
+        let (mut largest_m, mut off_m, mut largest_n, mut off_n): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
+        for (a, force) in key_m.iter().zip(&finger_n) {
+            let b = action.step(Input::Free).key_m;
+            (largest_m, off_m) = (largest_m.max(b.abs()), off_m.max((a - b).abs()));
+            let other = action.contact_force(0);
+            (largest_n, off_n) = (largest_n.max(other), off_n.max((force - other).abs()));
+        }
+        // The arc of five metres and the turning of the key's surface are what is left.
+        assert!(largest_m > 1e-4 && off_m < 1e-5 * largest_m, "{off_m:.1e} of {largest_m:.1e} m");
+        assert!(largest_n > 0.9 && off_n < 1e-5 * largest_n, "{off_n:.1e} of {largest_n:.1e} N");
+    }
+
+    /// A hand that has not met the key yet falls as its muscle says: m v' = F, exactly, and toward a target as a damped oscillator, to h^2.
+    #[test]
+    fn in_the_air_it_is_a_mass_on_muscle() {
+        let hand = Hand { damping_n_s_per_m: 0.0, start_m: -0.5, start_m_s: 0.3, ..Hand::default() };
+        let (_, finger_n, [x, v]) = pressed(hand, |_| Input::Force(1.5), 0.1);
+        let (t, a) = (0.1, 1.5 / 0.2);
+        assert!(finger_n.iter().all(|n| *n == 0.0));
+        assert!((x - (-0.5 + 0.3 * t + 0.5 * a * t * t)).abs() < 1e-12 && (v - (0.3 + a * t)).abs() < 1e-12);
+
+        let hand = Hand { start_m: -0.5, ..Hand::default() };
+        let still = |_| Input::Motion { position_m: -0.4, velocity_m_s: 0.0 };
+        let (_, _, [x, v]) = pressed(hand, still, 0.05);
+        let (decay, own) = (5.0 / 0.4, 1500.0 / 0.2);
+        let w = f64::sqrt(own - decay * decay);
+        let (s, c) = (w * 0.05).sin_cos();
+        let e = (-decay * 0.05_f64).exp();
+        assert!((x - (-0.4 - 0.1 * e * (c + decay / w * s))).abs() < 1e-6, "{x}");
+        assert!((v - 0.1 * e * own / w * s).abs() < 1e-4, "{v}");
+    }
+
+    /// Second order, as without a hand: while the fingertip stays on the key a quarter of the error is left when the step is halved.
+    #[test]
+    fn it_converges_with_the_square_of_the_step() {
+        let at = |h: f64| {
+            pressed_in_steps(Hand::default(), |t| Input::Force(6.0 * (60.0 * t).sin()), 0.005, h).0.pop().unwrap()
+        };
+        let truth = at(1e-6);
+        let errors = [200e-6, 100e-6, 50e-6].map(|h| (at(h) - truth).abs());
+        for pair in errors.windows(2) {
+            assert!((3.8..4.2).contains(&(pair[0] / pair[1])), "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_hand_cannot_do_is_said() {
+        let settings = Settings::new(H_S);
+        let hand = Hand::default();
+        let rigid = Input::Rigid { position_m: 0.0, velocity_m_s: 0.0 };
+        assert_eq!(MovingHand::new(hand, &settings, &rigid).unwrap_err(), HandError::Stroke);
+        let mut moving = MovingHand::new(hand, &settings, &Input::Force(1.0)).unwrap();
+        let motion = Input::Motion { position_m: 0.0, velocity_m_s: 0.0 };
+        assert_eq!(moving.input(&motion).unwrap_err(), HandError::Stroke);
+        let nothing = Hand { mass_kg: f64::NAN, ..hand };
+        assert!(nothing.check().unwrap_err().to_string().contains("mass"));
+    }
+}
