@@ -137,9 +137,11 @@ fn one_sheet() {
     let page = fs::read_to_string(out.join("measure.html")).unwrap();
     assert!(page.ends_with("</html>\n") && page.contains("@media print") && page.contains("default-src 'none'"));
     assert_eq!(page.matches("data:image/svg+xml;base64,").count(), 5);
-    for word in ["http://", "https://", "<script", "@import"] {
+    for word in ["http://", "https://", "<script>", "<script src", "text/javascript", "@import"] {
         assert!(!page.contains(word), "{word}");
     }
+    // What made it is data, and no script.
+    assert_eq!(page.matches("<script").count(), page.matches("<script type=\"application/json\"").count());
 }
 
 /// Two actions side by side: a list in the JSON, a column each in table and page, a drawing each; heavy hammers are flagged.

@@ -44,7 +44,7 @@ fn one_subject() {
     let page = folder.report("a");
     assert_eq!(page, folder.report("b"));
     assert_eq!(page.matches("<svg ").count(), 2);
-    assert_eq!(page.matches("erard reproduce --only paper3-levers").count(), 1);
+    assert_eq!(page.matches("Again: <code>erard reproduce --only paper3-levers</code>").count(), 1);
     assert_eq!(page.matches("<b>Holds.</b>").count(), 6);
     assert!(page.contains("cos(k)") || page.contains("cos k"), "the equations as generated");
     assert!(!page.contains("NaN") && !page.contains("src=") && !page.contains("https://"));

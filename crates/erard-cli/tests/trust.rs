@@ -164,7 +164,7 @@ fn mutants_touch_nothing_and_leave_nothing_behind() {
                 pressed += 1;
                 let summary: Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
                 assert_eq!(summary["trusted"].as_bool(), Some(kinds(&summary).is_empty()), "{seed}");
-                assert_eq!(said.is_empty(), kinds(&summary).is_empty(), "{seed}: {said}");
+                assert_eq!(!said.contains("warning: "), kinds(&summary).is_empty(), "{seed}: {said}");
                 let table = folder.read("out/run.csv");
                 let numbers = table.lines().skip(1).flat_map(|line| line.split(','));
                 assert!(
@@ -174,7 +174,7 @@ fn mutants_touch_nothing_and_leave_nothing_behind() {
             }
             Some(2) => {
                 refused += 1;
-                assert!(said.starts_with("error: "), "{seed}: {said}");
+                assert!(said.lines().any(|line| line.starts_with("error: ")), "{seed}: {said}");
             }
             code => panic!("{seed}: {code:?}: {said}"),
         }

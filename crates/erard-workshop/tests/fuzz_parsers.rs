@@ -390,7 +390,8 @@ fn the_corpus_reads_or_is_refused_with_a_reason() {
                     *kept = bytes;
                 }
             }
-            for (n, bytes) in messages.values().take(40).enumerate() {
+            let read = messages.remove("read");
+            for (n, bytes) in read.iter().chain(messages.values()).take(40).enumerate() {
                 std::fs::write(folder.join(format!("{n:02}")), bytes).expect("a file");
             }
         }
