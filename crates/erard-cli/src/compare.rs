@@ -60,7 +60,7 @@ pub fn print_table(comparison: &Comparison) {
                 e.correlation,
                 e.delay_s * 1e3
             ),
-            None if *measured => say!("{start}  - (the recording is noise)"),
+            None if *measured => say!("{start}  - (the recording tells of nothing here)"),
             None => say!("{start}  not measured"),
         }
     }
@@ -68,7 +68,7 @@ pub fn print_table(comparison: &Comparison) {
     if limit < 0.5 * RATE_HZ {
         let all = findings.iter().all(|f| f.told_to_hz == limit);
         say!(
-            "  (all of it up to {limit:.0} Hz{}: above, the recording tells of noise)",
+            "  (all of it up to {limit:.0} Hz{}: above, the recording tells of noise or of nothing)",
             if all { "" } else { " or more" }
         );
     }

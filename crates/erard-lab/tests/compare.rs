@@ -134,7 +134,7 @@ fn limits_of_what_is_told() {
         compare_chosen(&grand, &series, &choice, &setup(), &mut |_| true).unwrap()
     };
     // Of the noise, white up to 1 kHz, a low-pass at 70 Hz leaves about sqrt(70/1000): the errors are those below it.
-    let c = told(100.0);
+    let c = told(70.0);
     let trial = c.trial(Driven::ByForce, Which::Action).unwrap();
     assert!((trial.told_to_hz - 70.0).abs() < 1e-9);
     let sigma = NOISE_M / 3.0_f64.sqrt() * (70.0_f64 / 1000.0).sqrt();

@@ -88,7 +88,7 @@ pub struct Choice {
     pub models: Vec<Which>,
     /// Whose position was recorded.
     pub position_of: PositionOf,
-    /// Up to which frequency force, position and hammer tell of more than their noise, Hz; infinite where nothing limits them.
+    /// Up to which frequency force, position and hammer tell of a stroke rather than of noise, Hz; infinite where nothing limits them.
     pub tells_to_hz: [f64; 3],
 }
 
@@ -104,20 +104,21 @@ impl Default for Choice {
 }
 
 impl Choice {
-    /// The limits of a recording that was made ready: of its noise, and of the low-pass that it went through.
+    /// The limits of a recording that was made ready: of its noise, of the low-pass that it went through, and of its samples.
     #[must_use]
     pub fn limited_by(mut self, report: &Report) -> Self {
         for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {
             let Some(channel) = report.channel(role) else { continue };
             let low_pass = channel.low_pass.map(|filter| filter.cutoff_hz);
-            *limit = channel.band_hz.into_iter().chain(low_pass).fold(*limit, f64::min);
+            let noise = channel.band_hz.into_iter().chain(low_pass).map(|hz| WELL_WITHIN * hz);
+            *limit = noise.chain([0.5 * channel.rate_hz]).fold(*limit, f64::min);
         }
         self
     }
 }
 
-/// Share of the lower of two limits up to which errors are told: at the limit itself half of an amplitude may be filtered away (and at this
-/// share of it, by the default filter, six in a hundred).
+/// Share of the frequency where noise or a low-pass begins up to which errors are told: there itself half of an amplitude may be filtered
+/// away, and at this share of it, by the default filter, six in a hundred.
 const WELL_WITHIN: f64 = 0.7;
 /// A band that ends below this, Hz, tells of nothing: a key is down in a twentieth of a second.
 const LOWEST_LIMIT_HZ: f64 = 10.0;
@@ -293,7 +294,7 @@ pub fn compare_chosen(
         return Err(CompareError::NoDrive);
     }
     let [force_hz, position_hz, hammer_hz] = choice.tells_to_hz;
-    let told_to_hz = WELL_WITHIN * force_hz.min(position_hz);
+    let told_to_hz = force_hz.min(position_hz);
     let mut trials = Vec::new();
     for (done, &(driven, which)) in plan.iter().enumerate() {
         let drive: &Drive<'_> = match driven {
@@ -322,7 +323,7 @@ pub fn compare_chosen(
             Some(_) => sample(&run.time_s, &run.hammer_head_m, &time_s),
             None => Vec::new(),
         };
-        let hammer_told_to_hz = WELL_WITHIN * hammer_hz.min(drive_hz);
+        let hammer_told_to_hz = hammer_hz.min(drive_hz);
         let hammer_errors = measured_hammer_m
             .as_ref()
             .filter(|_| !hammer_m.is_empty())
@@ -381,7 +382,7 @@ impl Comparison {
                     "{name} driven: the file has no column `{missing}`, so that the {what} that comes out stands alone"
                 ));
             } else if told.is_empty() {
-                verdicts.push(format!("{name} driven: of the {what} nothing can be told, for the recording is noise from {LOWEST_LIMIT_HZ} Hz on"));
+                verdicts.push(format!("{name} driven: of the {what} nothing can be told, for above {LOWEST_LIMIT_HZ} Hz the recording tells of noise or of nothing"));
             } else {
                 let shares: Vec<String> = told
                     .iter()
