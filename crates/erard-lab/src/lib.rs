@@ -1,9 +1,10 @@
 //! The laboratory: what shows that the simulation is right, and how fast it is.
 //!
-//! Measured strokes beside the models ([`compare`]), published measurements ([`validate`]), the papers' claims ([`reproduce`]) and
+//! Recordings made ready ([`recording`]) and beside the models ([`compare`]), published measurements ([`validate`]), the papers' claims ([`reproduce`]) and
 //! what benchmarks time ([`benchmarks`]).
 
 pub mod benchmarks;
 pub mod compare;
+pub mod recording;
 pub mod reproduce;
 pub mod validate;

@@ -3,8 +3,8 @@
 use erard::instrument::Instrument;
 use erard::player;
 use erard::simulation::{Setup, simulate};
-use erard::stroke::{ForceSeries, PositionSeries, Series};
-use erard_lab::compare::{Driven, Which, compare};
+use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Series};
+use erard_lab::compare::{Choice, CompareError, Driven, Which, compare, compare_chosen};
 use moreau::Settings;
 
 const FORCE_N: f64 = 5.0;
@@ -103,6 +103,51 @@ fn half_a_file_is_enough() {
     let c = compare(&grand, &position_only, &setup(), &mut |_| true).unwrap();
     assert_eq!(c.trials.len(), 4);
     assert!(c.trials.iter().all(|t| t.errors.is_none() && t.force_n.iter().any(|&f| f > 1.0)));
+}
+
+/// The key's trace, played back on the model that made it through the fingertip that the force gives: the force comes out again. Read as the
+/// fingertip's it lags by F/k, and most of the force is missed.
+#[test]
+fn whose_position_it_is() {
+    let grand = Instrument::builtin("concert-grand").unwrap();
+    let series = measured(&grand, 0.4, 0.0);
+    let explained = |position_of, driven| {
+        let choice = Choice { position_of, drives: vec![driven], models: vec![Which::Action], ..Choice::default() };
+        let c = compare_chosen(&grand, &series, &choice, &setup(), &mut |_| true).unwrap();
+        assert_eq!(c.trials.len(), 1);
+        c.trials[0].errors.as_ref().unwrap().explained
+    };
+    let [motion, rigid] = [Driven::ByMotion, Driven::Rigidly].map(|driven| explained(PositionOf::Key, driven));
+    // Sampled at 2 kHz, what is imposed on the key lacks what is above.
+    assert!(motion > 0.99 && rigid > 0.98, "{motion} {rigid}");
+    let misread = explained(PositionOf::Fingertip, Driven::ByMotion);
+    assert!(misread < 0.9, "{misread}");
+}
+
+/// Nothing is told of what lies beyond a limit, and nothing at all where the limit leaves nothing.
+#[test]
+fn limits_of_what_is_told() {
+    let grand = Instrument::builtin("concert-grand").unwrap();
+    let series = measured(&grand, 0.15, NOISE_M);
+    let told = |position_hz: f64| {
+        let choice = Choice { tells_to_hz: [f64::INFINITY, position_hz, f64::INFINITY], ..Choice::default() };
+        compare_chosen(&grand, &series, &choice, &setup(), &mut |_| true).unwrap()
+    };
+    // Of the noise, white up to 1 kHz, a low-pass at 70 Hz leaves about sqrt(70/1000): the errors are those below it.
+    let c = told(70.0);
+    let trial = c.trial(Driven::ByForce, Which::Action).unwrap();
+    assert!((trial.told_to_hz - 70.0).abs() < 1e-9);
+    let sigma = NOISE_M / 3.0_f64.sqrt() * (70.0_f64 / 1000.0).sqrt();
+    let rms = trial.errors.as_ref().unwrap().rms;
+    assert!((0.6..1.4).contains(&(rms / sigma)), "{rms} {sigma}");
+    assert!(c.verdicts()[0].contains("up to 70 Hz"), "{:?}", c.verdicts());
+    let c = told(5.0);
+    assert!(c.trials.iter().all(|trial| trial.errors.is_none()));
+    assert!(c.verdicts()[0].contains("noise"), "{:?}", c.verdicts());
+    let choice = Choice { drives: vec![Driven::ByForce], ..Choice::default() };
+    let position_only = Series { force: None, ..series.clone() };
+    let none = compare_chosen(&grand, &position_only, &choice, &setup(), &mut |_| true);
+    assert!(matches!(none, Err(CompareError::NoDrive)));
 }
 
 /// An end on request ends it.

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use erard::stroke::{Cursor, MAX_ROWS, Series, StrokeError};
+use erard::stroke::{Columns, Cursor, Layout, MAX_ROWS, Recording, Role, Series, StrokeError};
 
 fn error_of(text: &str) -> Box<StrokeError> {
     match Series::parse(text, "stroke.csv") {
@@ -56,12 +56,19 @@ fn every_fault_names_line_column_and_remedy() {
         ("time_s,hammer_m\n0,1\n".into(), 1, "force_N", ["neither", "time_s,hammer_m", "`position_m`"]),
         ("time_s,force_N,force_N\n0,1,1\n".into(), 1, "force_N", ["two columns", "", "one"]),
         ("time_s,time_s,force_N\n0,1,1\n".into(), 1, "time_s", ["two columns", "", "one"]),
-        ("time_ms,force_N\n0,1\n".into(), 1, "time_ms", ["unit", "`time_ms`", "`time_s`"]),
         ("time_s,force\n0,1\n".into(), 1, "force", ["unit", "`force`", "`force_N`"]),
-        ("time_s,force_N,position_mm\n0,1,1\n".into(), 1, "position_mm", ["unit", "`position_mm`", "`position_m`"]),
-        ("Time (s);Force (N)\n0;1\n".into(), 1, "", ["commas", ";", ","]),
+        (
+            "time_s,force_N,position [furlong]\n0,1,1\n".into(),
+            1,
+            "position [furlong]",
+            ["unit", "`furlong`", "mm, um, nm, in"],
+        ),
+        ("time_s;force_N\n0;1\n1;1.000,5\n".into(), 3, "force_N", ["not a number", "`1.000,5`", "0.25"]),
+        ("time_s;force_N\n0;1,5\n1;1.5\n".into(), 3, "force_N", ["commas and", "`1.5`", "`,` before"]),
+        ("time_s,force_N\n0,1\n1,\n".into(), 1, "force_N", ["empty cells", "1 number", "two numbers"]),
+        ("Time (ms);Force (N)\n0;1\n5;2\n4;3\n".into(), 4, "Time (ms)", ["backwards", "0.004 s", "0.005 s"]),
         (format!("{head}0.1,x,0\n"), 3, "force_N", ["not a number", "`x`", "a number"]),
-        (format!("{head}0.1,,0\n"), 3, "force_N", ["not a number", "empty cell", "a number"]),
+        (format!("{head},1,0\n"), 3, "time_s", ["not a number", "empty cell", "a number"]),
         (format!("{head}0.1,1 N,0\n"), 3, "force_N", ["not a number", "`1 N`", "a number"]),
         (format!("{head}0.1,NaN,0\n"), 3, "force_N", ["finite", "`NaN`", "finite"]),
         (format!("{head}0.1,1,-inf\n"), 3, "position_m", ["finite", "`-inf`", "finite"]),
@@ -144,28 +151,107 @@ fn ten_million_rows_are_refused_without_reading_them_all() {
     assert!(start.elapsed() < Duration::from_secs(30), "took {:?}", start.elapsed());
 }
 
-/// Columns that mean a known one in another unit or by another name are refused where it is missing, and never ignored.
+/// Columns in another known unit are converted; without a unit, or in one that is not known, they are refused, and never ignored.
 #[test]
-fn columns_in_other_units_are_not_ignored() {
-    for (given, known) in [
-        ("force_lbf", "`force_N`"),
-        ("Force (kgf)", "`force_N`"),
-        ("load_N", "`force_N`"),
-        ("position_inch", "`position_m`"),
-        ("travel_mm", "`position_m`"),
-        ("Key travel [in]", "`position_m`"),
-        ("depth", "`position_m`"),
-        ("positionmm", "`position_m`"),
-        ("hammer_head_mm", "`hammer_head_m`"),
-        ("t_ms", "`time_s`"),
+fn columns_in_other_units() {
+    let others = |known: &str| {
+        let names = ["time_s", "force_N", "position_m"].into_iter().filter(|name| *name != known);
+        names.collect::<Vec<_>>().join(",")
+    };
+    // One of each, in SI.
+    for (given, known, si) in [
+        ("force_lbf", "force_N", 4.448_221_615_260_5),
+        ("Force (kgf)", "force_N", 9.806_65),
+        ("load_N", "force_N", 1.0),
+        ("F [gf]", "force_N", 9.806_65e-3),
+        ("position_inch", "position_m", 0.025_4),
+        ("travel_mm", "position_m", 1e-3),
+        ("Key travel [in]", "position_m", 0.025_4),
+        ("positionmm", "position_m", 1e-3),
+        ("key_m", "position_m", 1.0),
+        ("t_ms", "time_s", 1e-3),
+        ("Time (\u{b5}s)", "time_s", 1e-6),
     ] {
-        let others: Vec<&str> =
-            ["time_s", "force_N", "position_m"].into_iter().filter(|name| known != format!("`{name}`")).collect();
-        let error = Series::parse(&format!("{},{given}\n0,0,0\n1,1,1\n", others.join(",")), "test").unwrap_err();
-        assert_eq!((error.column.as_str(), error.expected.as_str()), (given, known), "{error}");
+        let text = format!("{},{given}\n0,0,0\n1,1,1\n", others(known));
+        let series = Series::parse(&text, "test").unwrap_or_else(|error| panic!("{error}"));
+        let last = match known {
+            "time_s" => series.end_s(),
+            "force_N" => series.force.unwrap().forces_n()[1],
+            _ => series.position.unwrap().positions_m()[1],
+        };
+        assert!((last / si - 1.0).abs() < 1e-12, "{given}: {last}");
     }
-    // What a run writes, and what means something else, stands beside.
-    let beside = "time_s,force_N,key_m,key_rad,hammer_rad,hammer_m,tail_m,load_cell_V,note,depth_of_field\n";
+    let head = Series::parse("time_s,force_N,hammer_head_mm\n0,0,0\n1,1,47\n", "").unwrap().hammer_head.unwrap();
+    assert!((head.positions_m()[1] - 0.047).abs() < 1e-15);
+    for (given, known) in
+        [("depth", "position_m"), ("Force (V)", "force_N"), ("time", "time_s"), ("travel [px]", "position_m")]
+    {
+        let error = Series::parse(&format!("{},{given}\n0,0,0\n1,1,1\n", others(known)), "test").unwrap_err();
+        assert!(
+            error.column == given && error.message.contains("unit") && error.expected.contains("one of "),
+            "{error}"
+        );
+    }
+    // What means something else stands beside.
+    let beside = "time_s,force_N,key,key_rad,hammer_rad,hammer_m,tail_m,load_cell_V,note,depth_of_field\n";
     let series = Series::parse(&format!("{beside}0,0,0,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0,0,0\n"), "test").unwrap();
     assert!(series.position.is_none() && series.hammer_head.is_none());
+}
+
+/// The same numbers, as laboratories write them.
+#[test]
+fn one_recording_in_many_hands() {
+    let plain = "time_s,force_N,position_m\n0,0,0\n0.01,2.5,0.001\n0.05,5,0.0095\n";
+    let plain = Series::parse(plain, "").unwrap();
+    let columns: Columns = "time=Time (s),position=Displacement, laser (mm),force=F [gf]".parse().unwrap();
+    for (text, asked) in [
+        ("t / ms;Force (N);Travel (mm)\n0;0;0\n10;2,5;1\n50;5;9,5\n;;\n", None),
+        ("time_s\tforce_N\tposition_mm\n% a note\n0\t0\t0\n// another\n0,01\t2,5\t1\n0,05\t5\t9,5\n", None),
+        ("Time,Force,Travel\n(ms),(N),(mm)\n\n0,0,0\n10,2.5,1\n50,5,9.5\n", None),
+        (
+            "Rig 3;2026-03-01\nSample rate;1 kHz\nF [gf];Time (s);\"Displacement, laser (mm)\";F [gf] raw\n0;0;0;1\n\
+             254,92905324448205;0,01;1;1\n509,8581064889641;0,05;9,5;1\n",
+            Some(&columns),
+        ),
+    ] {
+        let recording = Recording::read(text.as_bytes(), "t.csv", asked.unwrap_or(&Columns::default()));
+        let series = recording.unwrap_or_else(|error| panic!("{error}")).series().unwrap();
+        let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near(series.times_s(), plain.times_s()), "{text}");
+        let forces = |s: &Series| s.force.as_ref().unwrap().forces_n().to_vec();
+        assert!(near(&forces(&series), &forces(&plain)), "{text}: {:?}", forces(&series));
+        let positions = |s: &Series| s.position.as_ref().unwrap().positions_m().to_vec();
+        assert!(near(&positions(&series), &positions(&plain)), "{text}: {:?}", positions(&series));
+    }
+}
+
+/// An empty cell is a gap, over which its own channel is interpolated: channels of two rates stand in one file.
+#[test]
+fn gaps() {
+    let text = "time_s,force_N,position_m\n0,0,0\n0.01,1,\n0.02,,\n0.03,3,\n0.04,4,0.004\n";
+    let recording = Recording::read(text.as_bytes(), "", &Columns::default()).unwrap();
+    let gaps = |role| recording.channel(role).unwrap().gaps(&recording.time_s);
+    assert_eq!(gaps(Role::Force).rows, 1);
+    assert!((gaps(Role::Force).longest_s - 0.02).abs() < 1e-15);
+    assert_eq!(gaps(Role::Position).rows, 3);
+    assert!((gaps(Role::Position).longest_s - 0.04).abs() < 1e-15);
+    let series = recording.series().unwrap();
+    assert_eq!(series.force.unwrap().times_s(), [0.0, 0.01, 0.03, 0.04]);
+    assert_eq!(series.position.unwrap().times_s(), [0.0, 0.04]);
+}
+
+/// Columns that are numbers already, as from Parquet; and a table without titles, by numbers.
+#[test]
+fn without_a_text() {
+    let layout = Layout::of(&["t_ms", "travel_mm", "note"], &Columns::default(), "t.parquet").unwrap();
+    assert_eq!(layout.columns.iter().map(|column| column.index).collect::<Vec<_>>(), [0, 1]);
+    let taken =
+        Recording::from_columns(layout.clone(), "t.parquet", &[&[0.0, 1.0, 2.0], &[0.0, f64::NAN, 9.5]]).unwrap();
+    assert_eq!(taken.series().unwrap().position.unwrap().positions_m(), [0.0, 0.0095]);
+    let error = Recording::from_columns(layout, "t.parquet", &[&[0.0, 1.0], &[0.0, f64::INFINITY]]).unwrap_err();
+    assert_eq!((error.line, error.column.as_str()), (2, "travel_mm"));
+    let columns: Columns = "time=#1:ms,force=#3:N".parse().unwrap();
+    let bare = Recording::read(&b"0,7,0\n5,7,1.5\n9,7,2\n"[..], "", &columns).unwrap();
+    assert_eq!(bare.time_s, [0.0, 0.005, 0.009]);
+    assert_eq!(bare.channels[0].values, [0.0, 1.5, 2.0]);
 }

@@ -56,7 +56,7 @@ impl Errors {
             explained: 1.0 - ratio(rms * rms, variance),
             correlation: correlation(measured, simulated, 0),
             delay_s: delay(measured, simulated),
-            bands: bands(measured, &difference),
+            bands: bands(measured, simulated),
         }
     }
 }
@@ -76,7 +76,7 @@ fn centred(x: &[f64]) -> Vec<f64> {
 }
 
 /// Correlation coefficient of the measured series with the simulated one, taken `lag` samples later.
-fn correlation(measured: &[f64], simulated: &[f64], lag: isize) -> f64 {
+pub(super) fn correlation(measured: &[f64], simulated: &[f64], lag: isize) -> f64 {
     let n = measured.len() as isize;
     let (from, to) = ((-lag).max(0), (n - lag).min(n));
     if to - from < 2 {
@@ -101,13 +101,14 @@ fn delay(measured: &[f64], simulated: &[f64]) -> f64 {
 }
 
 /// Power in each band, by Parseval's theorem: the squares of all bands together are the mean square.
-fn bands(measured: &[f64], difference: &[f64]) -> Vec<Band> {
+pub(super) fn bands(measured: &[f64], simulated: &[f64]) -> Vec<Band> {
+    let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
     let spectrum = |x: &[f64]| {
         let mut z: Vec<Complex<f64>> = x.iter().map(|&x| Complex::new(x, 0.0)).collect();
         FftPlanner::new().plan_fft_forward(z.len()).process(&mut z);
         z
     };
-    let (m, d) = (spectrum(measured), spectrum(difference));
+    let (m, d) = (spectrum(measured), spectrum(&difference));
     let n = measured.len();
     let power = |z: &[Complex<f64>], from: f64, to: f64| {
         let mut sum = 0.0;

@@ -9,8 +9,9 @@ use crate::compare::{Errors, RATE_HZ};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player::{self, Drive};
+use erard::run::Run;
 use erard::simulation::{Setup, simulate};
-use erard::stroke::{Cursor, ForceSeries, PositionSeries, Touch};
+use erard::stroke::{Cursor, ForceSeries, PositionOf, PositionSeries, Series, Touch};
 
 /// Step of the reference runs, s; the models run at 50 us.
 const REFERENCE_STEP_S: f64 = 6.25e-6;
@@ -71,6 +72,14 @@ impl Reference {
 
     /// What comes out of a model: the key's position (m) if the force drives it, the force (N) if the key's motion does.
     fn outcome(&self, model: &Instrument, by_force: bool) -> Result<Vec<f64>, ReproduceError> {
+        let (force, position) = (self.force.drive(), self.position.drive());
+        let drive: &Drive<'_> = if by_force { &player::force(&force) } else { &player::rigid(&position) };
+        let run = self.run(model, drive)?;
+        Ok(if by_force { run.key_m } else { run.force_n })
+    }
+
+    /// A run over the common time axis.
+    fn run(&self, model: &Instrument, drive: &Drive<'_>) -> Result<Run, ReproduceError> {
         let duration_s = (self.time_s.len() - 1) as f64 / RATE_HZ;
         let setup = Setup {
             settings: Settings::new(STEP_S),
@@ -80,10 +89,7 @@ impl Reference {
             tolerance: None,
             ledger: true,
         };
-        let (force, position) = (self.force.drive(), self.position.drive());
-        let drive: &Drive<'_> = if by_force { &player::force(&force) } else { &player::rigid(&position) };
-        let run = simulate(model, drive, &setup, &mut |_| true)?;
-        Ok(if by_force { run.key_m } else { run.force_n })
+        Ok(simulate(model, drive, &setup, &mut |_| true)?)
     }
 
     fn own(&self, by_force: bool) -> &[f64] {
@@ -178,6 +184,10 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             "Motion-driven means here that the key's own measured motion is imposed on the key, and the force that this takes comes out. The \
              way down ends where the reference's key lands."
                 .into(),
+            "Whose motion it is decides. What [T12] and [T13] call the position is taken to be the key's, which is what a sensor below or above \
+             a key sees; the fingertip is ahead of it by F/k, a fifth of a millimetre for 4 N. A key's trace that is played as a fingertip's \
+             comes that much late, and a model that is right then seems to miss the force. The last table plays the same trace in all three ways."
+                .into(),
         ],
         ..Section::default()
     };
@@ -247,7 +257,44 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         });
     }
     section.tables.push(table);
+    section.tables.push(whose(instrument, &references)?);
     Ok(section)
+}
+
+/// The key's trace of each reference as it may be read, and what the six bodies then explain of the force.
+fn whose(instrument: &Instrument, references: &[Reference]) -> Result<Table, ReproduceError> {
+    let mut table = Table::new(
+        "Whose position it is: the key's trace, played on the six bodies in three ways",
+        &["nuance", "played as", "rms of the force", "explained"],
+    );
+    for reference in references {
+        let series = Series {
+            force: Some(reference.force.clone()),
+            position: Some(reference.position.clone()),
+            hammer_head: None,
+        };
+        let fingertip = series
+            .position_of(PositionOf::Fingertip, PositionOf::Key, &instrument.finger)
+            .map_err(|e| ReproduceError::Instrument(format!("the reference gives no fingertip: {e}")))?
+            .ok_or_else(|| ReproduceError::Instrument("the reference has no force".into()))?;
+        for (name, position, rigid) in [
+            ("the key's, imposed on it", &reference.position, true),
+            ("the fingertip's, made from it (key + F/k)", &fingertip, false),
+            ("the fingertip's, taken as it is", &reference.position, false),
+        ] {
+            let position = position.drive();
+            let drive: &Drive<'_> = if rigid { &player::rigid(&position) } else { &player::motion(&position) };
+            let ours = reference.run(instrument, drive)?.force_n;
+            let e = Errors::new(&reference.force_n, &ours);
+            table.row(vec![
+                reference.nuance.into(),
+                name.into(),
+                format!("{:.3} N", e.rms),
+                format!("{:.2} %", 100.0 * e.explained),
+            ]);
+        }
+    }
+    Ok(table)
 }
 
 fn curve(r: &Reference, label: &str, y: &[f64], by_force: bool, colour: usize, mark: Mark) -> ChartCurve {

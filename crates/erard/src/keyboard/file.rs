@@ -94,6 +94,12 @@ impl Keyboard {
         Self::parse(text, name, Path::new("")).ok()
     }
 
+    /// The TOML text of a built-in keyboard.
+    #[must_use]
+    pub fn builtin_text(name: &str) -> Option<&'static str> {
+        BUILTIN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+    }
+
     /// The names that [`Keyboard::builtin`] knows.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILTIN.iter().map(|(name, _)| *name)

@@ -25,7 +25,13 @@ macro_rules! stroke {
 impl Series {
     /// A built-in stroke; `None` if there is no such nuance.
     pub fn builtin(nuance: &str, touch: Touch) -> Option<Self> {
-        let text = match (nuance, touch) {
+        // A test reads them all.
+        Series::parse(Self::builtin_text(nuance, touch)?, nuance).ok()
+    }
+
+    /// The text of a built-in stroke's file.
+    pub fn builtin_text(nuance: &str, touch: Touch) -> Option<&'static str> {
+        Some(match (nuance, touch) {
             ("pp", Touch::Pressed) => stroke!("pp", "pressed"),
             ("p", Touch::Pressed) => stroke!("p", "pressed"),
             ("mf", Touch::Pressed) => stroke!("mf", "pressed"),
@@ -37,9 +43,7 @@ impl Series {
             ("f", Touch::Struck) => stroke!("f", "struck"),
             ("ff", Touch::Struck) => stroke!("ff", "struck"),
             _ => return None,
-        };
-        // A test reads them all.
-        Series::parse(text, nuance).ok()
+        })
     }
 }
 

@@ -1,23 +1,36 @@
 //! Strokes: what the player does over time.
 //!
-//! Time in seconds, force in newtons, position of the driver's end of the finger in metres; force and position are
-//! positive downward (pushing), position is counted from where the stroke begins.
+//! Time in seconds, force in newtons, position in metres; force and position are positive downward (pushing), position is counted from the
+//! key's rest. Whose position it is, the key's front or the fingertip's, [`PositionOf`] says.
+//!
+//! A [`Recording`] is a table as a laboratory wrote it, its columns and units understood; a [`Series`] is what can drive a key.
 
 mod builtin;
+mod columns;
 mod csv_file;
 mod error;
+mod fingertip;
 mod force;
 mod position;
+mod recording;
 mod rows;
+mod units;
 
 pub use builtin::{NUANCES, Touch};
-pub use csv_file::{MAX_FORCE_N, MAX_POSITION_M, MAX_ROWS};
+pub use columns::{Column, Columns, ColumnsError, Layout, PositionOf, ROLES, Role};
 pub use error::StrokeError;
 pub use force::ForceSeries;
 pub use position::PositionSeries;
+pub use recording::{Channel, Dialect, Gaps, MAX_ROWS, Recording};
 pub use rows::MAX_BYTES;
+pub use units::Quantity;
 
-/// A stroke as sampled: a force, a position, or both, over the same instants.
+/// Largest force, N: a finger plays fortissimo with less than 50.
+pub const MAX_FORCE_N: f64 = 1e4;
+/// Largest position, m: a key dips by 0.01.
+pub const MAX_POSITION_M: f64 = 1.0;
+
+/// A stroke as sampled: a force, a position, or both, each over its own instants.
 ///
 /// Read one with [`Series::load`] or [`Series::parse`], or build the interpolants from samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,40 +53,51 @@ impl Series {
         if end_s >= self.end_s() {
             return Ok(self.clone());
         }
-        let mut times = self.times_s().to_vec();
-        times.truncate(times.partition_point(|&t| t < end_s - SHORTEST_STEP_S));
-        let count = times.len();
-        times.push(end_s);
-        let begun = |values: &[f64], last: f64| [&values[..count], &[last]].concat();
+        let begun = |times: &[f64], values: &[f64], last: f64| {
+            let count = times.partition_point(|&t| t < end_s - SHORTEST_STEP_S);
+            ([&times[..count], &[end_s]].concat(), [&values[..count], &[last]].concat())
+        };
         let path = |series: &Option<PositionSeries>| {
             let path = |s: &PositionSeries| {
-                PositionSeries::new(times.clone(), begun(s.positions_m(), s.at(end_s, &mut Cursor::default()).0))
+                let (times, values) = begun(s.times_s(), s.positions_m(), s.at(end_s, &mut Cursor::default()).0);
+                PositionSeries::new(times, values)
             };
             series.as_ref().map(path).transpose()
         };
-        let (position, hammer_head) = (path(&self.position)?, path(&self.hammer_head)?);
-        let force =
-            |s: &ForceSeries| ForceSeries::new(times.clone(), begun(s.forces_n(), s.at(end_s, &mut Cursor::default())));
-        Ok(Self { force: self.force.as_ref().map(force).transpose()?, position, hammer_head })
+        let force = |s: &ForceSeries| {
+            let (times, values) = begun(s.times_s(), s.forces_n(), s.at(end_s, &mut Cursor::default()));
+            ForceSeries::new(times, values)
+        };
+        Ok(Self {
+            force: self.force.as_ref().map(force).transpose()?,
+            position: path(&self.position)?,
+            hammer_head: path(&self.hammer_head)?,
+        })
     }
 
-    /// The stroke's first instant, s.
+    /// The stroke's first instant, s: of the force or the position, whichever begins first.
     pub fn start_s(&self) -> f64 {
-        self.times_s().first().copied().unwrap_or(0.0)
+        self.driving()
+            .map(|times| times[0])
+            .fold(None, |a: Option<f64>, t| Some(a.map_or(t, |a| a.min(t))))
+            .unwrap_or(0.0)
     }
 
     /// The stroke's last instant, s.
     pub fn end_s(&self) -> f64 {
-        self.times_s().last().copied().unwrap_or(0.0)
+        let last = self.driving().map(|times| times[times.len() - 1]);
+        last.fold(None, |a: Option<f64>, t| Some(a.map_or(t, |a| a.max(t)))).unwrap_or(0.0)
     }
 
-    /// The sampled instants, s, increasing.
+    /// The sampled instants, s, increasing: of the force, or of the position where there is no force.
     pub fn times_s(&self) -> &[f64] {
-        match (&self.force, &self.position) {
-            (Some(force), _) => force.times_s(),
-            (None, Some(position)) => position.times_s(),
-            (None, None) => &[],
-        }
+        self.driving().next().unwrap_or(&[])
+    }
+
+    /// The instants of what can drive. An interpolant has two or more.
+    fn driving(&self) -> impl Iterator<Item = &[f64]> {
+        let force = self.force.as_ref().map(ForceSeries::times_s);
+        force.into_iter().chain(self.position.as_ref().map(PositionSeries::times_s))
     }
 }
 

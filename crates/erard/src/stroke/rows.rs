@@ -15,9 +15,14 @@ const LONGEST_LINE: u64 = 1 << 16;
 /// Longest excerpt that an error quotes, in characters.
 const LONGEST_EXCERPT: usize = 60;
 
-/// Reads rows: lines that are neither blank nor comments, split at commas. Line ends are LF or CRLF.
+/// What a comment begins with.
+const COMMENTS: [&str; 3] = ["#", "%", "//"];
+
+/// Reads rows: lines that are neither blank nor comments, split at commas, semicolons or tabulators. Line ends are LF or CRLF.
 pub(super) struct Rows<R> {
     reader: BufReader<R>,
+    /// What separates cells; as long as it is not known, each row's own.
+    pub(super) separator: Option<u8>,
     bytes_left: u64,
     bytes: Vec<u8>,
     cells: Vec<Range<usize>>,
@@ -38,6 +43,8 @@ pub(super) struct Place {
 pub(super) struct Row<'r> {
     text: &'r str,
     cells: &'r [Range<usize>],
+    /// What separates its cells.
+    pub separator: u8,
     /// Where it stands.
     pub place: &'r Place,
 }
@@ -58,6 +65,7 @@ impl<R: Read> Rows<R> {
     pub(super) fn new(reader: R, file: &str) -> Self {
         Self {
             reader: BufReader::with_capacity(1 << 16, reader),
+            separator: None,
             bytes_left: MAX_BYTES,
             bytes: Vec::new(),
             cells: Vec::new(),
@@ -87,8 +95,8 @@ impl<R: Read> Rows<R> {
                 return Err(self.place.fault("", message, "", ""));
             }
             self.bytes_left -= count;
-            let first = self.bytes.iter().copied().find(|byte| !byte.is_ascii_whitespace());
-            if first.is_some_and(|byte| byte != b'#') {
+            let line = self.bytes.trim_ascii_start();
+            if !line.is_empty() && !COMMENTS.iter().any(|mark| line.starts_with(mark.as_bytes())) {
                 break;
             }
         }
@@ -98,7 +106,8 @@ impl<R: Read> Rows<R> {
         })?;
         // Some programs begin their files with a byte order mark.
         let text = if self.place.line == 1 { text.trim_start_matches('\u{feff}') } else { text };
-        if !split(text, &mut self.cells) {
+        let separator = self.separator.unwrap_or_else(|| separator(text));
+        if !split(text, separator, &mut self.cells) {
             return Err(self.place.fault(
                 "",
                 "a quote is not closed on its line",
@@ -106,7 +115,7 @@ impl<R: Read> Rows<R> {
                 "`\"` at the end of a cell",
             ));
         }
-        Ok(Some(Row { text, cells: &self.cells, place: &self.place }))
+        Ok(Some(Row { text, cells: &self.cells, separator, place: &self.place }))
     }
 
     /// The last row's place.
@@ -115,15 +124,32 @@ impl<R: Read> Rows<R> {
     }
 }
 
-/// Splits a line at its commas, except those in quotes, and strips blanks and quotes; `false` when a quote stays open.
-fn split(text: &str, cells: &mut Vec<Range<usize>>) -> bool {
+/// What separates the cells of a line: what stands in it most often, outside of quotes; a semicolon or tabulator before a comma.
+fn separator(text: &str) -> u8 {
+    let mut counts = [(0, b','), (0, b';'), (0, b'\t')];
+    let mut quoted = false;
+    for byte in text.bytes() {
+        quoted ^= byte == b'"';
+        if let Some((count, _)) = counts.iter_mut().find(|(_, mark)| *mark == byte && !quoted) {
+            *count += 1;
+        }
+    }
+    // Of equals the last is taken.
+    counts
+        .into_iter()
+        .max_by_key(|(count, _)| *count)
+        .map_or(b',', |(count, mark)| if count == 0 { b',' } else { mark })
+}
+
+/// Splits a line at its separators, except those in quotes, and strips blanks and quotes; `false` when a quote stays open.
+fn split(text: &str, separator: u8, cells: &mut Vec<Range<usize>>) -> bool {
     cells.clear();
     let mut start = 0;
     let mut quoted = false;
-    for (index, byte) in text.bytes().chain([b',']).enumerate() {
+    for (index, byte) in text.bytes().chain([separator]).enumerate() {
         match byte {
-            b',' if index == text.len() && quoted => return false,
-            b',' if !quoted => {
+            byte if byte == separator && index == text.len() && quoted => return false,
+            byte if byte == separator && !quoted => {
                 let cell = text[start..index].trim();
                 let cell = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')).unwrap_or(cell).trim();
                 let offset = cell.as_ptr() as usize - text.as_ptr() as usize;
@@ -178,7 +204,7 @@ mod tests {
 
     fn cells(text: &str) -> Option<Vec<&str>> {
         let mut ranges = Vec::new();
-        split(text, &mut ranges).then(|| ranges.into_iter().map(|range| &text[range]).collect())
+        split(text, separator(text), &mut ranges).then(|| ranges.into_iter().map(|range| &text[range]).collect())
     }
 
     #[test]
@@ -190,5 +216,8 @@ mod tests {
         assert_eq!(cells("\"a\"\"b\",c"), Some(vec!["a\"\"b", "c"]));
         assert_eq!(cells("a,\"b"), None);
         assert_eq!(cells("\""), None);
+        assert_eq!(cells("Time (s);\"F, raw\";0,5\n"), Some(vec!["Time (s)", "F, raw", "0,5"]));
+        assert_eq!(cells("a\tb, c\td, e"), Some(vec!["a", "b, c", "d, e"]));
+        assert_eq!(cells("a,b;c,d"), Some(vec!["a", "b;c", "d"]));
     }
 }
