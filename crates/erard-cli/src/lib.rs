@@ -9,19 +9,24 @@
     reason = "`say!` and `tell!` neither panic nor let names steer a terminal"
 )]
 
+pub mod answer;
 pub mod cli_reference;
 pub mod command;
+pub mod compare;
 pub mod failure;
+pub mod identity;
 pub mod inputs;
 pub mod keyboard;
 pub mod kinematics;
 pub mod measure;
 pub mod output;
 pub mod progress;
+pub mod recordings;
 pub mod regulate;
 pub mod report;
 pub mod say;
 pub mod signals;
+pub mod small_plot;
 pub mod study;
 pub mod summary;
 pub mod table;

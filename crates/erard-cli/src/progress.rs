@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::signals;
+use crate::{say, signals};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_millis(400);
@@ -46,7 +46,7 @@ impl Progress {
 
     /// Shows the share that is done; false if the work should end.
     pub fn tell(&mut self, share: f64) -> bool {
-        if self.bar.is_hidden() && self.start.elapsed() > PATIENCE && !signals::ending() {
+        if self.bar.is_hidden() && self.start.elapsed() > PATIENCE && !signals::ending() && !say::is_quiet() {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
             *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(self.bar.clone());
         }

@@ -3,11 +3,17 @@
 //! Names and paths come from files and strangers. What could steer a terminal is shown by its code instead.
 
 use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 use erard::files::printable;
 
 use crate::failure::Failure;
+
+/// Whether words on standard output are left out.
+static QUIET: AtomicBool = AtomicBool::new(false);
+/// Whether the answer is wanted as JSON, in place of words.
+static JSON: AtomicBool = AtomicBool::new(false);
 
 /// The first thing that went wrong on standard output.
 static FAULT: Mutex<Option<io::Error>> = Mutex::new(None);
@@ -25,8 +31,27 @@ macro_rules! tell {
     ($($text:tt)*) => { $crate::say::aside(format!($($text)*)) };
 }
 
+/// How this process tells its results: in words, as JSON, or not at all.
+pub fn how(quiet: bool, json: bool) {
+    QUIET.store(quiet, Relaxed);
+    JSON.store(json, Relaxed);
+}
+
+/// Whether progress and words are left out.
+pub fn is_quiet() -> bool {
+    QUIET.load(Relaxed)
+}
+
+/// Whether the answer is wanted as JSON.
+pub fn wants_json() -> bool {
+    JSON.load(Relaxed)
+}
+
 /// A line on standard output. What goes wrong is told by [`finish`].
 pub fn line(text: String) {
+    if is_quiet() || wants_json() {
+        return;
+    }
     keep(writeln!(io::stdout(), "{}", printable(&text)));
 }
 

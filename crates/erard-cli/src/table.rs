@@ -1,14 +1,19 @@
 //! A run as a table: CSV and Parquet, the same columns in the same order.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::{Error, Write};
 use std::sync::Arc;
 
 use erard::run::Run;
-use parquet::data_type::DoubleType;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::data_type::{DoubleType, Int32Type};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
+
+use crate::identity;
 
 /// Name and values of every column; a column without values (no hammer in the model) is empty.
 pub fn columns(run: &Run) -> Vec<(String, &[f64])> {
@@ -95,7 +100,7 @@ pub fn write_optional_csv(columns: &[(String, Vec<Option<f64>>)], writer: &mut d
     csv.flush()
 }
 
-/// Writes the run as Parquet, one row group, doubles; columns without values are all null.
+/// Writes the run as Parquet.
 ///
 /// # Errors
 /// Of the writer.
@@ -130,11 +135,41 @@ pub fn write_optional_parquet(
 /// Name, the values that are there, and for every row whether it has one.
 type ParquetColumn<'a> = (String, Cow<'a, [f64]>, Vec<i16>);
 
+/// Columns that count: whole numbers.
+const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
+
+/// What the endings of columns' names mean, the longer before the shorter.
+const UNITS: [(&str, &str); 14] = [
+    ("_rad_per_s", "rad/s"),
+    ("_m_per_s", "m/s"),
+    ("_N_mm", "N mm"),
+    ("_N_m", "N m"),
+    ("_kg_m2", "kg m2"),
+    ("_rad", "rad"),
+    ("_deg", "deg"),
+    ("_mm", "mm"),
+    ("_Hz", "Hz"),
+    ("_g", "g"),
+    ("_J", "J"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_N", "N"),
+];
+
+/// The unit that a column's name ends with; `1` for a number without.
+fn unit(name: &str) -> &'static str {
+    UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("1", |(_, unit)| unit)
+}
+
+/// One row group, compressed by Zstandard: doubles, and whole numbers for what counts. Its metadata hold what made it (`made_by`) and every
+/// column's unit (`units`), as JSON.
 fn parquet(title: &str, columns: &[ParquetColumn], writer: &mut dyn Write) -> std::io::Result<()> {
+    let counts = |name: &str| COUNTS.contains(&name);
     let fields = columns
         .iter()
         .map(|(name, ..)| {
-            Type::primitive_type_builder(name, parquet::basic::Type::DOUBLE)
+            let kind = if counts(name) { parquet::basic::Type::INT32 } else { parquet::basic::Type::DOUBLE };
+            Type::primitive_type_builder(name, kind)
                 .with_repetition(parquet::basic::Repetition::OPTIONAL)
                 .build()
                 .map(Arc::new)
@@ -142,14 +177,28 @@ fn parquet(title: &str, columns: &[ParquetColumn], writer: &mut dyn Write) -> st
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::other)?;
     let schema = Type::group_type_builder(title).with_fields(fields).build().map_err(Error::other)?;
-    let properties = Arc::new(WriterProperties::builder().set_dictionary_enabled(false).build());
+    let units: BTreeMap<&str, &str> = columns.iter().map(|(name, ..)| (name.as_str(), unit(name))).collect();
+    let metadata = vec![
+        KeyValue::new("made_by".into(), identity::made_by().json()),
+        KeyValue::new("units".into(), serde_json::to_string(&units)?),
+    ];
+    let properties = WriterProperties::builder()
+        .set_dictionary_enabled(false)
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3).map_err(Error::other)?))
+        .set_key_value_metadata(Some(metadata));
     // The library wants a writer that can be sent to another thread; a buffer in between can.
     let mut bytes = Vec::new();
-    let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), properties).map_err(Error::other)?;
+    let mut file =
+        SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties.build())).map_err(Error::other)?;
     let mut group = file.next_row_group().map_err(Error::other)?;
-    for (_, values, there) in columns {
+    for (name, values, there) in columns {
         let Some(mut column) = group.next_column().map_err(Error::other)? else { break };
-        column.typed::<DoubleType>().write_batch(values, Some(there), None).map_err(Error::other)?;
+        if counts(name) {
+            let whole: Vec<i32> = values.iter().map(|value| value.round() as i32).collect();
+            column.typed::<Int32Type>().write_batch(&whole, Some(there), None).map_err(Error::other)?;
+        } else {
+            column.typed::<DoubleType>().write_batch(values, Some(there), None).map_err(Error::other)?;
+        }
         column.close().map_err(Error::other)?;
     }
     group.close().map_err(Error::other)?;

@@ -5,5 +5,6 @@
 
 pub mod drawing;
 pub mod figure;
+pub mod made_by;
 pub mod page;
 pub mod svg;

@@ -4,6 +4,7 @@ use clap::Args;
 use erard::simulation::SimulationError;
 use erard_lab::benchmarks::{Effort, Report, measure};
 
+use crate::answer;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::say;
@@ -21,9 +22,6 @@ single steps are those that the operating system interrupts. Nothing is written.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub struct Bench {
-    /// Print JSON instead of the table
-    #[arg(long)]
-    json: bool,
     /// Take a second instead of half a minute: shows that everything works, and little more
     #[arg(long)]
     quick: bool,
@@ -40,10 +38,8 @@ impl Bench {
         });
         drop(progress);
         let report = report.ok_or(SimulationError::Interrupted)?;
-        if self.json {
-            let json = serde_json::to_string_pretty(&report).map_err(|error| Failure::Internal(error.to_string()))?;
-            say!("{json}");
-        } else {
+        answer::give(&report)?;
+        if !say::wants_json() {
             print(&report);
         }
         Ok(())

@@ -1,47 +1,184 @@
 //! `erard check`.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
-use erard::stroke::Series;
+use erard::stroke::{Column, Dialect, PositionSeries, Role, Series};
 use erard_lab::compare::LONGEST_S;
+use erard_lab::validate::Published;
+use erard_workshop::kinematics::LinkageFile;
+use serde::Serialize;
+use serde_json::Value;
 
+use super::list::built_in;
+use crate::answer;
+use crate::compare::PreparedChannel;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
-use crate::say;
+use crate::recordings::{Ready, RecordingOptions};
+use crate::{say, small_plot};
 
-/// Checks an instrument or keyboard (TOML) or stroke (CSV) file and says what it holds.
+/// Checks a file and says what it holds: an instrument, keyboard or linkage, a stroke or recording, published measurements, or a result.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The file: an instrument or keyboard ends in `.toml`, a stroke in `.csv`
+    /// The file, or the name of something built in: what ends in `.toml` says itself what it is, a stroke ends in `.csv` or `.parquet`, a result
+    /// in `.json`
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    #[command(flatten)]
+    recording: RecordingOptions,
 }
+
+/// What `--json` answers; what a kind has not is left out.
+#[derive(Debug, Default, Serialize)]
+struct Checked {
+    /// `instrument`, `keyboard`, `linkage`, `published measurements`, `stroke`, `JSON`.
+    kind: &'static str,
+    file: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    /// How many there are of each.
+    counts: BTreeMap<&'static str, usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stroke: Option<CheckedStroke>,
+}
+
+#[derive(Debug, Serialize)]
+struct CheckedStroke {
+    start_s: f64,
+    end_s: f64,
+    position_of: &'static str,
+    columns: Vec<CheckedColumn>,
+    channels: Vec<PreparedChannel>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct CheckedColumn {
+    role: &'static str,
+    title: String,
+    unit: &'static str,
+}
+
+/// Endings of tables.
+const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "parquet"];
 
 impl Check {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        match extension.as_str() {
+        let checked = match extension.as_str() {
             "toml" => {
                 let (name, bytes) = inputs::bytes(&self.file)?;
-                if is_keyboard(&String::from_utf8_lossy(&bytes)) {
-                    self.keyboard(&name, &bytes)
-                } else {
-                    Self::instrument(&name, &bytes)
-                }
+                self.toml(&name, &bytes)?
             }
-            "csv" => self.stroke(),
-            _ => Err(Failure::Usage(format!(
-                "{}: cannot tell what this is from its name: an instrument or keyboard ends in .toml, a stroke in .csv",
-                shown(&self.file)
-            ))),
+            "json" => {
+                let (name, bytes) = inputs::bytes(&self.file)?;
+                Self::json(&name, &bytes)?
+            }
+            ending if TABLES.contains(&ending) => self.stroke()?,
+            _ => match self.file.to_str().filter(|_| !self.file.exists()).and_then(built_in) {
+                Some(("stroke", text)) => {
+                    let ready = self.recording.make_ready(&shown(&self.file), text.as_bytes())?;
+                    Self::told_stroke(&ready)
+                }
+                Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
+                None => {
+                    return Err(Failure::Usage(format!(
+                        "{}: cannot tell what this is from its name: instruments, keyboards, linkages and published measurements end in .toml, \
+                         strokes in .csv or .parquet, results in .json; `erard list` names what is built in",
+                        shown(&self.file)
+                    )));
+                }
+            },
+        };
+        answer::give(&checked)
+    }
+
+    /// What a text says that it is decides.
+    fn toml(&self, name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+        let text = String::from_utf8_lossy(bytes);
+        let says = |key: &str| {
+            let document = toml::from_str::<toml::Table>(&text).ok()?;
+            document.get(key)?.as_str().map(str::to_owned)
+        };
+        if is_keyboard(&text) {
+            self.keyboard(name, bytes)
+        } else if says("format").is_some_and(|format| format.starts_with("erard-published")) {
+            Self::published(name, &text)
+        } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
+            Self::linkage(name, bytes)
+        } else {
+            Self::instrument(name, bytes)
         }
     }
 
-    fn instrument(name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    fn linkage(name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+        let file = LinkageFile::parse_bytes(bytes, name)?;
+        let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
+        say!("{name}: a linkage, \"{}\"", file.name);
+        say!();
+        if let Some(let_off) = &design.let_off {
+            say!("  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
+        }
+        Ok(Checked { kind: "linkage", file: name.into(), name: Some(file.name), ..Checked::default() })
+    }
+
+    fn published(name: &str, text: &str) -> Result<Checked, Failure> {
+        let table = Published::parse(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
+        let silent = table.rows.iter().filter(|row| row.measure.is_none()).count();
+        say!("{name}: published measurements");
+        say!();
+        say!(
+            "  {} rows from {} sources; {silent} that the model cannot speak to",
+            table.rows.len(),
+            table.sources.len()
+        );
+        let counts = BTreeMap::from([("rows", table.rows.len()), ("sources", table.sources.len())]);
+        Ok(Checked { kind: "published measurements", file: name.into(), counts, ..Checked::default() })
+    }
+
+    /// What this program writes, and its schemas.
+    fn json(name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+        let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: no JSON: {error}"));
+        let value: Value = serde_json::from_slice(bytes).map_err(|error| wrong(&error))?;
+        let first = value.as_array().and_then(|list| list.first()).unwrap_or(&value);
+        let text = |pointer: &str| first.pointer(pointer).and_then(Value::as_str);
+        if let Some(command) = text("/made_by/command") {
+            let commit = text("/made_by/commit").map_or(String::new(), |commit| format!(" ({commit})"));
+            say!(
+                "{name}: a result of {} {}{commit}",
+                text("/made_by/program").unwrap_or("?"),
+                text("/made_by/version").unwrap_or("?")
+            );
+            say!();
+            say!("  {command}");
+            for source in first.pointer("/made_by/sources").and_then(Value::as_array).into_iter().flatten() {
+                let of = |key: &str| source[key].as_str().unwrap_or("-");
+                say!(
+                    "  from {} \"{}\", {}, sha256 {}",
+                    of("kind"),
+                    of("name"),
+                    source["file"].as_str().unwrap_or("built in"),
+                    of("sha256")
+                );
+            }
+        } else if let Some(format) = text("/format") {
+            say!("{name}: {format}");
+        } else if text("/$schema").is_some() {
+            say!("{name}: a JSON Schema, \"{}\"", text("/title").unwrap_or("without a title"));
+        } else {
+            let expected = "a result of this program with `made_by`, a file with `format`, or a JSON Schema";
+            return Err(Failure::Usage(format!("{name}: JSON of no kind that is known here; expected {expected}")));
+        }
+        let title = text("/made_by/command").or(text("/format")).or(text("/title")).map(str::to_owned);
+        Ok(Checked { kind: "JSON", file: name.into(), name: title, ..Checked::default() })
+    }
+
+    fn instrument(name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
         let file = InstrumentFile::parse_bytes(bytes, name)?;
         let i: &Instrument = &file.instrument;
         say!("{name}: an instrument, \"{}\"", i.name);
@@ -93,11 +230,20 @@ impl Check {
             file.provenance.numbers.len(),
             file.provenance.bare().count()
         );
-        Ok(())
+        let counts = BTreeMap::from([
+            ("bodies", i.bodies.len()),
+            ("springs", i.springs.len()),
+            ("zones", i.zones.len()),
+            ("screws", i.screws.len()),
+            ("parts", i.parts.len()),
+            ("numbers", file.provenance.numbers.len()),
+            ("numbers_without_a_source", file.provenance.bare().count()),
+        ]);
+        Ok(Checked { kind: "instrument", file: name.into(), name: Some(i.name.clone()), counts, ..Checked::default() })
     }
 
     /// Every key's instrument is read, so that a file that is called sound has none that is not.
-    fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
         keyboard.instruments()?;
         say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
@@ -119,37 +265,100 @@ impl Check {
             points().count(),
             points().filter(|point| point.citation.is_none()).count()
         );
-        Ok(())
+        let counts =
+            BTreeMap::from([("gradings", keyboard.gradings.len()), ("points", points().count()), ("keys", KEYS)]);
+        let title = Some(keyboard.name.clone());
+        Ok(Checked { kind: "keyboard", file: name.into(), name: title, counts, ..Checked::default() })
     }
 
-    fn stroke(&self) -> Result<(), Failure> {
-        let name = shown(&self.file);
-        let series = Series::read_opened(inputs::open(&self.file), &name)?;
-        let times = series.times_s();
-        say!("{name}: a stroke of {} rows, {} to {} s", times.len(), series.start_s(), series.end_s());
+    fn stroke(&self) -> Result<Checked, Failure> {
+        Ok(Self::told_stroke(&self.recording.load(&self.file)?))
+    }
+
+    fn told_stroke(ready: &Ready) -> Checked {
+        let Ready { name, recording, prepared, position_of } = ready;
+        let (start_s, end_s) = (prepared.series.start_s(), prepared.series.end_s());
+        let rows = recording.time_s.len();
+        say!("{name}: a stroke of {rows} rows, {start_s} to {end_s} s");
         say!();
-        let steps = times.windows(2).map(|t| t[1] - t[0]);
+        let Dialect { separator, decimal_comma, skipped_rows } = recording.dialect;
+        let separated = match separator {
+            Some(',') => "separated by commas",
+            Some(';') => "separated by semicolons",
+            Some('\t') => "separated by tabulators",
+            Some(_) => "text",
+            None => "Parquet",
+        };
+        let decimals = if decimal_comma { ", decimal commas" } else { "" };
+        let skipped = match skipped_rows {
+            0 => String::new(),
+            rows => format!(", {rows} rows above the header passed over"),
+        };
+        say!("  table     {separated}{decimals}{skipped}");
+        for column in &recording.layout.columns {
+            let role = if column.role == Role::Position { position_of.name() } else { "" };
+            let whose = if role.is_empty() { String::new() } else { format!(", the {role}'s") };
+            say!(
+                "  {:<9} column {}, `{}`, in {}{whose}",
+                column.role.name(),
+                column.index + 1,
+                column.title,
+                column.unit
+            );
+        }
+        say!();
+        let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
         let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
         say!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
-        if series.end_s() - series.start_s() > LONGEST_S {
+        if end_s - start_s > LONGEST_S {
             say!(
                 "            too long for `compare` as a whole: `--duration {LONGEST_S}` compares its first {LONGEST_S} s"
             );
         }
-        let range =
-            |values: &[f64]| values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-        if let Some(force) = &series.force {
-            let (low, high) = range(force.forces_n());
-            say!("  force     {low:.4} to {high:.4} N");
+        for channel in &prepared.report.channels {
+            let (factor, unit) = if channel.role == Role::Force { (1.0, "N") } else { (1e3, "mm") };
+            let (low, high) = channel.range;
+            say!("  {:<9} {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
+            for line in channel.lines() {
+                say!("            {line}");
+            }
+            for line in picture(&prepared.series, channel.role, start_s, end_s) {
+                say!("            {line}");
+            }
         }
-        if let Some(position) = &series.position {
-            let (low, high) = range(position.positions_m());
-            say!("  position  {:.4} to {:.4} mm", low * 1e3, high * 1e3);
+        let warnings = prepared.report.warnings();
+        for warning in &warnings {
+            say!("  look: {warning}");
         }
-        if let Some(head) = &series.hammer_head {
-            let (low, high) = range(head.positions_m());
-            say!("  hammer    {:.4} to {:.4} mm", low * 1e3, high * 1e3);
-        }
-        Ok(())
+        let column = |c: &Column| CheckedColumn { role: c.role.name(), title: c.title.clone(), unit: c.unit };
+        let stroke = CheckedStroke {
+            start_s,
+            end_s,
+            position_of: position_of.name(),
+            columns: recording.layout.columns.iter().map(column).collect(),
+            channels: prepared.report.channels.iter().map(PreparedChannel::new).collect(),
+            warnings,
+        };
+        let counts = BTreeMap::from([("rows", rows)]);
+        Checked { kind: "stroke", file: name.clone(), counts, stroke: Some(stroke), ..Checked::default() }
     }
+}
+
+/// A channel over the whole stroke, the way it drives: up is up.
+fn picture(series: &Series, role: Role, start_s: f64, end_s: f64) -> Vec<String> {
+    let time = |n: usize| start_s + (end_s - start_s) * n as f64 / (small_plot::COLUMNS - 1) as f64;
+    let path = |s: &Option<PositionSeries>| {
+        let drive = s.as_ref()?.drive();
+        Some((0..small_plot::COLUMNS).map(|n| drive(time(n))[0]).collect::<Vec<f64>>())
+    };
+    let values = match role {
+        Role::Force => series.force.as_ref().map(|s| {
+            let drive = s.drive();
+            (0..small_plot::COLUMNS).map(|n| drive(time(n))).collect()
+        }),
+        Role::Position => path(&series.position),
+        Role::HammerHead => path(&series.hammer_head),
+        Role::Time => None,
+    };
+    values.map(|values| small_plot::lines(&values)).unwrap_or_default()
 }

@@ -11,6 +11,7 @@ use moreau_linkage::{Linkage, latex_align};
 use super::options::load_instrument;
 use super::out::OutOptions;
 use crate::failure::Failure;
+use crate::identity;
 use crate::inputs::{self, shown};
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::summary::Summary;
@@ -86,12 +87,13 @@ impl Subject {
     fn linkage(file_or_name: &str) -> Result<Self, Failure> {
         let path = Path::new(file_or_name);
         let file = if path.exists() || path.extension().is_some() || path.components().count() > 1 {
-            {
-                let (name, bytes) = inputs::bytes(path)?;
-                LinkageFile::parse_bytes(&bytes, &name)?
-            }
+            let (name, bytes) = inputs::bytes(path)?;
+            let file = LinkageFile::parse_bytes(&bytes, &name)?;
+            identity::used("linkage", &file.name, Some(&name), &bytes);
+            file
         } else {
-            LinkageFile::builtin(file_or_name).ok_or_else(|| {
+            let text = LinkageFile::builtin_text(file_or_name).unwrap_or_default();
+            let file = LinkageFile::builtin(file_or_name).ok_or_else(|| {
                 let names: Vec<&str> = LinkageFile::builtin_names().collect();
                 let hint = if Instrument::builtin_names().any(|name| name == file_or_name) {
                     format!("; `{file_or_name}` is an instrument: --instrument {file_or_name}")
@@ -102,7 +104,9 @@ impl Subject {
                     "there is no file and no built-in linkage `{file_or_name}` (built in: {}){hint}",
                     names.join(", ")
                 ))
-            })?
+            })?;
+            identity::used("linkage", &file.name, None, text.as_bytes());
+            file
         };
         let design = file.design().map_err(|error| Failure::Usage(format!("{file_or_name}: {error}")))?;
         Ok(Subject { design, instrument: None })

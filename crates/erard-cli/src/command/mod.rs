@@ -6,6 +6,8 @@ mod compare;
 mod draw;
 mod keyboard;
 mod kinematics;
+mod list;
+mod manual;
 mod measure;
 mod options;
 mod out;
@@ -15,6 +17,7 @@ mod reproduce;
 mod study;
 mod validate;
 
+use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
@@ -22,14 +25,26 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use erard::files::steers;
 
 use crate::failure::Failure;
-use crate::{say, signals};
+use crate::{answer, identity, say, signals};
 
 /// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
 #[derive(Debug, Parser)]
-#[command(name = "erard", version, about, max_term_width = 100)]
+#[command(name = "erard", version = version(), about, max_term_width = 100)]
 pub struct Command {
     #[command(subcommand)]
     subcommand: Sub,
+    /// Say nothing but what goes wrong; files are written all the same
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Answer with JSON on standard output, in place of words
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+/// With the commit, where it is known.
+fn version() -> String {
+    let commit = identity::COMMIT.map_or(String::new(), |commit| format!(" ({commit})"));
+    format!("{}{commit}", env!("CARGO_PKG_VERSION"))
 }
 
 #[derive(Debug, Subcommand)]
@@ -50,24 +65,36 @@ enum Sub {
     Regulate(Box<regulate::Regulate>),
     /// Holds an instrument against what has been measured on real pianos.
     Validate(validate::Validate),
-    /// Checks an instrument or keyboard (TOML) or stroke (CSV) file and says what it holds.
+    /// Checks a file of any kind that this program knows and says what it holds.
     Check(check::Check),
-    /// Holds a measured stroke against the models
+    /// Holds a measured stroke against the models.
     Compare(compare::Compare),
     /// Computes the papers' figures and claims anew and shows which hold.
     Reproduce(reproduce::Reproduce),
     /// Measures how fast this machine simulates.
     Bench(bench::Bench),
+    /// Lists what is built in, or prints one of it.
+    List(list::List),
+    /// Prints a script that completes arguments in a shell.
+    Completions(manual::Completions),
+    /// Prints the manual page, or writes those of all commands.
+    Man(manual::Man),
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
 /// (goals of `regulate` that cannot be met, among it).
 pub fn run() -> ExitCode {
     signals::listen();
-    let command = match definition().try_get_matches().and_then(|matches| Command::from_arg_matches(&matches)) {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let definition = definition();
+    let command = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
+        identity::remember(&arguments, &definition, &matches);
+        Command::from_arg_matches(&matches)
+    }) {
         Ok(command) => command,
         Err(error) => return usage(&error),
     };
+    say::how(command.quiet, command.json);
     let result = match command.subcommand {
         Sub::Press(press) => press.run(),
         Sub::Draw(draw) => draw.run(),
@@ -81,7 +108,13 @@ pub fn run() -> ExitCode {
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
         Sub::Bench(bench) => bench.run(),
+        Sub::List(list) => list.run(),
+        Sub::Completions(completions) => completions.run(),
+        Sub::Man(man) => man.run(),
     };
+    if matches!(result, Ok(()) | Err(Failure::Unmet(_) | Failure::Reach(_))) {
+        answer::print();
+    }
     // A failure is worth more than words that did not arrive.
     match result.and_then(|()| say::finish()) {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,18 +1,22 @@
 //! Options that several commands share.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::{Args, ValueEnum};
-use erard::instrument::{Instrument, utf8};
+use erard::instrument::{Finger, Instrument, utf8};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::player::{self, Input};
 use erard::simulation::{Setup, SimulationError};
-use erard::stroke::{ForceSeries, PositionSeries, Series, Touch};
+use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings, Solver};
 
 use crate::failure::Failure;
+use crate::identity;
 use crate::inputs;
+use crate::recordings::{Ready, RecordingOptions, told};
+use crate::tell;
 
 /// Which instrument.
 #[derive(Debug, Args)]
@@ -58,7 +62,7 @@ impl InstrumentOption {
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
 pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
     if let Some(one) = KeyboardKey::asked(asked)? {
-        return Ok(one.keyboard.key(one.key)?);
+        return one.instrument();
     }
     match instrument_path(asked) {
         Some(path) => Ok(load_file(path)?.0),
@@ -73,13 +77,15 @@ fn load_file(path: &Path) -> Result<(Instrument, String), Failure> {
     if is_keyboard(text) {
         return Err(Failure::Usage(format!("{name}: this is a keyboard; name one of its keys, as in {name}{KEY}40")));
     }
-    Ok((Instrument::parse(text, &name)?, text.to_owned()))
+    let instrument = Instrument::parse(text, &name)?;
+    identity::used("instrument", &instrument.name, Some(&name), &bytes);
+    Ok((instrument, text.to_owned()))
 }
 
 /// The same, with the text it was read from.
 pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
     if let Some(one) = KeyboardKey::asked(asked)? {
-        return Ok((one.keyboard.key(one.key)?, one.text()?));
+        return Ok((one.instrument()?, one.text()?));
     }
     let Some(path) = instrument_path(asked) else {
         let (instrument, text) = builtin_instrument(asked)?;
@@ -98,10 +104,12 @@ pub fn instrument_path(asked: &str) -> Option<&Path> {
 }
 
 fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure> {
-    Instrument::builtin(name).ok().zip(Instrument::builtin_text(name)).ok_or_else(|| {
+    let found = Instrument::builtin(name).ok().zip(Instrument::builtin_text(name)).ok_or_else(|| {
         let names: Vec<&str> = Instrument::builtin_names().collect();
         Failure::Usage(format!("there is no file and no built-in instrument `{name}` (built in: {})", names.join(", ")))
-    })
+    })?;
+    identity::used("instrument", &found.0.name, None, found.1.as_bytes());
+    Ok(found)
 }
 
 /// What stands between a keyboard and the number of a key.
@@ -126,6 +134,14 @@ impl KeyboardKey {
         Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key }))
     }
 
+    /// Its instrument.
+    fn instrument(&self) -> Result<Instrument, Failure> {
+        let instrument = self.keyboard.key(self.key)?;
+        let text = self.keyboard.key_text(self.key);
+        identity::used("instrument", &format!("{}, key {}", instrument.name, self.key), None, text.as_bytes());
+        Ok(instrument)
+    }
+
     /// The text of its instrument file, which is sound.
     pub fn text(&self) -> Result<String, Failure> {
         self.keyboard.key(self.key)?;
@@ -139,19 +155,28 @@ pub fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
         let (name, bytes) = inputs::bytes(path)?;
         let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
         keyboard.base_path().into_iter().for_each(inputs::remember);
+        identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
         return Ok(keyboard);
     }
-    Keyboard::builtin(file_or_name).ok_or_else(|| {
+    let keyboard = Keyboard::builtin(file_or_name).ok_or_else(|| {
         let names: Vec<&str> = Keyboard::builtin_names().collect();
         let names = names.join(", ");
         Failure::Usage(format!("there is no file and no built-in keyboard `{file_or_name}` (built in: {names})"))
-    })
+    })?;
+    identity::used(
+        "keyboard",
+        &keyboard.name,
+        None,
+        Keyboard::builtin_text(file_or_name).unwrap_or_default().as_bytes(),
+    );
+    Ok(keyboard)
 }
 
 /// What the player does.
 #[derive(Debug, Args)]
 pub struct StrokeOptions {
-    /// Stroke file: CSV with a header, column `time_s` and `force_N` and/or `position_m` (down is positive)
+    /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as `time_s`, `force_N` or
+    /// `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
     #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
     file: Option<PathBuf>,
     /// Built-in stroke
@@ -164,9 +189,11 @@ pub struct StrokeOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
     /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force where
-    /// the stroke has one, else motion
+    /// the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion for a fingertip's
     #[arg(long, value_enum)]
     drive: Option<DriveName>,
+    #[command(flatten)]
+    recording: RecordingOptions,
 }
 
 /// How the finger meets the key.
@@ -217,6 +244,9 @@ pub struct Stroke {
     /// Duration to run unless told otherwise, s.
     pub duration_s: f64,
     series: Option<Series>,
+    position_of: PositionOf,
+    /// The position that drives a key under this finger.
+    worked_out: Mutex<Option<(Finger, Arc<PositionSeries>)>>,
     force_n: f64,
 }
 
@@ -232,21 +262,32 @@ impl StrokeOptions {
     /// Reads the stroke.
     pub fn load(&self) -> Result<Stroke, Failure> {
         if let Some(force_n) = self.force_step {
-            if !(force_n.is_finite() && force_n.abs() <= erard::stroke::MAX_FORCE_N) {
+            if !(0.0..=erard::stroke::MAX_FORCE_N).contains(&force_n) {
+                let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
                 return Err(Failure::Usage(format!(
-                    "--force-step {force_n}: expected a number of at most {} N",
+                    "--force-step {force_n}: expected a number from 0 to {} N{why}",
                     erard::stroke::MAX_FORCE_N
                 )));
             }
+            identity::used_without_file("stroke", &format!("a constant force of {force_n} N"));
             if self.drive.is_some_and(|d| d != DriveName::Force) {
                 return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
             }
             return Ok(Stroke::constant(format!("{force_n} N"), force_n));
         }
-        let (series, title, after) = match &self.file {
+        if self.file.is_none() && self.recording.are_given() {
+            return Err(Failure::Usage(
+                "--columns, --position, --zero, --invert, --delay, --low-pass and --order belong to a stroke file"
+                    .into(),
+            ));
+        }
+        // What was done and noticed, told when nothing is wrong.
+        let mut notes = Vec::new();
+        let (series, title, position_of, after) = match &self.file {
             Some(path) => {
-                let name = inputs::shown(path);
-                (Series::read_opened(inputs::open(path), &name)?, name, AFTERWARDS_S)
+                let Ready { name, prepared, position_of, .. } = self.recording.load(path)?;
+                notes = told(&prepared.report);
+                (prepared.series, name, position_of, AFTERWARDS_S)
             }
             None => {
                 let nuance = self.stroke.as_deref().unwrap_or("mf");
@@ -257,10 +298,13 @@ impl StrokeOptions {
                 let name = if touch == Touch::Struck { "struck" } else { "pressed" };
                 let series = Series::builtin(nuance, touch)
                     .ok_or_else(|| Failure::Internal(format!("the built-in stroke {nuance} {name} cannot be read")))?;
-                (series, format!("{nuance}, {name}"), 0.2)
+                let text = Series::builtin_text(nuance, touch).unwrap_or_default();
+                identity::used("stroke", &format!("{nuance}, {name}"), None, text.as_bytes());
+                (series, format!("{nuance}, {name}"), PositionOf::Key, 0.2)
             }
         };
-        let drive = self.drive.unwrap_or(if series.force.is_some() { DriveName::Force } else { DriveName::Motion });
+        let own = if position_of == PositionOf::Key { DriveName::Rigid } else { DriveName::Motion };
+        let drive = self.drive.unwrap_or(if series.force.is_some() { DriveName::Force } else { own });
         let (missing, column) = match drive {
             DriveName::Force => (series.force.is_none(), "force_N"),
             DriveName::Motion | DriveName::Rigid => (series.position.is_none(), "position_m"),
@@ -271,8 +315,26 @@ impl StrokeOptions {
                 drive.name()
             )));
         }
+        match (drive, position_of) {
+            (DriveName::Motion, PositionOf::Key) if series.force.is_none() => notes.push(
+                "no force was recorded, so that the fingertip's position is not known: the key's stands for it (--position fingertip if it is \
+                 the fingertip's; --drive rigid plays the key's)"
+                    .into(),
+            ),
+            (DriveName::Rigid, PositionOf::Fingertip) if series.force.is_none() => {
+                return Err(Failure::Usage(format!(
+                    "{title}: --drive rigid needs the key's position; the fingertip's gives it where a column `force_N` is there too"
+                )));
+            }
+            _ => {}
+        }
+        for note in notes {
+            tell!("{title}: {note}");
+        }
         let duration_s = series.end_s() - series.start_s() + after;
-        Ok(Stroke { title, drive, start_s: series.start_s(), duration_s, series: Some(series), force_n: 0.0 })
+        let start_s = series.start_s();
+        let worked_out = Mutex::default();
+        Ok(Stroke { title, drive, start_s, duration_s, series: Some(series), position_of, worked_out, force_n: 0.0 })
     }
 }
 
@@ -285,19 +347,43 @@ impl Stroke {
             start_s: 0.0,
             duration_s: FORCE_STEP_DURATION_S,
             series: None,
+            position_of: PositionOf::Key,
+            worked_out: Mutex::default(),
             force_n,
         }
     }
 
-    /// What drives the key over time, s from the stroke's start.
-    pub fn inputs(&self) -> Box<dyn Fn(f64) -> Input + Send + '_> {
-        let force = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
-        let position = self.series.as_ref().and_then(|s| s.position.as_ref()).map(PositionSeries::drive);
-        match (self.drive, position) {
-            (DriveName::Motion, Some(position)) => Box::new(player::motion(position)),
-            (DriveName::Rigid, Some(position)) => Box::new(player::rigid(position)),
-            _ => Box::new(move |t| Input::Force(force.as_ref().map_or(self.force_n, |force| force(t)))),
+    /// What drives the key of an instrument over time, s from the stroke's start: a fingertip is as soft as the instrument says.
+    pub fn inputs(&self, instrument: &Instrument) -> Result<Box<dyn Fn(f64) -> Input + Send + '_>, Failure> {
+        let wanted = match self.drive {
+            DriveName::Force => {
+                let force = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
+                return Ok(Box::new(move |t| Input::Force(force.as_ref().map_or(self.force_n, |force| force(t)))));
+            }
+            DriveName::Motion => PositionOf::Fingertip,
+            DriveName::Rigid => PositionOf::Key,
+        };
+        let position = self.position(wanted, &instrument.finger)?.shared_drive();
+        Ok(match self.drive {
+            DriveName::Motion => Box::new(player::motion(position)),
+            _ => Box::new(player::rigid(position)),
+        })
+    }
+
+    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.
+    fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, Failure> {
+        let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {
+            return Ok(Arc::clone(position));
         }
+        let series = self.series.as_ref().ok_or_else(|| Failure::Internal("a motion without a stroke".into()))?;
+        let other = series
+            .position_of(wanted, self.position_of, finger)
+            .map_err(|error| Failure::Usage(format!("{}: key and fingertip: {error}", self.title)))?;
+        let position = other.or_else(|| series.position.clone());
+        let position = Arc::new(position.ok_or_else(|| Failure::Internal("a stroke without a position".into()))?);
+        *worked_out = Some((*finger, Arc::clone(&position)));
+        Ok(position)
     }
 }
 

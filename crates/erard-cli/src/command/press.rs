@@ -97,5 +97,5 @@ pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<R
         progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
         progress.tell(share)
     };
-    Ok(simulate(instrument, stroke.inputs().as_ref(), setup, &mut tell)?)
+    Ok(simulate(instrument, stroke.inputs(instrument)?.as_ref(), setup, &mut tell)?)
 }

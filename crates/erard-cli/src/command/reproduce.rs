@@ -1,15 +1,59 @@
 //! `erard reproduce`.
 
 use clap::Args;
-use erard_lab::reproduce::{Subject, subjects};
+use erard_lab::reproduce::{Claim, Subject, subjects};
+use serde::Serialize;
 
 use super::options::load_instrument;
 use super::out::OutOptions;
+use crate::answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::{Reproduced, chart_svg, page};
 use crate::say;
+
+#[derive(Serialize)]
+struct Subjects {
+    subjects: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    title: &'static str,
+}
+
+/// What `--json` answers.
+#[derive(Serialize)]
+struct Claims<'a> {
+    instrument: &'a str,
+    hold: usize,
+    of: usize,
+    claims: Vec<ClaimReport>,
+}
+
+#[derive(Serialize)]
+struct ClaimReport {
+    subject: &'static str,
+    source: &'static str,
+    claim: String,
+    measured: String,
+    holds: bool,
+}
+
+impl ClaimReport {
+    fn all(one: &Reproduced) -> Vec<Self> {
+        let report = |claim: &Claim| ClaimReport {
+            subject: one.subject.name,
+            source: claim.source,
+            claim: claim.says.clone(),
+            measured: claim.measured.clone(),
+            holds: claim.holds,
+        };
+        one.section.claims.iter().map(report).collect()
+    }
+}
 
 /// Computes the papers' figures and claims anew, and writes one page that shows which hold.
 #[derive(Debug, Args)]
@@ -23,6 +67,9 @@ pub struct Reproduce {
     /// List the subjects, and do nothing else
     #[arg(long, conflicts_with_all = ["only", "figures", "out", "force"])]
     list: bool,
+    /// End with code 1 when a claim does not hold
+    #[arg(long)]
+    fail_on_miss: bool,
     /// Write every figure as a file of its own too, NAME-0.svg and so on
     #[arg(long)]
     figures: bool,
@@ -37,7 +84,8 @@ impl Reproduce {
             for subject in subjects() {
                 say!("{:<20} {}", subject.name, subject.title);
             }
-            return Ok(());
+            let named = |subject: &Subject| Listed { name: subject.name, title: subject.title };
+            return answer::give(&Subjects { subjects: subjects().iter().map(named).collect() });
         }
         let chosen = self.chosen()?;
         let instrument = load_instrument(&self.instrument)?;
@@ -76,7 +124,21 @@ impl Reproduce {
         say!();
         say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
         say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
-        Ok(())
+        let claims: Vec<ClaimReport> = reproduced.iter().flat_map(ClaimReport::all).collect();
+        let failed: Vec<String> =
+            claims.iter().filter(|c| !c.holds).map(|c| format!("{}: {}: {}", c.subject, c.source, c.claim)).collect();
+        answer::give(&Claims {
+            instrument: &instrument.name,
+            hold: claims.len() - failed.len(),
+            of: claims.len(),
+            claims,
+        })?;
+        match failed.len() {
+            count if count > 0 && self.fail_on_miss => {
+                Err(Failure::Unmet(format!("{count} claims do not hold\n       {}", failed.join("\n       "))))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The subjects that were asked for, in their own order.

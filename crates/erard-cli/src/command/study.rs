@@ -197,7 +197,7 @@ fn play_portion(
             varied.push(own);
         }
         places.push(Ok(jobs.len()));
-        jobs.push(Job { instrument: instruments.len() - 1, stroke: job_stroke(stroke, force_n) });
+        jobs.push(Job { instrument: instruments.len() - 1, stroke: job_stroke(stroke, force_n, instrument)? });
     }
     let mut results: Vec<Option<JobResult>> =
         play_all(&instruments, jobs, setup, workers, progress)?.into_iter().map(Some).collect();
@@ -221,9 +221,9 @@ fn variant(instrument: &Instrument, axes: &[Axis], indices: &[usize]) -> Result<
     Ok(varied)
 }
 
-fn job_stroke(stroke: &Stroke, force_n: Option<f64>) -> JobStroke<'_> {
+fn job_stroke<'a>(stroke: &'a Stroke, force_n: Option<f64>, instrument: &Instrument) -> Result<JobStroke<'a>, Failure> {
     match force_n {
-        Some(force_n) => Box::new(move |_| Input::Force(force_n)),
-        None => stroke.inputs(),
+        Some(force_n) => Ok(Box::new(move |_| Input::Force(force_n))),
+        None => stroke.inputs(instrument),
     }
 }

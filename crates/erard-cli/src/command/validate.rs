@@ -29,6 +29,9 @@ pub struct Validate {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
+    /// End with code 1 when a row is missed
+    #[arg(long)]
+    fail_on_miss: bool,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -73,7 +76,18 @@ impl Validate {
             "Written to {}: validate.json, validate.csv, order-of-events.svg, order-of-events.png",
             shown(self.out.folder())
         );
-        Ok(())
+        match report.missed {
+            missed if missed > 0 && self.fail_on_miss => {
+                let names: Vec<&str> = report
+                    .rows
+                    .iter()
+                    .filter(|row| [MISSED, ABSENT].contains(&row.verdict))
+                    .map(|row| row.name)
+                    .collect();
+                Err(Failure::Unmet(format!("{missed} rows are missed: {}", names.join(", "))))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

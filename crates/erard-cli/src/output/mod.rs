@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
+use crate::{answer, identity};
 pub use mark::Mark;
 use stage::Stage;
 pub use stage::clear as clear_stages;
@@ -75,7 +76,7 @@ impl Output {
         Ok(Output { folder: folder.to_path_buf(), command, force, names: Vec::new(), stage: stage.map_err(refused)? })
     }
 
-    /// Writes a file, to appear under this name.
+    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that ([`identity::stamped`]).
     ///
     /// # Errors
     /// [`Failure::Write`].
@@ -87,7 +88,15 @@ impl Output {
         let refused = |source| Failure::write(&self.folder.join(name), source);
         let file = fs::File::create_new(self.stage.results().join(name)).map_err(refused)?;
         let mut writer = std::io::BufWriter::new(file);
-        write(&mut writer).and_then(|()| writer.flush()).map_err(refused)?;
+        if identity::is_stamped(name) || answer::takes(name) {
+            let mut bytes = Vec::new();
+            write(&mut bytes).map_err(refused)?;
+            let bytes = identity::stamped(name, bytes);
+            answer::offer(name, &bytes);
+            writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(refused)?;
+        } else {
+            write(&mut writer).and_then(|()| writer.flush()).map_err(refused)?;
+        }
         // Some file systems find out that they are full no earlier.
         writer.get_ref().sync_all().map_err(refused)?;
         self.names.push(name.to_owned());
@@ -126,7 +135,9 @@ impl Output {
                 .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
         }
         self.stage.keep_parents();
-        Ok(self.names.iter().map(|name| folder.join(name)).collect())
+        let written: Vec<PathBuf> = self.names.iter().map(|name| folder.join(name)).collect();
+        answer::written(&written);
+        Ok(written)
     }
 }
 

@@ -1,0 +1,94 @@
+//! `erard list`.
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard::keyboard::Keyboard;
+use erard::stroke::{NUANCES, Series, Touch};
+use erard_workshop::kinematics::LinkageFile;
+use serde::Serialize;
+
+use crate::answer;
+use crate::failure::Failure;
+use crate::say;
+use crate::say::verbatim;
+
+/// Lists what is built in: instruments, keyboards, strokes, linkages; or prints one of them as the file that it is.
+#[derive(Debug, Args)]
+pub struct List {
+    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+}
+
+/// Something built in.
+#[derive(Debug, Serialize)]
+struct BuiltIn {
+    kind: &'static str,
+    name: String,
+    title: String,
+    #[serde(skip)]
+    text: &'static str,
+}
+
+/// What `--json` answers.
+#[derive(Debug, Serialize)]
+struct Listed {
+    built_in: Vec<BuiltIn>,
+}
+
+fn all() -> Vec<BuiltIn> {
+    let entry = |kind, name: &str, title: String, text: Option<&'static str>| {
+        text.map(|text| BuiltIn { kind, name: name.to_owned(), title, text })
+    };
+    let instruments = Instrument::builtin_names().filter_map(|name| {
+        entry("instrument", name, Instrument::builtin(name).ok()?.name, Instrument::builtin_text(name))
+    });
+    let keyboards = Keyboard::builtin_names()
+        .filter_map(|name| entry("keyboard", name, Keyboard::builtin(name)?.name, Keyboard::builtin_text(name)));
+    let strokes = NUANCES.into_iter().flat_map(|nuance| {
+        [(Touch::Pressed, "pressed"), (Touch::Struck, "struck")].into_iter().filter_map(move |(touch, how)| {
+            let title = format!("--stroke {nuance} --touch {how}");
+            entry("stroke", &format!("{nuance}-{how}"), title, Series::builtin_text(nuance, touch))
+        })
+    });
+    let linkages = LinkageFile::builtin_names()
+        .filter_map(|name| entry("linkage", name, LinkageFile::builtin(name)?.name, LinkageFile::builtin_text(name)));
+    instruments.chain(keyboards).chain(strokes).chain(linkages).collect()
+}
+
+/// A built-in file by its name, with its kind; the kind may stand before it.
+pub fn built_in(asked: &str) -> Option<(&'static str, &'static str)> {
+    let (kind, name) = asked.split_once(':').map_or((None, asked), |(kind, name)| (Some(kind), name));
+    all()
+        .into_iter()
+        .find(|one| one.name == name && kind.is_none_or(|kind| kind == one.kind))
+        .map(|one| (one.kind, one.text))
+}
+
+impl List {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        if let Some(name) = &self.name {
+            let (_, text) = built_in(name).ok_or_else(|| {
+                let names: Vec<String> = all().into_iter().map(|one| one.name).collect();
+                Failure::Usage(format!("nothing built in is called `{name}` (built in: {})", names.join(", ")))
+            })?;
+            verbatim(text);
+            return Ok(());
+        }
+        let mut kind = "";
+        let built_in = all();
+        for one in &built_in {
+            if one.kind != kind {
+                kind = one.kind;
+                say!("{}{kind}s", if std::ptr::eq(one, &built_in[0]) { "" } else { "\n" });
+            }
+            say!("  {:<18} {}", one.name, one.title);
+        }
+        say!();
+        say!(
+            "`erard list NAME > FILE` makes a file of one, to be changed; every key of a keyboard is an instrument: NAME:key=1 to 88"
+        );
+        answer::give(&Listed { built_in })
+    }
+}

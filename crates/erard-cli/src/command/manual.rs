@@ -1,0 +1,82 @@
+//! `erard completions` and `erard man`: what shells and `man` want to know of this program.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap_complete::Shell;
+use clap_mangen::Man as Page;
+
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::say;
+use crate::say::verbatim;
+
+/// Prints a script that completes this program's arguments in a shell.
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+impl Completions {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut super::definition(), "erard", &mut script);
+        verbatim(&String::from_utf8_lossy(&script));
+        Ok(())
+    }
+}
+
+/// Prints the manual page, or writes the pages of all commands into a folder.
+#[derive(Debug, Args)]
+pub struct Man {
+    /// Print the page of this command
+    #[arg(value_name = "COMMAND", conflicts_with = "into")]
+    command: Option<String>,
+    /// Write the pages of all commands into this folder, as erard.1, erard-press.1 and so on
+    #[arg(long, value_name = "DIR")]
+    into: Option<PathBuf>,
+    /// Replace files of these names there
+    #[arg(long, requires = "into")]
+    force: bool,
+}
+
+impl Man {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let mut program = super::definition();
+        program.build();
+        if let Some(folder) = &self.into {
+            let pages: Vec<(String, clap::Command)> = std::iter::once(("erard.1".to_owned(), program.clone()))
+                .chain(program.get_subcommands().filter(|c| c.get_name() != "help").map(|command| {
+                    let name = format!("erard-{}", command.get_name());
+                    (format!("{name}.1"), command.clone().display_name(name))
+                }))
+                .collect();
+            let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
+            let mut output = Output::files(folder, self.force, &names)?;
+            for (name, command) in &pages {
+                output.stage(name, |w| Page::new(command.clone()).render(w))?;
+            }
+            for path in output.commit()? {
+                say!("{}", crate::inputs::shown(&path));
+            }
+            return Ok(());
+        }
+        let command = match &self.command {
+            None => program,
+            Some(name) => {
+                let found = program.find_subcommand(name).cloned();
+                let found = found
+                    .ok_or_else(|| Failure::Usage(format!("there is no command `{name}`; `erard help` lists them")))?;
+                found.display_name(format!("erard-{name}"))
+            }
+        };
+        let mut page = Vec::new();
+        Page::new(command).render(&mut page).map_err(Failure::Said)?;
+        verbatim(&String::from_utf8_lossy(&page));
+        Ok(())
+    }
+}

@@ -1,0 +1,161 @@
+//! What makes this process' results: the program, the command, and the files and built-in data that it was made from.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use clap::{ArgMatches, Command};
+use erard_figures::made_by::{MadeBy, Source};
+use sha2::{Digest, Sha256};
+
+/// The commit that the program was built from, where that was known; a `+`: changed since.
+pub const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
+
+/// What was read, in its order.
+static SOURCES: Mutex<Vec<Source>> = Mutex::new(Vec::new());
+/// The command line, and all options.
+static COMMAND: Mutex<(String, BTreeMap<String, Vec<String>>)> = Mutex::new((String::new(), BTreeMap::new()));
+
+/// Options that say where results go and how they are told, not what they are; with a value, or without.
+const ELSEWHERE: [(&str, bool); 4] = [("out", true), ("force", false), ("quiet", false), ("json", false)];
+
+/// Remembers the command that this process was asked for.
+pub fn remember(arguments: &[OsString], definition: &Command, matches: &ArgMatches) {
+    let mut command = String::from("erard");
+    let mut skip = false;
+    for argument in arguments.iter().skip(1).map(|argument| argument.to_string_lossy()) {
+        if std::mem::take(&mut skip) {
+            continue;
+        }
+        let option = argument
+            .strip_prefix("--")
+            .map(|rest| rest.split_once('=').map_or((rest, false), |(name, _)| (name, true)));
+        if let Some((_, takes_value)) = ELSEWHERE.iter().find(|(name, _)| option.is_some_and(|(own, _)| own == *name)) {
+            skip = *takes_value && option.is_some_and(|(_, has_value)| !has_value);
+            continue;
+        }
+        command.push(' ');
+        command.push_str(&quoted(&argument));
+    }
+    let mut options = BTreeMap::new();
+    if let Some((name, matches)) = matches.subcommand()
+        && let Some(definition) = definition.find_subcommand(name)
+    {
+        for argument in definition.get_arguments() {
+            let id = argument.get_id().as_str();
+            if ELSEWHERE.iter().any(|(name, _)| *name == id) {
+                continue;
+            }
+            if let Ok(Some(values)) = matches.try_get_raw(id) {
+                options.insert(id.to_owned(), values.map(|value| value.to_string_lossy().into_owned()).collect());
+            }
+        }
+    }
+    *COMMAND.lock().unwrap_or_else(PoisonError::into_inner) = (command, options);
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./:=,@%+#".contains(c);
+    if !word.is_empty() && !word.starts_with('#') && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+/// Remembers what results are made from; `file` as it was given, `bytes` as they were read.
+pub fn used(kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
+    push(kind, name, file, Some(hex(&Sha256::digest(bytes))));
+}
+
+/// The same of something that has no bytes, such as a constant force.
+pub fn used_without_file(kind: &str, name: &str) {
+    push(kind, name, None, None);
+}
+
+/// The same of a file that was hashed while it was read.
+pub fn used_hashed(kind: &str, name: &str, file: &str, hash: Sha256) {
+    push(kind, name, Some(file), Some(hex(&hash.finalize())));
+}
+
+fn push(kind: &str, name: &str, file: Option<&str>, sha256: Option<String>) {
+    let source = Source { kind: kind.into(), name: name.into(), file: file.map(str::to_owned), sha256 };
+    let mut sources = sources();
+    if !sources.contains(&source) {
+        sources.push(source);
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string does not fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+fn sources() -> MutexGuard<'static, Vec<Source>> {
+    SOURCES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What makes the results now.
+pub fn made_by() -> MadeBy {
+    let (command, options) = COMMAND.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    MadeBy {
+        program: "erard".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        commit: COMMIT.map(str::to_owned),
+        command,
+        options,
+        sources: sources().clone(),
+    }
+}
+
+/// A result with what made it in it, by the ending of its name; of other kinds as it is.
+pub fn stamped(name: &str, bytes: Vec<u8>) -> Vec<u8> {
+    let made_by = made_by();
+    let text = |stamp: &dyn Fn(&str) -> String| match std::str::from_utf8(&bytes) {
+        Ok(text) => stamp(text).into_bytes(),
+        Err(_) => bytes.clone(),
+    };
+    match name.rsplit_once('.').map(|(_, ending)| ending) {
+        Some("svg") => text(&|svg| made_by.in_svg(svg)),
+        Some("html") => text(&|html| made_by.in_html(html)),
+        Some("json") => text(&|json| made_by.in_json(json)),
+        Some("png") => made_by.in_png(&bytes),
+        _ => bytes,
+    }
+}
+
+/// Whether a result of this name carries what made it.
+pub fn is_stamped(name: &str) -> bool {
+    [".svg", ".html", ".json", ".png"].iter().any(|ending| name.ends_with(ending))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_as_a_shell_needs_it() {
+        for (word, wanted) in [
+            ("mf", "mf"),
+            ("a b", "'a b'"),
+            ("it's", "'it'\\''s'"),
+            ("", "''"),
+            ("F [gf]", "'F [gf]'"),
+            ("#1", "'#1'"),
+            ("x.csv", "x.csv"),
+        ] {
+            assert_eq!(quoted(word), wanted);
+        }
+    }
+
+    /// FIPS 180-4's example.
+    #[test]
+    fn the_digest_is_sha_256() {
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(hex(&Sha256::digest(b"abc")), abc);
+    }
+}

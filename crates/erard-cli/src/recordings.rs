@@ -1,0 +1,347 @@
+//! Recordings from files, text or Parquet, and the options by which they are understood and made ready.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
+use erard_lab::recording::{LowPass, Preparation, Prepared, Report, prepare};
+use parquet::basic::Type as Physical;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use sha2::{Digest, Sha256};
+
+use crate::failure::Failure;
+use crate::identity;
+use crate::inputs::{self, shown};
+
+/// How a recording is understood and made ready.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Recordings")]
+pub struct RecordingOptions {
+    /// Which columns of the file to read, by their titles, where these do not say it by themselves: as in
+    /// `time=Time (s),position=Displacement (mm),force=F [gf]`; `hammer` is the hammer's; `#3` is the third column, `x:mm` a column `x` in mm,
+    /// `none` no column
+    #[arg(long, value_name = "NAME=TITLE,..")]
+    columns: Option<Columns>,
+    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was recorded too, one
+    /// gives the other: fingertip = key + F/k, the finger's damper included [default: the key's, unless the column's title says otherwise]
+    #[arg(long, value_name = "WHOSE", value_enum)]
+    position: Option<PositionName>,
+    /// Take the zero from the rest before the touch, or leave every number as it is
+    #[arg(long, value_enum, default_value_t = ZeroName::Rest)]
+    zero: ZeroName,
+    /// Channels whose sign is to be turned: force, position, hammer
+    #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]
+    invert: Vec<Role>,
+    /// How much later than the others a channel was written down, as in force=1.5ms
+    #[arg(long, value_name = "CHANNEL=TIME", value_delimiter = ',', value_parser = delay)]
+    delay: Vec<(Role, f64)>,
+    /// Low-pass (Butterworth's, forth and back, so that nothing is delayed): a frequency in Hz at which amplitudes are halved, `off`, or
+    /// `own`: where each channel's own noise begins, if it has any
+    #[arg(long, value_name = "HZ|own|off", default_value = "own", value_parser = low_pass)]
+    low_pass: LowPass,
+    /// Order of the low-pass, of one pass
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = order)]
+    order: usize,
+}
+
+/// Whose position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PositionName {
+    /// The key's front
+    Key,
+    /// The fingertip
+    Fingertip,
+}
+
+/// Which zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ZeroName {
+    /// The mean of the rest before the touch, where there is one
+    Rest,
+    /// As it stands in the file
+    Off,
+}
+
+fn channel(text: &str) -> Result<Role, String> {
+    let role = ROLES.into_iter().find(|role| *role != Role::Time && role.name() == text.trim());
+    role.ok_or_else(|| "expected force, position or hammer".to_owned())
+}
+
+fn delay(text: &str) -> Result<(Role, f64), String> {
+    let expected = || "expected a channel and a time, as in force=1.5ms or position=-0.2ms".to_owned();
+    let (name, time) = text.split_once('=').ok_or_else(expected)?;
+    let time = time.trim();
+    let unit = time.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(time.len());
+    let (number, unit) = time.split_at(unit);
+    let factor = match unit.trim() {
+        "s" => 1.0,
+        "ms" => 1e-3,
+        "us" | "\u{b5}s" | "\u{3bc}s" => 1e-6,
+        _ => return Err(expected()),
+    };
+    let seconds = number.trim().parse::<f64>().map_err(|_| expected())? * factor;
+    if seconds.abs() > 10.0 || seconds.is_nan() {
+        return Err("expected a time of at most 10 s".to_owned());
+    }
+    Ok((channel(name)?, seconds))
+}
+
+fn low_pass(text: &str) -> Result<LowPass, String> {
+    match text {
+        "own" => Ok(LowPass::Own),
+        "off" => Ok(LowPass::Off),
+        hz => match hz.trim_end_matches("Hz").trim().parse::<f64>() {
+            Ok(hz) if hz > 0.0 && hz.is_finite() => Ok(LowPass::At(hz)),
+            _ => Err("expected a frequency in Hz, `own` or `off`".to_owned()),
+        },
+    }
+}
+
+fn order(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|order| (1..=10).contains(order)).ok_or_else(|| "expected 1 to 10".to_owned())
+}
+
+/// A recording and what was made of it.
+#[derive(Debug)]
+pub struct Ready {
+    /// Its name as messages show it.
+    pub name: String,
+    /// As it stands in the file, in SI units.
+    pub recording: Recording,
+    /// Made ready.
+    pub prepared: Prepared,
+    /// Whose position it is.
+    pub position_of: PositionOf,
+}
+
+impl RecordingOptions {
+    /// Whether any of them is asked for: they belong to files.
+    pub fn are_given(&self) -> bool {
+        self.columns.is_some()
+            || self.position.is_some()
+            || self.zero != ZeroName::Rest
+            || !self.invert.is_empty()
+            || !self.delay.is_empty()
+            || self.low_pass != LowPass::Own
+            || self.order != 4
+    }
+
+    /// Reads a recording and makes it ready.
+    pub fn load(&self, path: &Path) -> Result<Ready, Failure> {
+        let name = shown(path);
+        let recording = read(path, &name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
+        self.prepared(name, recording)
+    }
+
+    /// The same of a text that is no file.
+    pub fn make_ready(&self, name: &str, text: &[u8]) -> Result<Ready, Failure> {
+        let recording = Recording::read(text, name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
+        self.prepared(name.to_owned(), recording)
+    }
+
+    fn prepared(&self, name: String, recording: Recording) -> Result<Ready, Failure> {
+        for (role, option) in self
+            .invert
+            .iter()
+            .map(|role| (role, "--invert"))
+            .chain(self.delay.iter().map(|(role, _)| (role, "--delay")))
+        {
+            if recording.channel(*role).is_none() {
+                return Err(Failure::Usage(format!("{option} {}: {name} has no such channel", role.name())));
+            }
+        }
+        let preparation = Preparation {
+            zero: self.zero == ZeroName::Rest,
+            inverted: self.invert.clone(),
+            late_s: self.delay.clone(),
+            low_pass: self.low_pass,
+            order: self.order,
+        };
+        let prepared = prepare(&recording, &preparation).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
+        let position_of = match self.position {
+            None => recording.position_of,
+            Some(PositionName::Key) => PositionOf::Key,
+            Some(PositionName::Fingertip) => PositionOf::Fingertip,
+        };
+        Ok(Ready { name, recording, prepared, position_of })
+    }
+}
+
+/// What was done to a recording and what was noticed, a line each, with the channel's name before it.
+pub fn told(report: &Report) -> Vec<String> {
+    let done = report.channels.iter().flat_map(|channel| {
+        let name = channel.role.name();
+        channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
+    });
+    done.chain(report.warnings().into_iter().map(|warning| format!("look: {warning}"))).collect()
+}
+
+/// What a Parquet file begins with.
+const PARQUET: &[u8] = b"PAR1";
+
+/// Reads a recording, of text or Parquet: what the file begins with tells which.
+fn read(path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<StrokeError>> {
+    let mut file = match inputs::open(path) {
+        Ok(file) => file,
+        Err(error) => return Recording::read_opened(Err::<File, _>(error), name, columns),
+    };
+    let mut head = Vec::new();
+    if let Err(error) = (&mut file).take(PARQUET.len() as u64).read_to_end(&mut head) {
+        return Recording::read_opened(Err::<File, _>(error), name, columns);
+    }
+    if head == PARQUET {
+        let recording = read_parquet(file.try_clone(), name, columns)?;
+        let mut hash = Sha256::new();
+        let whole = file
+            .seek(SeekFrom::Start(0))
+            .and_then(|_| io::copy(&mut file, &mut Hashed { hash: &mut hash, inner: io::empty() }));
+        whole.map_err(|error| fault(name, "", format!("cannot be read: {error}"), ""))?;
+        identity::used_hashed("recording", name, name, hash);
+        return Ok(recording);
+    }
+    let mut hash = Sha256::new();
+    let hashed = Hashed { hash: &mut hash, inner: Cursor::new(head).chain(file) };
+    let recording = Recording::read(hashed, name, columns)?;
+    identity::used_hashed("recording", name, name, hash);
+    Ok(recording)
+}
+
+/// What is read through it, or written to it, is hashed.
+struct Hashed<'a, R> {
+    hash: &'a mut Sha256,
+    inner: R,
+}
+
+impl<R: Read> Read for Hashed<'_, R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(out)?;
+        self.hash.update(&out[..count]);
+        Ok(count)
+    }
+}
+
+impl<R> Write for Hashed<'_, R> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.hash.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A fault of the file as a whole, or of one of its columns.
+fn fault(file: &str, column: &str, message: String, expected: &str) -> Box<StrokeError> {
+    Box::new(StrokeError {
+        file: file.to_owned(),
+        line: 0,
+        column: column.to_owned(),
+        message,
+        found: String::new(),
+        expected: expected.to_owned(),
+    })
+}
+
+fn read_parquet(file: io::Result<File>, name: &str, columns: &Columns) -> Result<Recording, Box<StrokeError>> {
+    let unreadable = |error: &dyn std::fmt::Display| fault(name, "", format!("cannot be read as Parquet: {error}"), "");
+    let file = file.map_err(|error| unreadable(&error))?;
+    let regular = file.metadata().map_err(|error| unreadable(&error))?;
+    if !regular.is_file() {
+        return Err(fault(
+            name,
+            "",
+            "Parquet is read from the end of a file, which a pipe has not".to_owned(),
+            "a file",
+        ));
+    }
+    if regular.len() > MAX_BYTES {
+        return Err(fault(name, "", format!("larger than {} MiB", MAX_BYTES >> 20), ""));
+    }
+    let reader = SerializedFileReader::new(file).map_err(|error| unreadable(&error))?;
+    let metadata = reader.metadata();
+    let rows = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0);
+    if rows > MAX_ROWS {
+        let expected = format!("at most {MAX_ROWS}: cut the recording or sample it more coarsely");
+        return Err(fault(name, "", format!("too many rows: {rows}"), &expected));
+    }
+    let schema = metadata.file_metadata().schema_descr();
+    let titles: Vec<String> = schema.columns().iter().map(|column| column.path().string()).collect();
+    let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
+    let layout = Layout::of(&titles, columns, name)?;
+    let mut values: Vec<Vec<f64>> = Vec::new();
+    for column in &layout.columns {
+        let described = schema.column(column.index);
+        let numbers =
+            matches!(described.physical_type(), Physical::DOUBLE | Physical::FLOAT | Physical::INT32 | Physical::INT64);
+        if !numbers || described.max_rep_level() > 0 {
+            return Err(fault(name, &column.title, "not a column of numbers".to_owned(), "one number in every row"));
+        }
+        let mut all = Vec::with_capacity(rows);
+        for group in 0..metadata.num_row_groups() {
+            let chunk = metadata.row_group(group).column(column.index);
+            if chunk.uncompressed_size() > MAX_BYTES as i64 {
+                return Err(fault(name, &column.title, format!("larger than {} MiB", MAX_BYTES >> 20), ""));
+            }
+            let reader = reader
+                .get_row_group(group)
+                .and_then(|group| group.get_column_reader(column.index))
+                .map_err(|error| unreadable(&error))?;
+            let taken = match reader {
+                ColumnReader::DoubleColumnReader(reader) => {
+                    take(reader, described.max_def_level(), |x: &f64| *x, &mut all)
+                }
+                ColumnReader::FloatColumnReader(reader) => {
+                    take(reader, described.max_def_level(), |x: &f32| f64::from(*x), &mut all)
+                }
+                ColumnReader::Int32ColumnReader(reader) => {
+                    take(reader, described.max_def_level(), |x: &i32| f64::from(*x), &mut all)
+                }
+                ColumnReader::Int64ColumnReader(reader) => {
+                    take(reader, described.max_def_level(), |x: &i64| *x as f64, &mut all)
+                }
+                _ => Ok(()),
+            };
+            taken.map_err(|error| unreadable(&error))?;
+        }
+        values.push(all);
+    }
+    let values: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
+    Recording::from_columns(layout, name, &values)
+}
+
+/// Rows that are read at a time.
+const PORTION: usize = 65_536;
+
+/// Takes a column's numbers; what is null is not a number.
+fn take<T: DataType>(
+    mut reader: ColumnReaderImpl<T>,
+    there: i16,
+    number: impl Fn(&T::T) -> f64,
+    all: &mut Vec<f64>,
+) -> parquet::errors::Result<()> {
+    loop {
+        let (mut values, mut levels) = (Vec::new(), Vec::new());
+        let of_levels = (there > 0).then_some(&mut levels);
+        let (records, ..) = reader.read_records(PORTION, of_levels, None, &mut values)?;
+        if records == 0 {
+            return Ok(());
+        }
+        if there == 0 {
+            all.extend(values.iter().map(&number));
+        } else {
+            let mut values = values.iter();
+            all.extend(levels.iter().map(|level| {
+                let value = if *level == there { values.next() } else { None };
+                value.map_or(f64::NAN, &number)
+            }));
+        }
+        if all.len() > MAX_ROWS {
+            return Err(parquet::errors::ParquetError::General("more rows than the file says it has".into()));
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! `--json` of every command: standard output is one JSON value, and has the schema that stands in `schemas/`.
+//!
+//! The schemas say what is there in any case and of which type; commands may say more. `ERARD_SCHEMAS=write cargo test --release -p erard-cli
+//! --test json` makes them anew from what the commands answer, to be looked at.
+
+mod common;
+
+use std::path::PathBuf;
+
+use common::Folder;
+use serde_json::{Map, Value, json};
+
+/// Every command, and calls whose answers differ in kind: one schema holds for all of them.
+const CALLS: &[(&str, &[&[&str]])] = &[
+    (
+        "press",
+        &[
+            &["press", "--duration", "0.1"],
+            &["press", "--model", "one-dof", "--duration", "0.05"],
+            &["press", "--tolerance", "1e-4", "--duration", "0.1"],
+            &["press", "--stroke", "ff"],
+        ],
+    ),
+    ("draw", &[&["draw"], &["draw", "--at", "let-off"]]),
+    (
+        "kinematics",
+        &[
+            &["kinematics", "--steps", "20"],
+            &["kinematics", "--instrument", "concert-grand", "--steps", "20", "--move", "capstan=-5mm"],
+        ],
+    ),
+    ("study", &[&["study", "--vary", "force=0.1,5", "--duration", "0.1"]]),
+    ("measure", &[&["measure"]]),
+    ("keyboard", &[&["keyboard", "--every", "60"]]),
+    ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out", "regulated.toml", "--force"]]),
+    ("validate", &[&["validate"]]),
+    (
+        "check",
+        &[
+            &["check", "mine.toml"],
+            &["check", "run/run.csv"],
+            &["check", "noisy.csv"],
+            &["check", "c7f-like"],
+            &["check", "keyboard:concert-grand"],
+            &["check", "run/summary.json"],
+        ],
+    ),
+    (
+        "compare",
+        &[
+            &["compare", "run/run.csv"],
+            &["compare", "key.csv", "--no-pictures"],
+            &["compare", "noisy.csv", "--no-pictures"],
+        ],
+    ),
+    ("reproduce", &[&["reproduce", "--only", "paper2-rest"]]),
+    ("reproduce-list", &[&["reproduce", "--list"]]),
+    ("bench", &[&["bench", "--quick"]]),
+    ("list", &[&["list"]]),
+];
+
+fn home(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.schema.json"))
+}
+
+/// Whose keys are names of things, not of the format.
+const MAPS: [&str; 2] = ["options", "table"];
+
+/// Texts that may be null.
+const NULLABLE: [&str; 4] = ["commit", "file", "sha256", "likely_reason"];
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    }
+}
+
+/// The schema of all these values, which stand under the same key.
+fn infer(values: &[&Value], key: &str) -> Value {
+    let mut kinds: Vec<&str> = values.iter().map(|value| kind(value)).collect();
+    // A number that did not come out is null, and so is what is not known of a source.
+    if kinds.contains(&"number") || NULLABLE.contains(&key) {
+        kinds.push("null");
+    }
+    kinds.sort_unstable();
+    kinds.dedup();
+    let mut schema = Map::new();
+    // Of what was always null nothing is known.
+    if kinds != ["null"] {
+        schema.insert("type".into(), if kinds.len() == 1 { kinds[0].into() } else { kinds.into() });
+    }
+    let objects: Vec<&Map<String, Value>> = values.iter().filter_map(|value| value.as_object()).collect();
+    if MAPS.contains(&key) && !objects.is_empty() {
+        let all: Vec<&Value> = objects.iter().flat_map(|object| object.values()).collect();
+        schema.insert("additionalProperties".into(), infer(&all, ""));
+    } else if let Some(first) = objects.first() {
+        let required: Vec<&String> = first.keys().filter(|key| objects.iter().all(|o| o.contains_key(*key))).collect();
+        schema.insert("required".into(), json!(required));
+        let mut properties = Map::new();
+        for key in objects.iter().flat_map(|object| object.keys()) {
+            let all: Vec<&Value> = objects.iter().filter_map(|object| object.get(key)).collect();
+            properties.insert(key.clone(), infer(&all, key));
+        }
+        schema.insert("properties".into(), properties.into());
+    }
+    let items: Vec<&Value> = values.iter().filter_map(|value| value.as_array()).flatten().collect();
+    if !items.is_empty() {
+        schema.insert("items".into(), infer(&items, ""));
+    }
+    schema.into()
+}
+
+/// What of a value is not as its schema says.
+fn faults(value: &Value, schema: &Value, path: &str, found: &mut Vec<String>) {
+    let schema = schema.as_object().unwrap();
+    let known = ["$schema", "title", "type", "required", "properties", "items", "additionalProperties"];
+    assert!(schema.keys().all(|key| known.contains(&key.as_str())), "{path}: a keyword that is not checked");
+    let types = match schema.get("type") {
+        Some(Value::Array(types)) => types.clone(),
+        Some(one) => vec![one.clone()],
+        None => vec![kind(value).into()],
+    };
+    if !types.contains(&kind(value).into()) {
+        found.push(format!("{path}: {}, not {types:?}", kind(value)));
+    }
+    if let Value::Object(object) = value {
+        for key in schema.get("required").and_then(Value::as_array).into_iter().flatten() {
+            if !object.contains_key(key.as_str().unwrap()) {
+                found.push(format!("{path}: {key} is missing"));
+            }
+        }
+        for (key, value) in object {
+            let own = schema.get("properties").and_then(|all| all.get(key)).or(schema.get("additionalProperties"));
+            if let Some(own) = own {
+                faults(value, own, &format!("{path}/{key}"), found);
+            }
+        }
+    }
+    if let (Value::Array(items), Some(own)) = (value, schema.get("items")) {
+        items.iter().enumerate().for_each(|(n, item)| faults(item, own, &format!("{path}/{n}"), found));
+    }
+}
+
+#[test]
+fn every_command_answers_by_its_schema() {
+    let folder = Folder::new("json");
+    folder.file("mine.toml", include_str!("../../../instruments/concert-grand.toml"));
+    folder.good(&["press", "--stroke", "f", "--out", "run"]);
+    let table = folder.read("run/run.csv");
+    let part: Vec<String> = table.lines().map(|l| [0, 2].map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
+    folder.file("key.csv", &part.join("\n"));
+    // One with a rest, an offset, noise and a gap, so that all of a preparation is there.
+    let mut noisy = String::from("t (ms);Force (gf);Travel (mm)\n");
+    for n in 0..1000_u64 {
+        let push = (n.saturating_sub(300).min(100)) as f64;
+        let noise = |salt: u64| ((n * 7919 + salt).wrapping_mul(2_654_435_761) >> 7) as f64 % 1000.0 / 1000.0 - 0.5;
+        let force = if n == 500 { String::new() } else { format!("{:.3}", 20.0 + 4.0 * push + 3.0 * noise(1)) };
+        noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
+    }
+    folder.file("noisy.csv", &noisy);
+    let mut without: Vec<&str> = Vec::new();
+    for (name, calls) in CALLS {
+        let answers: Vec<Value> = calls
+            .iter()
+            .map(|call| {
+                let said = folder.good(&[*call, &["--json"]].concat());
+                serde_json::from_str(&said).unwrap_or_else(|error| panic!("{call:?}: {error}: {said}"))
+            })
+            .collect();
+        if std::env::var("ERARD_SCHEMAS").is_ok_and(|value| value == "write") {
+            let mut schema = infer(&answers.iter().collect::<Vec<_>>(), "");
+            let own = schema.as_object_mut().unwrap();
+            own.insert("$schema".into(), "http://json-schema.org/draft-07/schema#".into());
+            own.insert("title".into(), format!("erard {} --json", name.replace("-list", " --list")).into());
+            std::fs::write(home(name), serde_json::to_string_pretty(&schema).unwrap() + "\n").unwrap();
+        }
+        let Ok(text) = std::fs::read_to_string(home(name)) else {
+            without.push(name);
+            continue;
+        };
+        let schema: Value = serde_json::from_str(&text).unwrap();
+        for (answer, call) in answers.iter().zip(*calls) {
+            let mut found = Vec::new();
+            faults(answer, &schema, "", &mut found);
+            assert!(found.is_empty(), "{call:?}: {found:#?}");
+            assert!(answer["made_by"]["command"].as_str().unwrap().starts_with("erard "), "{call:?}");
+        }
+        // A schema that everything conforms to would say nothing.
+        let mut found = Vec::new();
+        faults(&json!({}), &schema, "", &mut found);
+        assert!(!found.is_empty(), "{name}: an empty object conforms");
+        let mut wrong = answers[0].clone();
+        wrong["made_by"]["command"] = json!(1);
+        found.clear();
+        faults(&wrong, &schema, "", &mut found);
+        assert_eq!(found.len(), 1, "{name}: {found:?}");
+    }
+    assert!(without.is_empty(), "without a schema: {without:?}");
+}
+
+/// The answer is what the file holds.
+#[test]
+fn the_answer_is_the_file() {
+    let folder = Folder::new("json-file");
+    let said = folder.good(&["press", "--duration", "0.05", "--json"]);
+    assert_eq!(said, folder.read("erard-out/summary.json"));
+    // A failure is told in words, and nothing stands on standard output.
+    assert!(folder.bad(&["press", "--dt", "7", "--json"]).contains("--dt"));
+}
