@@ -40,6 +40,7 @@ fn nothing_breaks_at_random() {
 /// At theta = 1 the scheme takes energy of its own and gives none: no gain but rounding.
 #[test]
 fn nothing_breaks_at_random_with_theta_one() {
+    // The gain is what these seeds show, and no theorem: turning paths leave terms of h^2 of either sign, and another seed has shown 3.5e-4.
     for fate in fates(1.0, 20_000) {
         assert!(!fate.not_finite && !fate.restless, "{fate:?}");
         assert!(fate.gain < 1e-6, "{fate:?}");

@@ -75,7 +75,7 @@ impl KeyModel {
     }
 
     /// Effective inertia at the key's front of a key with these weights, kg: the hammer's from its strike weight and ratio, the key's with its
-    /// leads changed for its front weight ([`LEADS_AT`]), the whippen's as the model's.
+    /// leads changed for its front weight (at `LEADS_AT`), the whippen's as the model's.
     #[must_use]
     pub fn inertia_kg(&self, strike_weight_g: f64, front_weight_g: f64, ratio: f64) -> f64 {
         let hammer_g = self.hammer_factor * strike_weight_g * ratio * ratio;
