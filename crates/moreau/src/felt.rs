@@ -626,6 +626,20 @@ mod tests {
         }
     }
 
+    /// How much slower the felt may close before its force vanishes is told exactly where the compression plays no part: by 1/a and its rate.
+    #[test]
+    fn the_clamp_is_as_far_as_it_says() {
+        let mut met = 0;
+        for (felt, law, gap, rate, timing) in touched() {
+            if let Loss::HuntCrossley(a) = felt.loss {
+                let opening = law.press(gap, rate, &timing, true).opening;
+                assert!((opening - (1.0 / a + rate)).abs() <= 1e-12 / a, "{felt:?} {rate}: {opening}");
+                met += 1;
+            }
+        }
+        assert!(met > 0);
+    }
+
     /// The mean force is that of the two points of Gauss, and the tangent its derivative by the rate, the compression going along with it by
     /// theta h (a central difference, right to 1e-8).
     #[test]
