@@ -144,8 +144,11 @@ impl Watch {
 }
 
 impl Sample {
-    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero.
+    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero; that of `now` where a was not looked at.
     fn at_zero(&self, a: f64, b: f64, now: &Sample) -> f64 {
+        if a == f64::NEG_INFINITY {
+            return now.time_s;
+        }
         self.time_s + (now.time_s - self.time_s) * a / (a - b)
     }
 }
