@@ -1,6 +1,7 @@
 //! Pages that are printed: their paper, and what stands at their head.
 
 use clap::{Args, ValueEnum};
+use maud::{Markup, PreEscaped, html};
 
 /// Sizes of paper.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -48,5 +49,20 @@ fn words(text: &str) -> Result<String, String> {
         count if count > LONGEST => Err(format!("{count} characters; expected at most {LONGEST}")),
         _ if text.chars().any(char::is_control) => Err("expected one line of text".to_owned()),
         _ => Ok(text.trim().to_owned()),
+    }
+}
+
+/// The head of a page: what it may load (pictures that it holds itself, and nothing else), its title and its style sheet.
+#[must_use]
+pub fn html_head(title: &str, style: &str) -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta http-equiv="Content-Security-Policy"
+                content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            title { (title) }
+            style { (PreEscaped(style)) }
+        }
     }
 }

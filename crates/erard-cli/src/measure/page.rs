@@ -7,12 +7,12 @@ use erard_workshop::measure::range::MIDI_MAP;
 use super::figures::Drawn;
 use super::table::usual_of;
 use super::{Measured, doubts};
-use crate::paper::Headed;
+use crate::paper::{Headed, html_head};
 use crate::sheet::shown;
 use crate::units::Lengths;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -23,14 +23,7 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn], headed
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy"
-                    content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) ": protocol sheet" }
-                style { (PreEscaped(STYLE)) (PreEscaped(on_every_page(&title, headed))) }
-            }
+            (html_head(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, headed))))
             body {
                 main {
                     h1 { (title) }

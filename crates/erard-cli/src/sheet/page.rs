@@ -5,9 +5,10 @@ use base64::engine::general_purpose::STANDARD;
 use erard::keyboard::note_name;
 use erard_workshop::measure::norms::{Line, lines};
 use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 
 use super::{Advised, tasks};
+use crate::paper::html_head;
 use crate::units::Lengths;
 
 const STYLE: &str = include_str!("../paper.css");
@@ -48,17 +49,12 @@ const PLAYING: [Value; 3] = [
 pub fn html(all: &[Advised<'_>]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
     let paper = all.first().map_or("A4", |one| one.headed.paper.css());
+    let title = format!("{}: technician's sheet", names.join(", "));
+    let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}");
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy"
-                    content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (names.join(", ")) ": technician's sheet" }
-                style { (PreEscaped(STYLE)) "@page{size:" (paper) "}section+section{break-before:page}" }
-            }
+            (html_head(&title, &style))
             body { @for one in all { (sheet(one)) } }
         }
     };

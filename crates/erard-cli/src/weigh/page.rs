@@ -2,10 +2,11 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 
 use super::table::remarks;
 use super::{Work, capstan_text, leads_text};
+use crate::paper::html_head;
 use erard_workshop::balance::BalancedKey;
 
 const STYLE: &str = include_str!("../paper.css");
@@ -13,17 +14,12 @@ const STYLE: &str = include_str!("../paper.css");
 /// The page: head, list, remarks, figure.
 pub fn html(work: &Work<'_>, figure: &str) -> String {
     let headed = work.headed;
+    let title = format!("{}: work list", work.name);
+    let style = format!("{STYLE}@page{{size:{}}}", headed.paper.css());
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy"
-                    content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (work.name) ": work list" }
-                style { (PreEscaped(STYLE)) "@page{size:" (headed.paper.css()) "}" }
-            }
+            (html_head(&title, &style))
             body {
                 header {
                     h1 { "Work list: " (work.name) }
