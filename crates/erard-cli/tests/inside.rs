@@ -68,5 +68,6 @@ fn losses_add_up() {
     let shares: f64 = parts.iter().map(|one| one["share"].as_f64().unwrap()).sum();
     assert!((shares - 1.0).abs() < 1e-9);
     let svg = folder.read("press/losses.svg");
+    assert!(svg.contains("lost so far (mJ)"), "areas stand on a linear axis");
     assert!(svg.contains("<polygon") && svg.contains("all others") && !svg.contains("NaN"));
 }

@@ -84,7 +84,7 @@ pub fn losses_svg(run: &Run, title: &str, recorded: &LossRecorder, report: &Loss
         label: format!("all others: {}", share(rest)),
         x: &run.time_s,
         y: Cow::Owned(mj(&others)),
-        colour: "#8a8a8a",
+        colour: "#d4d4d4",
         dash: Dash::Solid,
     });
     let panels = vec![Panel {

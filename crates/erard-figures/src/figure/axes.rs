@@ -185,7 +185,10 @@ pub(super) fn short(value: f64) -> String {
 pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
     let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height_px);
     // A logarithmic axis says so: its numbers alone are easily misread.
-    let scale = if panel.layout == Layout::Together { "" } else { "log" };
+    let scale = match panel.layout {
+        Layout::Together | Layout::Stacked => "",
+        Layout::Logarithmic | Layout::Lanes { .. } => "log",
+    };
     let details: Vec<&str> = [panel.unit, scale].into_iter().filter(|detail| !detail.is_empty()).collect();
     let name = match details[..] {
         [] => panel.quantity.clone(),
