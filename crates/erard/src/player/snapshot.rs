@@ -6,6 +6,10 @@ use thiserror::Error;
 use crate::instrument::Instrument;
 use crate::mechanism::Saved;
 
+mod bytes;
+
+pub use bytes::BYTES;
+
 /// The version of [`Snapshot`] that this program writes, and the only one that it reads.
 pub const VERSION: u32 = 1;
 
@@ -50,6 +54,15 @@ pub enum SnapshotError {
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]
     NotFinite,
+    /// Bytes that are no snapshot: too few or too many, or they begin otherwise.
+    #[error("{found} bytes are no snapshot; expected {BYTES} bytes that begin with `erardsav`")]
+    NoSnapshot {
+        /// How many there are.
+        found: usize,
+    },
+    /// Bytes that were changed since they were written.
+    #[error("the snapshot is damaged: its bytes do not add up")]
+    Damaged,
 }
 
 impl Snapshot {
