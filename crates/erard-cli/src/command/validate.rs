@@ -1,7 +1,7 @@
 //! `erard validate`.
 
 use clap::Args;
-use erard_lab::validate::{PressedBlow, Published, Row, Validation, Verdict, validate};
+use erard_lab::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
 use serde::Serialize;
 use std::io::Write;
 
@@ -19,7 +19,8 @@ use erard_figures::figure::{
 /// What stands below the options.
 const AFTER: &str = "\
 A row is met where the simulated value lies in the published range; where a source gives one number, the range around it is
-ours, and the table (validation/published.toml) says so. Misses are shown as misses, with the likely reason. Writes
+ours, and the table (validation/published.toml) says so. Rows on the order of events are played by a hand; what a constant force gives
+stands beside them and does not count. Misses are shown as misses, with the likely reason. Writes
 validate.json, validate.csv, and the order of events against loudness as SVG and PNG.";
 
 /// Holds an instrument against what has been measured on real pianos.
@@ -108,12 +109,16 @@ struct RowReport<'a> {
     certainty: erard::instrument::Certainty,
     how: &'a str,
     likely_reason: Option<&'a str>,
+    constant_force: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
 struct BlowReport {
-    force_N: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    force_N: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_N_s: Option<f64>,
     key_stroke_ms: Option<f64>,
     hammer_before_key_bottom_ms: Option<f64>,
     hammer_speed_m_s: Option<f64>,
@@ -129,6 +134,7 @@ struct Report<'a> {
     silent: usize,
     rows: Vec<RowReport<'a>>,
     blows: Vec<BlowReport>,
+    pressed: Vec<BlowReport>,
 }
 
 impl<'a> Report<'a> {
@@ -136,13 +142,14 @@ impl<'a> Report<'a> {
         let rows: Vec<RowReport<'a>> = published
             .rows
             .iter()
-            .zip(&validation.verdicts)
-            .map(|(row, verdict)| RowReport::new(row, *verdict, published))
+            .zip(validation.verdicts.iter().zip(&validation.beside))
+            .map(|(row, (verdict, beside))| RowReport::new(row, *verdict, *beside, published))
             .collect();
         let count = |verdicts: &[&str]| rows.iter().filter(|row| verdicts.contains(&row.verdict)).count();
         let ms = |s: Option<f64>| s.map(|s| s * 1e3);
         let blow = |b: &PressedBlow| BlowReport {
-            force_N: b.force_n,
+            force_N: if let Drive::Constant(force) = b.drive { Some(force) } else { None },
+            rate_N_s: if let Drive::Pressed(rate) = b.drive { Some(rate) } else { None },
             key_stroke_ms: ms(b.key_stroke_s),
             hammer_before_key_bottom_ms: ms(b.hammer_ahead_s),
             hammer_speed_m_s: b.hammer_speed_m_s,
@@ -155,6 +162,7 @@ impl<'a> Report<'a> {
             missed: count(&[MISSED, ABSENT]),
             silent: count(&[SILENT]),
             blows: validation.blows.iter().map(blow).collect(),
+            pressed: validation.pressed.iter().map(blow).collect(),
             rows,
         }
     }
@@ -166,7 +174,7 @@ const ABSENT: &str = "did not happen";
 const SILENT: &str = "cannot speak to it";
 
 impl<'a> RowReport<'a> {
-    fn new(row: &'a Row, verdict: Verdict, published: &'a Published) -> Self {
+    fn new(row: &'a Row, verdict: Verdict, constant_force: Option<f64>, published: &'a Published) -> Self {
         let (verdict, simulated, missed_by) = match verdict {
             Verdict::Met { simulated } => (MET, Some(simulated), None),
             Verdict::Missed { simulated, by } => (MISSED, Some(simulated), Some(by)),
@@ -188,6 +196,7 @@ impl<'a> RowReport<'a> {
             certainty: row.certainty,
             how: &row.how,
             likely_reason: if verdict == MET { None } else { row.if_missed.as_deref() },
+            constant_force,
         }
     }
 
@@ -204,15 +213,17 @@ impl<'a> RowReport<'a> {
 }
 
 fn print_table(rows: &[RowReport]) {
-    say!("  {:<46} {:>17} {:>19} {:>10}  verdict", "", "published", "counts as met", "simulated");
+    say!("  {:<55} {:>30} {:>19} {:>10}  verdict", "", "published", "counts as met", "simulated");
     for row in rows {
         let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
         let by = row.missed_by.map_or_else(String::new, |by| {
             format!(" by {} {}", three(by.abs()), row.unit).trim_end().to_owned()
                 + if by < 0.0 { " (too low)" } else { " (too high)" }
         });
+        let beside =
+            row.constant_force.map_or_else(String::new, |x| format!("  ({} under a constant force)", three(x)));
         say!(
-            "  {:<46} {:>17} {:>19} {:>10}  {}{by}",
+            "  {:<55} {:>30} {:>19} {:>10}  {}{by}{beside}",
             row.quantity,
             row.published,
             row.counts(),
@@ -248,14 +259,38 @@ struct Bar {
     range: [[f64; 2]; 2],
 }
 
+/// Blows that sound, and what they show against the hammer's speed; what did not happen is a gap.
+struct Curve<'a> {
+    blows: Vec<&'a PressedBlow>,
+    speeds: Vec<f64>,
+    ahead_ms: Vec<f64>,
+    stroke_ms: Vec<f64>,
+}
+
+impl<'a> Curve<'a> {
+    fn of(blows: impl Iterator<Item = &'a PressedBlow>) -> Self {
+        let blows: Vec<&PressedBlow> = blows.collect();
+        let ms = |get: fn(&PressedBlow) -> Option<f64>| -> Vec<f64> {
+            blows.iter().map(|b| get(b).map_or(f64::NAN, |s| 1e3 * s)).collect()
+        };
+        Curve {
+            speeds: blows.iter().filter_map(|b| b.hammer_speed_m_s).collect(),
+            ahead_ms: ms(|b| b.hammer_ahead_s),
+            stroke_ms: ms(|b| b.key_stroke_s),
+            blows,
+        }
+    }
+
+    /// The hammer speed of the first blow of which something holds.
+    fn speed(&self, holds: impl Fn(&PressedBlow) -> bool) -> Option<f64> {
+        self.blows.iter().find(|b| holds(b)).and_then(|b| b.hammer_speed_m_s)
+    }
+}
+
 /// The order of events against loudness: simulated blows, and the published points as bars.
 fn order_svg(validation: &Validation, published: &Published) -> String {
-    let heard: Vec<&PressedBlow> = validation.blows.iter().filter(|b| b.hammer_speed_m_s.is_some()).collect();
-    let series = |get: fn(&PressedBlow) -> Option<f64>| -> (Vec<f64>, Vec<f64>) {
-        heard.iter().filter_map(|b| Some((b.hammer_speed_m_s?, get(b)? * 1e3))).unzip()
-    };
-    let (ahead_x, ahead) = series(|b| b.hammer_ahead_s);
-    let (stroke_x, stroke) = series(|b| b.key_stroke_s);
+    let [constant, pressed] = [&validation.blows, &validation.pressed]
+        .map(|blows| Curve::of(blows.iter().filter(|b| b.hammer_speed_m_s.is_some())));
     // Where a row's published number stands: at the hammer speed of the simulated blow that it was compared with.
     let bar = |name: &str, speed: Option<f64>| -> Option<Bar> {
         let row = published.rows.iter().find(|row| row.name == name)?;
@@ -263,46 +298,53 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
         let (number, low, high) = (row.number?, row.at_least?, row.at_most?);
         Some(Bar { x: [v - BAR_M_S, v + BAR_M_S], y: [number, number], range: [[v, v], [low, high]] })
     };
-    let speed_near = |force: f64| {
-        let nearest =
-            heard.iter().min_by(|a, b| (a.force_n / force).ln().abs().total_cmp(&(b.force_n / force).ln().abs()));
-        nearest.and_then(|b| b.hammer_speed_m_s)
-    };
-    let f_speed = heard.iter().find(|b| b.key_stroke_s.is_some_and(|t| t <= 0.025)).and_then(|b| b.hammer_speed_m_s);
-    let orders: Vec<Bar> = [
-        bar("hammer_ahead_softest", heard.first().and_then(|b| b.hammer_speed_m_s)),
-        bar("hammer_ahead_p", speed_near(0.8)),
-        bar("hammer_ahead_f", f_speed),
-        bar("hammer_ahead_loudest", heard.last().and_then(|b| b.hammer_speed_m_s)),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    let strokes: Vec<Bar> = [
-        bar("key_stroke_at_0_8_N", speed_near(0.8)),
+    let near = |force: f64| constant.speed(|b| matches!(b.drive, Drive::Constant(n) if n >= force));
+    let quick = |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= 0.025);
+    let bars = |all: [Option<Bar>; 5]| -> Vec<Bar> { all.into_iter().flatten().collect() };
+    let orders = bars([
+        bar("hammer_ahead_pp", Some(0.5)),
+        bar("hammer_ahead_p", near(0.8)),
+        bar("hammer_ahead_f", pressed.speed(quick)),
+        bar("hammer_ahead_ff", Some(5.0)),
+        bar("hammer_ahead_loudest", pressed.blows.last().and_then(|b| b.hammer_speed_m_s)),
+    ]);
+    let strokes = bars([
+        bar("key_stroke_at_0_8_N", near(0.8)),
         bar("key_stroke_f", Some(3.15)),
-        bar("key_stroke_at_15_N", speed_near(15.0)),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+        bar("key_stroke_ff", Some(5.0)),
+        bar("key_stroke_at_15_N", near(15.0)),
+        None,
+    ]);
     let figure = Figure {
         title: format!("{}: order of events against loudness", validation.instrument),
-        subtitle: "constant forces; bars: published, with the range that counts as met".into(),
+        subtitle: "a hand whose force rises, and constant forces; bars: published, with the range that counts as met"
+            .into(),
         width_px: 860.0,
         x_label: "hammer speed at the string (m/s)".into(),
         x_unit: 1.0,
         x_scale: Scale::Linear,
         windows: vec![Window {
             from: 0.0,
-            to: ahead_x.last().copied().unwrap_or(7.0) * 1.08,
+            to: 1.08 * pressed.speeds.iter().chain(&constant.speeds).copied().fold(5.0, f64::max),
             weight: 1.0,
             heading: String::new(),
             names_markers: true,
         }],
         panels: vec![
-            panel("hammer before key bottom", 280.0, &ahead_x, &ahead, &orders, true),
-            panel("key start to key bottom", 180.0, &stroke_x, &stroke, &strokes, false),
+            panel(
+                "hammer before key bottom",
+                280.0,
+                [&pressed, &constant].map(|c| (&c.speeds, &c.ahead_ms)),
+                &orders,
+                true,
+            ),
+            panel(
+                "key start to key bottom",
+                180.0,
+                [&pressed, &constant].map(|c| (&c.speeds, &c.stroke_ms)),
+                &strokes,
+                false,
+            ),
         ],
         markers: MARKS.iter().map(|(x, label)| Marker { x: *x, label: (*label).into() }).collect(),
     };
@@ -312,7 +354,13 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
 /// Abscissae of the line at zero.
 const EVERYWHERE: [f64; 2] = [0.0, 100.0];
 
-fn panel<'a>(quantity: &str, height_px: f64, x: &'a [f64], y: &'a [f64], bars: &'a [Bar], zero: bool) -> Panel<'a> {
+fn panel<'a>(
+    quantity: &str,
+    height_px: f64,
+    [pressed, constant]: [(&'a Vec<f64>, &'a Vec<f64>); 2],
+    bars: &'a [Bar],
+    zero: bool,
+) -> Panel<'a> {
     let curve = |label: &str, x: &'a [f64], y: &'a [f64], colour, dash| Trace {
         label: label.into(),
         x,
@@ -320,7 +368,10 @@ fn panel<'a>(quantity: &str, height_px: f64, x: &'a [f64], y: &'a [f64], bars: &
         colour,
         dash,
     };
-    let mut curves = vec![curve("simulated", x, y, PALETTE[0], Dash::Solid)];
+    let mut curves = vec![
+        curve("pressed by a hand", pressed.0, pressed.1, PALETTE[0], Dash::Solid),
+        curve("constant force", constant.0, constant.1, PALETTE[3], Dash::Dashed),
+    ];
     for (index, bar) in bars.iter().enumerate() {
         curves.push(curve(if index == 0 { "published" } else { "" }, &bar.x, &bar.y, PALETTE[1], Dash::Solid));
         curves.push(curve(

@@ -1,7 +1,19 @@
-//! Blows of constant forces: when the key is down and when the hammer is there, from the softest to the loudest.
+//! Blows from the softest to the loudest: when the key is down and when the hammer is there.
+//!
+//! Three protocols, fixed before any number of an instrument was moved for them:
+//!
+//! - *constant*: a force that is there at once and stays. Nobody plays so; it is the plainest of drives.
+//! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises from nothing at a constant rate, to the end of the run
+//!   ([`Gesture::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and Fisette (Machines 8 (2020) 76) ask of an
+//!   actuator that is to play as a pianist does.
+//! - *led*: the same hand is led to 10.5 mm below the key's rest along the path of least jerk, by muscle of 1500 N/m and 14 N s/m, and stays
+//!   there ([`Gesture::led`]). The slowest that sounds is the softest.
+//!
+//! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down ([`erard::events`]). Accelerometers see key
+//! bottom where the key is slowed down most, a millisecond or more later.
 
 use erard::instrument::Instrument;
-use erard::player;
+use erard::player::{self, Gesture, press_by_hand};
 use erard::run::Run;
 use erard::simulation::{Setup, SimulationError, simulate};
 use erard_workshop::measure::MeasureError;
@@ -13,24 +25,42 @@ const STEP_S: f64 = 50e-6;
 const DURATION_S: f64 = 0.5;
 /// The forces of published playing, N: 0.5 starts a key, 15 is ff, and 35 is more than any.
 const FORCES_N: [f64; 2] = [0.3, 35.0];
+/// Rates at which a hand's force rises, N/s: from one with which the key takes a third of a second to the fastest of a pianist.
+const RATES_N_S: [f64; 2] = [4.0, 2500.0];
+/// Times within which a hand is led down, s: twice the longest published key stroke, and one that no led hand keeps.
+const SLOWEST_S: f64 = 0.5;
+const QUICKEST_S: f64 = 0.02;
 /// A force is found when it is known to this share.
 const CLOSE: f64 = 1e-3;
 /// A key that has gone so far has started, m: past the cloths on which it breathes.
 const STARTED_M: f64 = 1e-3;
 /// Forces of the curve against loudness, from the softest to the largest.
 const POINTS: usize = 25;
-/// Hammer speeds of the marks mf and f, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
+/// Hammer speeds of the marks, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
+const PP_M_S: f64 = 0.5;
+const FF_M_S: f64 = 5.0;
 const MF_M_S: f64 = 1.99;
 const F_M_S: f64 = 3.15;
 /// The key stroke that a published f has, s.
 const F_STROKE_S: f64 = 0.025;
 
-/// One blow of a key pressed with a constant force. SI units; `None` did not happen.
+/// How the key is pressed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// By a constant force, N, that is there at once.
+    Constant(f64),
+    /// By a hand whose muscle's force rises at so many N/s ([`Gesture::pressed`]).
+    Pressed(f64),
+    /// By a hand that is led down within so many s ([`Gesture::led`]).
+    Led(f64),
+}
+
+/// One blow. SI units; `None` did not happen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressedBlow {
-    /// The constant force, N.
-    pub force_n: f64,
-    /// From key start to key bottom, s.
+    /// How the key was pressed.
+    pub drive: Drive,
+    /// From key start to key bottom, s. Key bottom is the first touch of the front punching.
     pub key_stroke_s: Option<f64>,
     /// From key start to the hammer on the string, s.
     pub to_string_s: Option<f64>,
@@ -46,34 +76,55 @@ pub struct PressedBlow {
     pub deepest_m: f64,
 }
 
-/// What blows show. Forces that are not found are `None`.
+/// What blows show. Drives that are not found are `None`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Loudness {
     /// Smallest force that starts the key, N.
     pub starting_force_n: Option<f64>,
     /// Constant force of a key stroke of 20 ms, N.
     pub force_of_a_20_ms_stroke_n: Option<f64>,
-    /// The softest that sounds and reaches key bottom.
+    /// The softest constant force that sounds and reaches key bottom.
     pub softest: Option<PressedBlow>,
     /// At 0.8, 15 and 35 N.
     pub at_0_8_n: PressedBlow,
     pub at_15_n: PressedBlow,
     pub at_35_n: PressedBlow,
-    /// At the hammer speeds of the marks.
+    /// Constant forces for the hammer speeds of the marks.
     pub mf: Option<PressedBlow>,
     pub f: Option<PressedBlow>,
-    /// At the key stroke of a published f.
+    /// The constant force with the key stroke of a published f.
     pub f_by_stroke: Option<PressedBlow>,
-    /// Hammer speed where hammer and key bottom come together, m/s.
+    /// Hammer speed where hammer and key bottom come together under constant forces, m/s.
     pub crossover_m_s: Option<f64>,
-    /// The curve against loudness.
+    /// The curve of constant forces against loudness.
+    pub blows: Vec<PressedBlow>,
+    /// What hands do.
+    pub by_hand: ByHand,
+}
+
+/// Blows of hands.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ByHand {
+    /// Led so slowly that it just sounds.
+    pub softest: Option<PressedBlow>,
+    /// Led, at the hammer speed of pp.
+    pub pp: Option<PressedBlow>,
+    /// Pressed, with the key stroke of a published f.
+    pub f_by_stroke: Option<PressedBlow>,
+    /// Pressed, at the hammer speed of ff.
+    pub ff: Option<PressedBlow>,
+    /// Pressed as fast as a hand can.
+    pub loudest: PressedBlow,
+    /// Hammer speed where hammer and key bottom come together, pressed, m/s.
+    pub crossover_m_s: Option<f64>,
+    /// The curve of pressed touches against loudness.
     pub blows: Vec<PressedBlow>,
 }
 
-/// One blow of a constant force.
+/// One blow.
 fn blow(
     instrument: &Instrument,
-    force_n: f64,
+    drive: Drive,
     going: &mut dyn FnMut() -> bool,
 ) -> Result<PressedBlow, SimulationError> {
     let setup = Setup {
@@ -84,13 +135,18 @@ fn blow(
         tolerance: None,
         ledger: true,
     };
-    let run = simulate(instrument, &player::force(|_| force_n), &setup, &mut |_| going())?;
-    Ok(PressedBlow::of(instrument, &run, force_n))
+    let going = &mut |_| going();
+    let run = match drive {
+        Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, going)?,
+        Drive::Pressed(rate_n_s) => press_by_hand(instrument, &Gesture::pressed(rate_n_s), &setup, going)?,
+        Drive::Led(duration_s) => press_by_hand(instrument, &Gesture::led(duration_s), &setup, going)?,
+    };
+    Ok(PressedBlow::of(instrument, &run, drive))
 }
 
 impl PressedBlow {
-    /// What a run shows; `force_n` is its label.
-    pub(super) fn of(instrument: &Instrument, run: &Run, force_n: f64) -> Self {
+    /// What a run shows.
+    pub(super) fn of(instrument: &Instrument, run: &Run, drive: Drive) -> Self {
         let e = &run.events;
         let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
         let until = run.time_s.partition_point(|&t| t < e.hammer_contact_s.unwrap_or(f64::INFINITY));
@@ -104,7 +160,7 @@ impl PressedBlow {
             rows as f64 * run.work.record_every as f64 * STEP_S
         });
         PressedBlow {
-            force_n,
+            drive,
             key_stroke_s: between(e.key_start_s, e.key_bottom_s),
             to_string_s: between(e.key_start_s, e.hammer_contact_s),
             hammer_ahead_s: between(e.hammer_contact_s, e.key_bottom_s),
@@ -121,25 +177,53 @@ impl PressedBlow {
     }
 }
 
-/// The smallest force from which on `holds`, by bisection on the logarithm; `None` when it does not hold at the largest.
-fn smallest_force(
+/// A family of drives from soft to loud, by one number within its ends.
+struct Family {
+    drive: fn(f64) -> Drive,
+    ends: [f64; 2],
+}
+
+const CONSTANT: Family = Family { drive: Drive::Constant, ends: FORCES_N };
+const PRESSED: Family = Family { drive: Drive::Pressed, ends: RATES_N_S };
+/// By the inverse of its time, 1/s, so that more is louder.
+const LED: Family = Family { drive: |per_s| Drive::Led(1.0 / per_s), ends: [1.0 / SLOWEST_S, 1.0 / QUICKEST_S] };
+
+/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its blow; `None` when it does not hold at
+/// the largest.
+fn smallest(
     instrument: &Instrument,
+    family: &Family,
     holds: &dyn Fn(&PressedBlow) -> bool,
     going: &mut dyn FnMut() -> bool,
-) -> Result<Option<f64>, SimulationError> {
-    let [mut low, mut high] = FORCES_N;
-    if !holds(&blow(instrument, high, going)?) {
+) -> Result<Option<PressedBlow>, SimulationError> {
+    let [mut low, mut high] = family.ends;
+    let mut found = blow(instrument, (family.drive)(high), going)?;
+    if !holds(&found) {
         return Ok(None);
     }
     while high / low > 1.0 + CLOSE {
         let middle = (low * high).sqrt();
-        if holds(&blow(instrument, middle, going)?) {
-            high = middle;
+        let tried = blow(instrument, (family.drive)(middle), going)?;
+        if holds(&tried) {
+            (high, found) = (middle, tried);
         } else {
             low = middle;
         }
     }
-    Ok(Some(high))
+    Ok(Some(found))
+}
+
+/// The blows of a family from a number to its end, in equal ratios.
+fn curve(
+    instrument: &Instrument,
+    family: &Family,
+    from: f64,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<Vec<PressedBlow>, SimulationError> {
+    let share = |n: usize| n as f64 / (POINTS - 1) as f64;
+    (0..POINTS)
+        .map(|n| blow(instrument, (family.drive)(from * (family.ends[1] / from).powf(share(n))), going))
+        .collect()
 }
 
 /// All that the table asks about.
@@ -147,47 +231,50 @@ pub(super) fn measure(
     instrument: &Instrument,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Loudness, MeasureError> {
-    // Counted in blows: six searches of about 13, the curve and three more.
-    const BLOWS: f64 = 6.0 * 13.0 + POINTS as f64 + 6.0;
+    // Counted in blows: ten searches of about 13, two curves and four more.
+    const BLOWS: f64 = 10.0 * 13.0 + 2.0 * POINTS as f64 + 4.0;
     let mut done = 0.0;
     let mut going = || {
         done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
         progress((done / BLOWS).min(1.0))
     };
-    let search = |holds: &dyn Fn(&PressedBlow) -> bool,
-                  going: &mut dyn FnMut() -> bool|
-     -> Result<Option<PressedBlow>, MeasureError> {
-        match smallest_force(instrument, holds, going)? {
-            Some(force) => Ok(Some(blow(instrument, force, going)?)),
-            None => Ok(None),
-        }
-    };
+    let going = &mut going;
     let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_s.is_some_and(|v| v >= at_least);
     let stroke = |at_most: f64| move |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= at_most);
-    let starting = search(&|b| b.deepest_m > STARTED_M, &mut going)?;
-    let softest = search(&PressedBlow::whole, &mut going)?;
-    let quick = search(&stroke(0.020), &mut going)?;
-    let f_by_stroke = search(&stroke(F_STROKE_S), &mut going)?;
-    let (mf, f) = (search(&speed(MF_M_S), &mut going)?, search(&speed(F_M_S), &mut going)?);
-    let from = softest.map_or(FORCES_N[0], |b| b.force_n);
-    let mut blows = Vec::new();
-    for n in 0..POINTS {
-        let share = n as f64 / (POINTS - 1) as f64;
-        blows.push(blow(instrument, from * (FORCES_N[1] / from).powf(share), &mut going)?);
-    }
-    let at_35_n = blow(instrument, FORCES_N[1], &mut going)?;
+    let starting = smallest(instrument, &CONSTANT, &|b| b.deepest_m > STARTED_M, going)?;
+    let softest = smallest(instrument, &CONSTANT, &PressedBlow::whole, going)?;
+    let quick = smallest(instrument, &CONSTANT, &stroke(0.020), going)?;
+    let f_by_stroke = smallest(instrument, &CONSTANT, &stroke(F_STROKE_S), going)?;
+    let mf = smallest(instrument, &CONSTANT, &speed(MF_M_S), going)?;
+    let f = smallest(instrument, &CONSTANT, &speed(F_M_S), going)?;
+    let force = |blow: &Option<PressedBlow>| match blow {
+        Some(PressedBlow { drive: Drive::Constant(force_n), .. }) => Some(*force_n),
+        _ => None,
+    };
+    let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), going)?;
+    let pressed = curve(instrument, &PRESSED, RATES_N_S[0], going)?;
+    let by_hand = ByHand {
+        softest: smallest(instrument, &LED, &PressedBlow::whole, going)?,
+        pp: smallest(instrument, &LED, &speed(PP_M_S), going)?,
+        f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), going)?,
+        ff: smallest(instrument, &PRESSED, &speed(FF_M_S), going)?,
+        loudest: blow(instrument, Drive::Pressed(RATES_N_S[1]), going)?,
+        crossover_m_s: crossover(&pressed),
+        blows: pressed,
+    };
     Ok(Loudness {
-        starting_force_n: starting.map(|b| b.force_n),
-        force_of_a_20_ms_stroke_n: quick.map(|b| b.force_n),
+        starting_force_n: force(&starting),
+        force_of_a_20_ms_stroke_n: force(&quick),
         softest,
-        at_0_8_n: blow(instrument, 0.8, &mut going)?,
-        at_15_n: blow(instrument, 15.0, &mut going)?,
-        at_35_n,
+        at_0_8_n: blow(instrument, Drive::Constant(0.8), going)?,
+        at_15_n: blow(instrument, Drive::Constant(15.0), going)?,
+        at_35_n: blow(instrument, Drive::Constant(FORCES_N[1]), going)?,
         mf,
         f,
         f_by_stroke,
         crossover_m_s: crossover(&blows),
         blows,
+        by_hand,
     })
 }
 
@@ -205,7 +292,7 @@ mod tests {
 
     fn at(speed: f64, ahead: f64) -> PressedBlow {
         PressedBlow {
-            force_n: 1.0,
+            drive: Drive::Constant(1.0),
             key_stroke_s: None,
             to_string_s: None,
             hammer_ahead_s: Some(ahead),

@@ -2,19 +2,21 @@
 //!
 //! `published` is the table: one row per published number, with its source, its certainty and the range in which a simulated value
 //! meets it. `blows` and `touches` simulate what the technician's sheet ([`erard_workshop::measure`]) does not hold: the order of events
-//! against loudness, and pressed against struck keys. [`validate`] puts both beside each other; what misses is said to miss.
+//! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] puts both beside each other; what misses is said to miss.
 
 mod blows;
 mod published;
 mod touches;
 mod values;
 
-pub use blows::PressedBlow;
+pub use blows::{Drive, PressedBlow};
 pub use published::{Published, PublishedError, Row};
 pub use values::NAMES;
 
 use erard::instrument::Instrument;
+use erard_workshop::measure::flex::{key_flex_m_per_n, shank_flex_m_per_n};
 use erard_workshop::measure::{MeasureError, measure};
+use values::Flex;
 
 /// How a simulated value stands to a published one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,13 +46,17 @@ pub struct Validation {
     pub instrument: String,
     /// One verdict per row of the table, in its order.
     pub verdicts: Vec<Verdict>,
+    /// Of every row the value under a constant force that stands beside it and does not count, in the row's unit.
+    pub beside: Vec<Option<f64>>,
     /// Blows of constant forces, soft to loud: the order of events against loudness.
     pub blows: Vec<PressedBlow>,
+    /// Blows of hands that press, soft to loud.
+    pub pressed: Vec<PressedBlow>,
 }
 
 /// Share of the work that the technician's sheet takes, and the blows after it.
-const SHEET: f64 = 0.8;
-const BLOWS: f64 = 0.1;
+const SHEET: f64 = 0.7;
+const BLOWS: f64 = 0.2;
 
 /// Simulates everything that the table asks about. `progress` is told the share that is done and ends the work by returning false.
 ///
@@ -64,11 +70,19 @@ pub fn validate(
     let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
     let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;
     let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + (1.0 - SHEET - BLOWS) * share))?;
-    let value = |name: &str| values::value(name, &sheet, &loudness, &touches);
+    let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
+    let value = |name: &str| values::value(name, &sheet, &loudness, &touches, &flex);
     let verdicts = published
         .rows
         .iter()
         .map(|row| row.measure.as_deref().map_or(Verdict::Silent, |m| row.judge(value(m))))
         .collect();
-    Ok(Validation { instrument: instrument.name.clone(), verdicts, blows: loudness.blows })
+    let beside = published.rows.iter().map(|row| row.beside.as_deref().and_then(value)).collect();
+    Ok(Validation {
+        instrument: instrument.name.clone(),
+        verdicts,
+        beside,
+        blows: loudness.blows,
+        pressed: loudness.by_hand.blows,
+    })
 }

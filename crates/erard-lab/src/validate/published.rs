@@ -34,6 +34,8 @@ pub struct Row {
     pub quantity: String,
     /// Which simulated value it is compared with, one of [`super::NAMES`]; `None` where the model has none.
     pub measure: Option<String>,
+    /// The same quantity under a constant force, one of [`super::NAMES`]: shown beside the row, and not counted.
+    pub beside: Option<String>,
     /// Unit of all its numbers; empty for ratios.
     pub unit: String,
     /// The one number that was published, where it is not a range.
@@ -100,10 +102,12 @@ impl Published {
             if !table.sources.contains_key(&row.source) {
                 return wrong(format!("`source` is `{}`; expected one of `sources`", row.source));
             }
-            if let Some(measure) = &row.measure
-                && !values::NAMES.contains(&measure.as_str())
-            {
-                return wrong(format!("`measure` is `{measure}`; expected one of {}", values::NAMES.join(", ")));
+            for (key, name) in [("measure", &row.measure), ("beside", &row.beside)] {
+                if let Some(name) = name
+                    && !values::NAMES.contains(&name.as_str())
+                {
+                    return wrong(format!("`{key}` is `{name}`; expected one of {}", values::NAMES.join(", ")));
+                }
             }
             let ordered = row.at_least.is_none_or(|low| row.at_most.is_none_or(|high| low < high));
             let finite = [row.at_least, row.at_most, row.number].into_iter().flatten().all(f64::is_finite);

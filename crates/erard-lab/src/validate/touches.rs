@@ -1,10 +1,16 @@
-//! Pressed against struck at equal loudness: the built-in mf strokes, the struck one scaled until its hammer is as fast.
+//! Pressed against struck at equal loudness: the built-in mf strokes, the struck one scaled until its hammer is as fast; and how soon the damper is
+//! back after a hand has left.
+//!
+//! The release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force gone within 30 ms
+//! ([`Gesture::leaving`]). The key is released when the finger
+//! pushes no longer.
 
 use moreau::Settings;
 
-use super::blows::PressedBlow;
+use super::blows::{Drive, PressedBlow};
+use erard::grand::Anatomy;
 use erard::instrument::Instrument;
-use erard::player;
+use erard::player::{self, Gesture, Muscle, press_by_hand};
 use erard::run::Run;
 use erard::simulation::{Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, Series, Touch};
@@ -18,6 +24,10 @@ const DURATION_S: f64 = 0.3;
 const SCALES: [f64; 2] = [0.3, 3.0];
 /// Bisections: equal speeds to a thousandth.
 const HALVINGS: usize = 14;
+/// The released hand: N/s, N, s and s.
+const RISE_N_S: f64 = 100.0;
+const HELD_N: f64 = 5.0;
+const LEAVES_S: [f64; 2] = [0.25, 0.03];
 /// The key's speed is a mean over this time, s: the fingertip's and the felts' trembling goes out of it.
 const MEAN_S: f64 = 1e-3;
 
@@ -28,20 +38,23 @@ pub(super) struct Touches {
     pub struck_sooner_s: Option<f64>,
     /// Key travel at which the struck key is slowest after its first surge, m.
     pub plateau_m: Option<f64>,
+    /// From the release of the key to its damper on the string, s; `None` without a damper.
+    pub release_to_damper_s: Option<f64>,
 }
 
 pub(super) fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Touches, MeasureError> {
     let mut done = 0.0;
     let mut play = |touch: Touch, scale: f64| -> Result<Run, SimulationError> {
         done += 1.0;
-        if !progress(done / (HALVINGS + 2) as f64) {
+        if !progress(done / (HALVINGS + 3) as f64) {
             return Err(SimulationError::Interrupted);
         }
         run(instrument, touch, scale)
     };
     let pressed = play(Touch::Pressed, 1.0)?;
+    let release_to_damper_s = release_to_damper(instrument)?;
     let Some(speed) = pressed.events.hammer_speed_m_s else {
-        return Ok(Touches { struck_sooner_s: None, plateau_m: None });
+        return Ok(Touches { struck_sooner_s: None, plateau_m: None, release_to_damper_s });
     };
     let [mut low, mut high] = SCALES;
     for _ in 0..HALVINGS {
@@ -53,9 +66,9 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> 
         }
     }
     let struck = play(Touch::Struck, high)?;
-    let to_string = |run: &Run| PressedBlow::of(instrument, run, 0.0).to_string_s;
+    let to_string = |run: &Run| PressedBlow::of(instrument, run, Drive::Constant(0.0)).to_string_s;
     let struck_sooner_s = to_string(&pressed).zip(to_string(&struck)).map(|(a, b)| a - b);
-    Ok(Touches { struck_sooner_s, plateau_m: plateau(&struck) })
+    Ok(Touches { struck_sooner_s, plateau_m: plateau(&struck), release_to_damper_s })
 }
 
 fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, SimulationError> {
@@ -71,6 +84,27 @@ fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, Simulat
         ledger: true,
     };
     simulate(instrument, &player::force(&force), &setup, &mut |_| true)
+}
+
+/// From the release of the key to its damper on what it rests on, s.
+fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
+    let Some(damper) = Anatomy::find(instrument)?.damper else { return Ok(None) };
+    let hand = Gesture::pressed(RISE_N_S);
+    let hand = Gesture { muscle: Muscle::Rises { rate_n_s: RISE_N_S, height_n: HELD_N }, ..hand }
+        .leaving(LEAVES_S[0], LEAVES_S[1]);
+    let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(2.0 * LEAVES_S[0]) };
+    let run = press_by_hand(instrument, &hand, &setup, &mut |_| true)?;
+    let left = run.time_s.partition_point(|&t| t < LEAVES_S[0]);
+    let Some(released) = (left..run.time_s.len()).find(|&row| run.force_n[row] <= 0.0) else {
+        return Ok(None);
+    };
+    let rests_on = instrument.zones.iter().position(|zone| {
+        let sides = [zone.disc_body, zone.curve_body];
+        sides.contains(&Some(damper)) && sides.contains(&None)
+    });
+    let felt = rests_on.map(|zone| &run.zones[zone].normal_n[released..]);
+    let down = felt.and_then(|normal| normal.iter().position(|n| *n > 0.0));
+    Ok(down.map(|rows| run.time_s[released + rows] - run.time_s[released]))
 }
 
 /// Key travel at the slowest instant between the first surge of the key and the hammer's blow, m; `None` where the key does not

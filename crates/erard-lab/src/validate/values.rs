@@ -3,12 +3,15 @@
 use super::blows::{Loudness, PressedBlow};
 use super::touches::Touches;
 use erard_workshop::measure::Sheet;
+use erard_workshop::measure::flex::POUND_N;
 
 const MS_PER_S: f64 = 1e3;
 const MM_PER_M: f64 = 1e3;
+/// The weight of a kilogram, N.
+const KG_N: f64 = 9.81;
 
 /// Every name that a row may ask for.
-pub const NAMES: [&str; 36] = [
+pub const NAMES: [&str; 47] = [
     "down_weight_g",
     "up_weight_g",
     "balance_weight_g",
@@ -45,13 +48,34 @@ pub const NAMES: [&str; 36] = [
     "string_contact_mf_ms",
     "struck_sooner_ms",
     "struck_plateau_share",
+    "release_to_damper_ms",
+    "hammer_ahead_pressed_f_ms",
+    "hammer_ahead_pressed_ff_ms",
+    "hammer_ahead_pressed_loudest_ms",
+    "crossover_pressed_m_s",
+    "key_stroke_pressed_ff_ms",
+    "hammer_ahead_led_pp_ms",
+    "hammer_ahead_led_softest_ms",
+    "key_stroke_led_pp_ms",
+    "key_flex_mm_per_kg",
+    "shank_flex_mm_per_lb",
 ];
 
+/// What the parts give on the bench, m/N; `None` without the part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Flex {
+    /// The key at its playing end.
+    pub key_m_per_n: Option<f64>,
+    /// The shank where the pound hangs.
+    pub shank_m_per_n: Option<f64>,
+}
+
 /// The value of one of [`NAMES`], in the unit that ends it; `None` where it did not come about (or there is no such name).
-pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &Touches) -> Option<f64> {
+pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &Touches, flex: &Flex) -> Option<f64> {
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
     let of = |blow: &Option<PressedBlow>, get: fn(&PressedBlow) -> Option<f64>| blow.as_ref().and_then(get);
     let l = loudness;
+    let hand = &l.by_hand;
     match name {
         "down_weight_g" => sheet.down_weight_g,
         "up_weight_g" => sheet.up_weight_g,
@@ -89,6 +113,17 @@ pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &To
         "string_contact_mf_ms" => ms(of(&l.mf, |b| b.contact_s)),
         "struck_sooner_ms" => ms(touches.struck_sooner_s),
         "struck_plateau_share" => Some(touches.plateau_m? * MM_PER_M / sheet.dip_mm?),
+        "release_to_damper_ms" => ms(touches.release_to_damper_s),
+        "hammer_ahead_pressed_f_ms" => ms(of(&hand.f_by_stroke, |b| b.hammer_ahead_s)),
+        "hammer_ahead_pressed_ff_ms" => ms(of(&hand.ff, |b| b.hammer_ahead_s)),
+        "hammer_ahead_pressed_loudest_ms" => ms(hand.loudest.hammer_ahead_s),
+        "crossover_pressed_m_s" => hand.crossover_m_s,
+        "key_stroke_pressed_ff_ms" => ms(of(&hand.ff, |b| b.key_stroke_s)),
+        "hammer_ahead_led_pp_ms" => ms(of(&hand.pp, |b| b.hammer_ahead_s)),
+        "hammer_ahead_led_softest_ms" => ms(of(&hand.softest, |b| b.hammer_ahead_s)),
+        "key_stroke_led_pp_ms" => ms(of(&hand.pp, |b| b.key_stroke_s)),
+        "key_flex_mm_per_kg" => Some(flex.key_m_per_n? * KG_N * MM_PER_M),
+        "shank_flex_mm_per_lb" => Some(flex.shank_m_per_n? * POUND_N * MM_PER_M),
         _ => None,
     }
 }

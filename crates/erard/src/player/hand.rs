@@ -40,9 +40,9 @@ pub struct Hand {
 }
 
 impl Default for Hand {
-    /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 5 N s/m.
+    /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 14 N s/m, which damps the hand by 0.4 of what is critical.
     fn default() -> Self {
-        Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 5.0, start_m: 0.0, start_m_s: 0.0 }
+        Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 14.0, start_m: 0.0, start_m_s: 0.0 }
     }
 }
 
@@ -260,7 +260,7 @@ mod tests {
         let hand = Hand { start_m: -0.5, ..Hand::default() };
         let still = |_| Input::Motion { position_m: -0.4, velocity_m_s: 0.0 };
         let (_, _, [x, v]) = pressed(hand, still, 0.05);
-        let (decay, own) = (5.0 / 0.4, 1500.0 / 0.2);
+        let (decay, own) = (14.0 / 0.4, 1500.0 / 0.2);
         let w = f64::sqrt(own - decay * decay);
         let (s, c) = (w * 0.05).sin_cos();
         let e = (-decay * 0.05_f64).exp();

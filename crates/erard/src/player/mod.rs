@@ -3,6 +3,7 @@
 mod action;
 #[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
 pub mod course;
+mod gesture;
 pub(crate) mod hand;
 mod input;
 mod ledger;
@@ -14,6 +15,7 @@ mod snapshot;
 
 pub use action::{Action, ActionError, PlayError, Reading};
 pub use course::Observer;
+pub use gesture::{Gesture, Muscle, press_by_hand};
 pub use hand::{Hand, HandError};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use ledger::LedgerBook;

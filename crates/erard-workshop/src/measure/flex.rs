@@ -1,0 +1,130 @@
+//! What key and shank give, as technicians measure it on the bench: a weight on one end while the other is held.
+//!
+//! The key lies on its balance hole and its capstan, its back is held, and a kilogram is put on the playing end; the shank is held at the stock of its
+//! knuckle, and a pound hangs 5 1/8 inches from its centre. In a part of rigid pieces on torsion springs that is a sum over its bends,
+//!
+//! ```text
+//! give / force = sum over bends of (x_load - x_bend)^2 / k
+//! ```
+//!
+//! with x along the part. A part that does not bend gives nothing.
+
+use erard::instrument::{Instrument, Vec2};
+
+/// Where the pound hangs on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November 2003).
+pub const SHANK_LOAD_M: f64 = 0.1302;
+/// The weight of a pound, N.
+pub const POUND_N: f64 = 4.448;
+
+/// How far the key's playing end goes down for every newton on it while fulcrum and capstan are held, m/N; `None` without a key.
+#[must_use]
+pub fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
+    let roles = &instrument.roles;
+    roles.key.map(|key| flex(instrument, key, |along| along.point(roles.key_front_m)[0]))
+}
+
+/// How far the shank goes for every newton across it at [`SHANK_LOAD_M`] while it is held at the knuckle, m/N; `None` without a hammer.
+#[must_use]
+pub fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
+    instrument.roles.hammer.map(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))
+}
+
+/// A piece's place in the frame of its part's first piece, as drawn.
+struct Along {
+    offset: Vec2,
+    angle: f64,
+}
+
+impl Along {
+    fn point(&self, [x, y]: Vec2) -> Vec2 {
+        let (sin, cos) = (libm::sin(self.angle), libm::cos(self.angle));
+        [self.offset[0] + cos * x - sin * y, self.offset[1] + sin * x + cos * y]
+    }
+}
+
+fn flex(instrument: &Instrument, piece: usize, load_m: impl Fn(&Along) -> f64) -> f64 {
+    let first = instrument.first_piece(piece);
+    let mut chain = Vec::new();
+    let mut body = piece;
+    while body != first {
+        chain.push(body);
+        body = instrument.bodies[body].parent.expect("only a first piece may stand on the ground");
+    }
+    let mut along = Along { offset: [0.0; 2], angle: 0.0 };
+    let mut bends = Vec::new();
+    for &body in chain.iter().rev() {
+        let own = &instrument.bodies[body];
+        let stiffness: f64 = instrument
+            .springs
+            .iter()
+            .filter(|spring| spring.body == body)
+            .map(|spring| spring.stiffness_n_m_per_rad)
+            .sum();
+        along = Along { offset: along.point(own.pivot_m), angle: own.angle_rad - instrument.bodies[first].angle_rad };
+        bends.push((along.offset[0], stiffness));
+    }
+    let load = load_m(&along);
+    bends.iter().fold(0.0, |give, (at, stiffness)| give + (load - at) * (load - at) / stiffness)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use erard::{Action, Input, Settings};
+
+    /// A beam of two bends, its first piece held: the engine's own rest under a newton lies where the sum says.
+    #[test]
+    fn the_engine_gives_as_much() {
+        let text = |held: &str| {
+            format!(
+                r#"
+                format = "erard-instrument/1"
+                name = "Two bends"
+                gravity_m_s2 = 0
+                finger = {{ stiffness_N_per_m = 2e4, damping_N_s_per_m = 1 }}
+                roles = {{ key = "tip", key_front_mm = [-100, 0] }}
+                {held}
+                [[body]]
+                name = "tip"
+                hinged_on = "middle"
+                bend = true
+                pivot_mm = [-80, 0]
+                mass_g = 20
+                inertia_kg_m2 = 2e-4
+                center_of_mass_mm = [-50, 0]
+                viscous_N_m_s = 1.0
+                [[spring]]
+                name = "second"
+                body = "tip"
+                torque_N_m = 0
+                stiffness_N_m_per_rad = 300
+                [[spring]]
+                name = "first"
+                body = "middle"
+                torque_N_m = 0
+                stiffness_N_m_per_rad = 500
+            "#
+            )
+        };
+        let middle =
+            "pivot_mm = [-10, 0]\nmass_g = 20\ninertia_kg_m2 = 2e-4\ncenter_of_mass_mm = [-50, 0]\nviscous_N_m_s = 1.0";
+        let back = "[[body]]\nname = \"back\"\npivot_mm = [0, 0]\nmass_g = 20\ninertia_kg_m2 = 2e-4\ncenter_of_mass_mm = [0, 0]";
+        let whole = text(&format!("{back}\n[[body]]\nname = \"middle\"\nhinged_on = \"back\"\nbend = true\n{middle}"));
+        let whole = Instrument::parse(&whole, "whole").unwrap();
+        // The bends stand 10 and 90 mm from the pivot, the load 190 mm.
+        let expected = 0.18 * 0.18 / 500.0 + 0.1 * 0.1 / 300.0;
+        assert!((key_flex_m_per_n(&whole).unwrap() / expected - 1.0).abs() < 1e-12);
+
+        let held = text(&format!("[[body]]\nname = \"middle\"\n{middle}"));
+        let held = Instrument::parse(&held, "held").unwrap();
+        let mut action = Action::as_drawn(&held, Settings::new(50e-6)).unwrap();
+        let reading = (0..20_000).map(|_| action.step(Input::Force(1.0))).last().unwrap();
+        assert!((reading.key_m / expected - 1.0).abs() < 1e-4, "{} {expected}", reading.key_m);
+    }
+
+    #[test]
+    fn what_does_not_bend_gives_nothing() {
+        let rigid = Instrument::builtin("concert-grand").unwrap().locked();
+        assert_eq!([key_flex_m_per_n(&rigid), shank_flex_m_per_n(&rigid)], [Some(0.0); 2]);
+    }
+}

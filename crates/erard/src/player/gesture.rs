@@ -1,0 +1,188 @@
+//! What a pianist's hand does with a key: the touches of the measurements, as a hand ([`Hand`]) and what its muscle does.
+//!
+//! Three of them are told apart in the literature: the *pressed* touch, in which the finger rests on the key before, the *struck* touch, in which it
+//! arrives with speed (Goebl, Bresin and Galembo 2005), and the way it leaves. A loud pressed touch is a force that rises; a soft one is a motion
+//! that is led, because nobody plays pianissimo by dropping a weight on the key: a constant force that is small enough to play softly leaves the key
+//! hanging at let-off. The path along which a hand is led is that of least jerk, as people's hands move between two points (Flash and Hogan, The
+//! coordination of arm movements, J. Neurosci. 5 (1985) 1688, from memory):
+//!
+//! ```text
+//! x(t) = d (10 s^3 - 15 s^4 + 6 s^5),   s = t / T
+//! ```
+//!
+//! All numbers of these touches are estimates and say so where they stand.
+
+use std::f64::consts::PI;
+
+use super::{Hand, Input};
+use crate::instrument::Instrument;
+use crate::run::Run;
+use crate::simulation::{Setup, SimulationError, simulate_hand};
+
+/// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key down at the end.
+const LED_DEPTH_M: f64 = 10.5e-3;
+/// With what acceleration a hand whose muscle pressed leaves the key, m/s2. An estimate: it is 5 mm away after 30 ms.
+const LEAVING_M_S2: f64 = 11.0;
+/// How far a hand that was led goes above the key front's rest when it leaves, m.
+const LEFT_M: f64 = 5e-3;
+
+/// What the muscle of a hand does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Muscle {
+    /// A force that is there at once and stays, N.
+    Steady {
+        /// N.
+        force_n: f64,
+    },
+    /// A force that rises from nothing at a constant rate, and stays at its height.
+    Rises {
+        /// How fast, N/s.
+        rate_n_s: f64,
+        /// How high, N.
+        height_n: f64,
+    },
+    /// Its stiffness and damping lead the hand down along the path of least jerk.
+    Leads {
+        /// How deep, m below the key front's rest.
+        depth_m: f64,
+        /// How long that takes, s.
+        duration_s: f64,
+    },
+}
+
+/// A touch: a hand and what its muscle does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gesture {
+    /// The hand.
+    pub hand: Hand,
+    /// What its muscle does.
+    pub muscle: Muscle,
+    /// When it begins to leave, s, and within what time its force is gone, s (half a cosine); a hand that was led goes up along the path of least
+    /// jerk within twice that. `None`: it stays.
+    pub leaves: Option<[f64; 2]>,
+}
+
+impl Gesture {
+    /// The loud pressed touch: the finger rests on the key, and its muscle's force rises at this rate, N/s, without end. The hand is
+    /// [`Hand::default`] without the muscle's own damping.
+    #[must_use]
+    pub fn pressed(rate_n_s: f64) -> Self {
+        let hand = Hand { damping_n_s_per_m: 0.0, ..Hand::default() };
+        Gesture { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, leaves: None }
+    }
+
+    /// The soft pressed touch: the finger rests on the key and is led down within so many s. The hand is [`Hand::default`].
+    #[must_use]
+    pub fn led(duration_s: f64) -> Self {
+        Gesture { hand: Hand::default(), muscle: Muscle::Leads { depth_m: LED_DEPTH_M, duration_s }, leaves: None }
+    }
+
+    /// The struck touch: a hand of so many kg arrives at the key with a speed, m/s, and its muscle goes on pressing with a force, N.
+    #[must_use]
+    pub fn struck(mass_kg: f64, speed_m_s: f64, force_n: f64) -> Self {
+        let hand = Hand { mass_kg, damping_n_s_per_m: 0.0, start_m_s: speed_m_s, ..Hand::default() };
+        Gesture { hand, muscle: Muscle::Steady { force_n }, leaves: None }
+    }
+
+    /// The same, leaving from this instant on, s, its force gone within so many s.
+    #[must_use]
+    pub fn leaving(self, at_s: f64, within_s: f64) -> Self {
+        Gesture { leaves: Some([at_s, within_s]), ..self }
+    }
+
+    /// What the muscle does at an instant, s: a force, or a motion.
+    #[must_use]
+    pub fn input(&self, t: f64) -> Input {
+        match self.muscle {
+            Muscle::Steady { force_n } => Input::Force(self.let_go(t, force_n)),
+            Muscle::Rises { rate_n_s, height_n } => Input::Force(self.let_go(t, (rate_n_s * t).min(height_n))),
+            Muscle::Leads { depth_m, duration_s } => {
+                let [x, v] = least_jerk(t / duration_s);
+                let [up, up_v, back] = match self.leaves {
+                    Some([at, within]) => {
+                        let [up, up_v] = least_jerk((t - at) / (2.0 * within));
+                        [up, up_v, 2.0 * within]
+                    }
+                    None => [0.0, 0.0, 1.0],
+                };
+                let way = depth_m + LEFT_M;
+                Input::Motion {
+                    position_m: depth_m * x - way * up,
+                    velocity_m_s: depth_m * v / duration_s - way * up_v / back,
+                }
+            }
+        }
+    }
+
+    /// A force as the hand leaves: it falls by half a cosine, to what lifts the hand.
+    fn let_go(&self, t: f64, force_n: f64) -> f64 {
+        let Some([at, within]) = self.leaves else { return force_n };
+        let share = 0.5 - 0.5 * (PI * ((t - at) / within).clamp(0.0, 1.0)).cos();
+        let held = if t > at { self.held_at(at) } else { force_n };
+        held - share * (held + LEAVING_M_S2 * self.hand.mass_kg)
+    }
+
+    /// The muscle's force when it begins to leave, N: it rises no further then.
+    fn held_at(&self, at: f64) -> f64 {
+        match self.muscle {
+            Muscle::Steady { force_n } => force_n,
+            Muscle::Rises { rate_n_s, height_n } => (rate_n_s * at).min(height_n),
+            Muscle::Leads { .. } => 0.0,
+        }
+    }
+}
+
+/// The path of least jerk and its slope at a share of its time.
+fn least_jerk(s: f64) -> [f64; 2] {
+    let s = s.clamp(0.0, 1.0);
+    [s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s)]
+}
+
+/// Simulates a touch: [`simulate_hand`] with what the muscle does.
+///
+/// # Errors
+/// See [`SimulationError`].
+pub fn press_by_hand(
+    instrument: &Instrument,
+    gesture: &Gesture,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    simulate_hand(instrument, &gesture.hand, &|t| gesture.input(t), setup, progress)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Between its ends the path has the slope that it says, and stands still at both ends.
+    #[test]
+    fn the_path_of_least_jerk_is_smooth() {
+        for n in 1..100 {
+            let s = f64::from(n) / 100.0;
+            let by_difference = (least_jerk(s + 1e-6)[0] - least_jerk(s - 1e-6)[0]) / 2e-6;
+            assert!((by_difference - least_jerk(s)[1]).abs() < 1e-8, "{s}");
+        }
+        assert_eq!([least_jerk(0.0), least_jerk(1.0)], [[0.0, 0.0], [1.0, 0.0]]);
+        assert_eq!(least_jerk(0.5), [0.5, 1.875]);
+    }
+
+    /// Forces rise as said, and are gone, with what lifts the hand, when it has left.
+    #[test]
+    fn forces_rise_and_go() {
+        let force = |gesture: &Gesture, t| match gesture.input(t) {
+            Input::Force(n) => n,
+            other => panic!("{other:?}"),
+        };
+        let pressed = Gesture::pressed(100.0).leaving(0.1, 0.03);
+        assert!((force(&pressed, 0.05) - 5.0).abs() < 1e-12 && (force(&pressed, 0.1) - 10.0).abs() < 1e-12);
+        assert!((force(&pressed, 0.115) - 0.5 * (10.0 - 0.2 * LEAVING_M_S2)).abs() < 1e-9);
+        assert!((force(&pressed, 0.2) + 0.2 * LEAVING_M_S2).abs() < 1e-12);
+        assert_eq!(force(&Gesture::struck(0.1, 0.5, 2.0), 3.0), 2.0);
+        match Gesture::led(0.2).leaving(0.5, 0.03).input(0.6) {
+            Input::Motion { position_m, .. } => assert!((position_m + LEFT_M).abs() < 1e-12),
+            other => panic!("{other:?}"),
+        }
+    }
+}
