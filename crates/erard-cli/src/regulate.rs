@@ -4,27 +4,13 @@ use std::fmt;
 use std::io::Write;
 use std::time::Duration;
 
-use erard::instrument::ScrewAction;
 use erard_workshop::distances::Distances;
-use erard_workshop::regulate::{Achieved, Goal, Handwork, Kind, Miss, Regulated, Turned, known_screw, turns_text};
+use erard_workshop::regulate::{
+    Achieved, Goal, Handwork, Kind, Miss, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
+};
 use serde::Serialize;
 
 use crate::units::Lengths;
-
-/// The factor from SI to what is shown, and its unit.
-fn unit(kind: Kind) -> (f64, &'static str) {
-    match kind {
-        Kind::Length => (1e3, "mm"),
-        Kind::Speed => (1e3, "mm/s"),
-        Kind::Share => (100.0, "%"),
-    }
-}
-
-/// A goal's value as people write it.
-pub fn show(goal: Goal, value: f64) -> String {
-    let (factor, unit) = unit(goal.kind());
-    format!("{} {unit}", (value * factor * 1e4).round() / 1e4)
-}
 
 /// A value as the reader's ruler shows it, to a hundredth of a millimetre.
 pub fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
@@ -49,41 +35,6 @@ pub fn turned_text(turned: &Turned, lengths: Lengths) -> String {
         _ => String::new(),
     };
     format!("{} {far} ({}{turns})", turned.name, turned.way)
-}
-
-/// Reads a value with or without a unit; into m, m/s, or a share.
-///
-/// # Errors
-/// What was expected instead.
-pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
-    let units: &[(&str, f64)] = match goal.kind() {
-        Kind::Length => &[("mm", 1e-3), ("cm", 1e-2), ("in", 25.4e-3), ("m", 1.0)],
-        Kind::Speed => &[("mm/s", 1e-3), ("m/s", 1.0)],
-        Kind::Share => &[("%", 1e-2)],
-    };
-    let text = text.trim();
-    let (number, factor) =
-        units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, *factor))).unwrap_or((text, units[0].1));
-    let [least, most] = goal.limits();
-    let value = number.trim().parse::<f64>().ok().map(|value| value * factor);
-    value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
-        let what = match goal.kind() {
-            Kind::Length => "a length",
-            Kind::Speed => "a speed",
-            Kind::Share => "a share of the dip",
-        };
-        let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-        format!("{what} from {} to {} (units: {})", show(goal, least), show(goal, most), names.join(", "))
-    })
-}
-
-/// The factor from SI to what is shown of a screw, its unit, and digits.
-pub(crate) fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
-    match action {
-        ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => (1e3, "mm"),
-        ScrewAction::Turn { .. } => (180.0 / std::f64::consts::PI, "degrees"),
-        ScrewAction::Spring { .. } => (1e3, "N mm"),
-    }
 }
 
 /// The screws that were turned for a goal, as far as one alone is turned for it.
@@ -272,40 +223,4 @@ fn distances(distances: &Distances) -> Vec<DistanceReport> {
     goals
         .chain(others.map(|(name, value)| DistanceReport { name, unit: "mm", value: value.map(|v| v * 1e3) }))
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_with_and_without_units() {
-        let close = |goal, text, expected: f64| {
-            let value = parse_value(goal, text).unwrap();
-            assert!((value - expected).abs() < 1e-12, "{text}: {value}");
-        };
-        close(Goal::Dip, "10mm", 10e-3);
-        close(Goal::Dip, " 10 mm", 10e-3);
-        close(Goal::Dip, "10", 10e-3);
-        close(Goal::Dip, "1cm", 10e-3);
-        close(Goal::Dip, "0.01 m", 10e-3);
-        close(Goal::Blow, "1.75in", 44.45e-3);
-        close(Goal::Spring, "200mm/s", 0.2);
-        close(Goal::Spring, "0.2 m/s", 0.2);
-        close(Goal::Damper, "50%", 0.5);
-        for (goal, text) in [
-            (Goal::Dip, "ten"),
-            (Goal::Dip, ""),
-            (Goal::Dip, "10 mm/s"),
-            (Goal::Dip, "100mm"),
-            (Goal::Dip, "-10mm"),
-            (Goal::Dip, "nan"),
-            (Goal::Dip, "inf"),
-            (Goal::Damper, "100%"),
-            (Goal::Damper, "5mm"),
-        ] {
-            assert!(parse_value(goal, text).is_err(), "{text}");
-        }
-        assert_eq!(parse_value(Goal::Dip, "ten").unwrap_err(), "a length from 3 mm to 14 mm (units: mm, cm, in, m)");
-    }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::{Error, Write};
 use std::sync::Arc;
 
-use erard::run::Run;
+use erard::run::{Run, column_unit};
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::data_type::{DoubleType, Int32Type};
 use parquet::file::metadata::KeyValue;
@@ -15,33 +15,12 @@ use parquet::schema::types::Type;
 
 use crate::identity;
 
-/// Name and values of every column; a column without values (no hammer in the model) is empty.
-pub fn columns(run: &Run) -> Vec<(String, &[f64])> {
-    let mut columns: Vec<(String, &[f64])> = vec![
-        ("time_s".into(), &run.time_s),
-        ("force_N".into(), &run.force_n),
-        ("key_m".into(), &run.key_m),
-        ("hammer_head_m".into(), &run.hammer_head_m),
-    ];
-    for body in &run.bodies {
-        columns.push((format!("{}_rad", body.name), &body.angle_rad));
-        columns.push((format!("{}_rad_per_s", body.name), &body.rate_rad_per_s));
-    }
-    for zone in &run.zones {
-        columns.push((format!("{}_N", zone.name), &zone.normal_n));
-        if zone.has_friction {
-            columns.push((format!("{}_tangential_N", zone.name), &zone.tangential_n));
-        }
-    }
-    columns
-}
-
 /// Writes the run, and columns that go with it, as CSV, every number in its shortest form that reads back as the same number.
 ///
 /// # Errors
 /// Of the writer.
 pub fn write_csv(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
-    let columns: Vec<(String, &[f64])> = columns(run).into_iter().chain(more.iter().cloned()).collect();
+    let columns: Vec<(String, &[f64])> = run.columns().into_iter().chain(more.iter().cloned()).collect();
     write_columns(&columns, run.time_s.len(), writer)
 }
 
@@ -107,7 +86,8 @@ pub fn write_optional_csv(columns: &[(String, Vec<Option<f64>>)], writer: &mut d
 /// Of the writer.
 pub fn write_parquet(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
     let rows = run.time_s.len();
-    let columns: Vec<ParquetColumn> = columns(run)
+    let columns: Vec<ParquetColumn> = run
+        .columns()
         .into_iter()
         .chain(more.iter().cloned())
         .map(|(name, values)| (name, values.into(), vec![i16::from(!values.is_empty()); rows]))
@@ -140,29 +120,6 @@ type ParquetColumn<'a> = (String, Cow<'a, [f64]>, Vec<i16>);
 /// Columns that count: whole numbers.
 const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
 
-/// What the endings of columns' names mean, the longer before the shorter.
-const UNITS: [(&str, &str); 14] = [
-    ("_rad_per_s", "rad/s"),
-    ("_m_per_s", "m/s"),
-    ("_N_mm", "N mm"),
-    ("_N_m", "N m"),
-    ("_kg_m2", "kg m2"),
-    ("_rad", "rad"),
-    ("_deg", "deg"),
-    ("_mm", "mm"),
-    ("_Hz", "Hz"),
-    ("_g", "g"),
-    ("_J", "J"),
-    ("_m", "m"),
-    ("_s", "s"),
-    ("_N", "N"),
-];
-
-/// The unit that a column's name ends with; `1` for a number without.
-fn unit(name: &str) -> &'static str {
-    UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("1", |(_, unit)| unit)
-}
-
 /// One row group, compressed by Zstandard: doubles, and whole numbers for what counts. Its metadata hold what made it (`made_by`) and every
 /// column's unit (`units`), as JSON.
 fn parquet(title: &str, columns: &[ParquetColumn], writer: &mut dyn Write) -> std::io::Result<()> {
@@ -179,7 +136,7 @@ fn parquet(title: &str, columns: &[ParquetColumn], writer: &mut dyn Write) -> st
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::other)?;
     let schema = Type::group_type_builder(title).with_fields(fields).build().map_err(Error::other)?;
-    let units: BTreeMap<&str, &str> = columns.iter().map(|(name, ..)| (name.as_str(), unit(name))).collect();
+    let units: BTreeMap<&str, &str> = columns.iter().map(|(name, ..)| (name.as_str(), column_unit(name))).collect();
     let metadata = vec![
         KeyValue::new("made_by".into(), identity::made_by().json()),
         KeyValue::new("units".into(), serde_json::to_string(&units)?),

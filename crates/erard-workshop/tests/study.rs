@@ -11,7 +11,7 @@ use erard::one_dof;
 use erard::player;
 use erard::run::Run;
 use erard::simulation::{Setup, SimulationError, simulate};
-use erard_workshop::study::{Job, JobResult, Lanes, Played, Stroke, Workers, play_all};
+use erard_workshop::study::{Job, JobResult, Lanes, Played, Sampling, Stroke, Workers, play_all, sample_all};
 use moreau::Settings;
 
 /// Variants of the grand that a study would ask for, another action, and models of other sizes.
@@ -217,4 +217,45 @@ fn nothing_to_do_a_wrong_setup_and_an_interruption() {
         play_all(&instruments, jobs(&plan()), &SETUP(), threads(2), &mut |_| false),
         Err(SimulationError::Interrupted)
     ));
+}
+
+/// What is sampled in lanes, or of runs where lanes do not see it, is the run's own rows: to rounding of its size, and the instants are
+/// what they are without samples.
+#[test]
+fn samples_are_the_rows_of_the_run() {
+    let every = 20;
+    for (kind, columns) in [
+        (0, &["force_N", "key_m", "hammer_head_m", "hammer_rad", "key_rad_per_s"][..]),
+        (1, &["key_m", "force_N", "string_N"]),
+        (3, &["hammer_head_m", "hammer_rad_per_s"]),
+    ] {
+        let instruments = [grand(), Instrument::builtin("steinway-o").expect("built in")];
+        let plan = [(0, kind, 5.0), (1, kind, 6.0), (0, kind, 4.0)];
+        let sampling = Sampling::of(&instruments[0], columns, every).expect("they are there");
+        let sampled = sample_all(&instruments, jobs(&plan), &SETUP(), &sampling, threads(2), &mut |_| true)
+            .expect("no interrupt");
+        let plain = play_all(&instruments, jobs(&plan), &SETUP(), threads(1), &mut |_| true).expect("no interrupt");
+        for (job, (played, plain)) in plan.iter().zip(sampled.into_iter().zip(plain)) {
+            let (played, plain) = (played.expect("it plays"), plain.expect("it plays"));
+            assert_eq!(played.events.strikes.len(), plain.events.strikes.len());
+            let setup = Setup { record_every: Some(1), ..SETUP() };
+            let run =
+                simulate(&instruments[job.0], stroke(job.1, job.2).as_ref(), &setup, &mut |_| true).expect("plays");
+            let all = run.columns();
+            assert_eq!(played.samples.len(), columns.len());
+            for (name, values) in columns.iter().zip(&played.samples) {
+                let (_, own) = all.iter().find(|(known, _)| known == name).expect("a column of the run");
+                let own: Vec<f64> = own.iter().step_by(every as usize).copied().collect();
+                assert_eq!(values.len(), own.len(), "{name}");
+                let size = own.iter().fold(1e-12, |a: f64, b| a.max(b.abs()));
+                // A run's force is the mean of two steps: at its ends there is one, and where the force jumps (0.15 s) it is half-way.
+                let jumps = |row: &usize| *name == "force_N" && [0, 150, own.len() - 1].contains(row);
+                let rows = (0..own.len()).filter(|row| !jumps(row));
+                let worst = rows.map(|row| (values[row] - own[row]).abs()).fold(0.0, f64::max);
+                assert!(worst <= 1e-6 * size, "{name} of {job:?}: {worst:e} of {size:e}");
+            }
+        }
+    }
+    let unknown = Sampling::of(&grand(), &["hammer_mm"], 1).unwrap_err().to_string();
+    assert!(unknown.contains("`hammer_mm`") && unknown.contains("hammer_head_m"), "{unknown}");
 }

@@ -16,6 +16,7 @@
 //!
 //! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 
+pub mod asked;
 pub mod assembly;
 pub mod equilibrium;
 pub mod events;

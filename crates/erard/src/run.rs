@@ -45,6 +45,51 @@ impl Run {
     pub fn is_trusted(&self) -> bool {
         self.warnings.is_empty()
     }
+
+    /// Name and values of every column of its table; a column without values (no hammer in the model) is empty. A name ends with the unit
+    /// ([`column_unit`]).
+    pub fn columns(&self) -> Vec<(String, &[f64])> {
+        let mut columns: Vec<(String, &[f64])> = vec![
+            ("time_s".into(), &self.time_s),
+            ("force_N".into(), &self.force_n),
+            ("key_m".into(), &self.key_m),
+            ("hammer_head_m".into(), &self.hammer_head_m),
+        ];
+        for body in &self.bodies {
+            columns.push((format!("{}_rad", body.name), &body.angle_rad));
+            columns.push((format!("{}_rad_per_s", body.name), &body.rate_rad_per_s));
+        }
+        for zone in &self.zones {
+            columns.push((format!("{}_N", zone.name), &zone.normal_n));
+            if zone.has_friction {
+                columns.push((format!("{}_tangential_N", zone.name), &zone.tangential_n));
+            }
+        }
+        columns
+    }
+}
+
+/// What the endings of columns' names mean, the longer before the shorter.
+const UNITS: [(&str, &str); 14] = [
+    ("_rad_per_s", "rad/s"),
+    ("_m_per_s", "m/s"),
+    ("_N_mm", "N mm"),
+    ("_N_m", "N m"),
+    ("_kg_m2", "kg m2"),
+    ("_rad", "rad"),
+    ("_deg", "deg"),
+    ("_mm", "mm"),
+    ("_Hz", "Hz"),
+    ("_g", "g"),
+    ("_J", "J"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_N", "N"),
+];
+
+/// The unit that a column's name ends with; `1` for a number without.
+pub fn column_unit(name: &str) -> &'static str {
+    UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("1", |(_, unit)| unit)
 }
 
 /// One body's motion.
@@ -119,7 +164,7 @@ impl From<moreau_sizes::Meeting> for Strike {
 }
 
 /// How a run was made and what it cost.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Work {
     /// Steps taken; of controlled steps, their halves.
     pub steps: u64,

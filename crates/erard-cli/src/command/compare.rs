@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::simulation::Setup;
-use erard::stroke::Series;
+use erard::stroke::{Prescribed, Series};
 use erard_lab::compare::{Choice, Comparison, DRIVES, Driven, LONGEST_S, Trial, Which, compare_chosen};
 
 use super::options::{DriveName, Model, StepOptions, check, load_instrument};
@@ -104,7 +104,8 @@ impl Compare {
     fn choice(&self) -> Choice {
         let mut choice = Choice::default();
         if !self.drive.is_empty() {
-            let asked = |driven: &Driven| self.drive.iter().any(|drive| drive.name() == driven.name());
+            let asked =
+                |driven: &Driven| self.drive.iter().any(|drive| Prescribed::from(*drive).name() == driven.name());
             choice.drives.retain(asked);
         }
         if !self.model.is_empty() {

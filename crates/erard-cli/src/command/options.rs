@@ -1,15 +1,15 @@
 //! Options that several commands share.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::{Args, ValueEnum};
-use erard::instrument::{Finger, Instrument, utf8};
+use erard::asked::{Asked, KEY};
+use erard::instrument::{Instrument, utf8};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
-use erard::player::{self, Input};
 use erard::simulation::{Setup, SimulationError};
-use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Series, Touch};
+pub use erard::stroke::Stroke;
+use erard::stroke::{DrivingError, Prescribed, Series, Touch};
 use erard_workshop::measure::norms::{Line, lines};
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -139,11 +139,10 @@ pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Fai
 
 /// The path of an instrument file; `None` where a name is meant.
 pub fn instrument_path(asked: &str) -> Option<&Path> {
-    if asked.contains(KEY) {
-        return None;
+    match Asked::of(asked) {
+        Ok(Asked::File(path)) => Some(path),
+        _ => None,
     }
-    let path = Path::new(asked);
-    (path.exists() || path.extension().is_some() || path.components().count() > 1).then_some(path)
 }
 
 fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure> {
@@ -154,9 +153,6 @@ fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure>
     identity::used("instrument", &found.0.name, None, found.1.as_bytes());
     Ok(found)
 }
-
-/// What stands between a keyboard and the number of a key.
-const KEY: &str = ":key=";
 
 /// A key of a keyboard.
 #[derive(Debug)]
@@ -170,11 +166,10 @@ pub struct KeyboardKey {
 impl KeyboardKey {
     /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a keyboard.
     fn asked(asked: &str) -> Result<Option<Self>, Failure> {
-        let Some((keyboard, key)) = asked.rsplit_once(KEY) else { return Ok(None) };
-        let number = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
-        let key = number
-            .ok_or_else(|| Failure::Usage(format!("{asked}: `{key}` is no key; expected a number from 1 to {KEYS}")))?;
-        Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key }))
+        match Asked::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
+            Asked::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
+            _ => Ok(None),
+        }
     }
 
     /// Its instrument.
@@ -297,38 +292,14 @@ pub enum DriveName {
     Rigid,
 }
 
-impl DriveName {
-    /// Its name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            DriveName::Force => "force",
-            DriveName::Motion => "motion",
-            DriveName::Rigid => "rigid",
+impl From<DriveName> for Prescribed {
+    fn from(name: DriveName) -> Self {
+        match name {
+            DriveName::Force => Prescribed::Force,
+            DriveName::Motion => Prescribed::Motion,
+            DriveName::Rigid => Prescribed::Rigid,
         }
     }
-}
-
-/// Duration of a run under a constant force, s.
-const FORCE_STEP_DURATION_S: f64 = 0.6;
-/// How long a run goes on after the end of a stroke file, s: the key comes home and the hammer falls to rest.
-const AFTERWARDS_S: f64 = 0.3;
-
-/// A stroke, ready to drive.
-#[derive(Debug)]
-pub struct Stroke {
-    /// What it is called in titles.
-    pub title: String,
-    /// What it prescribes.
-    pub drive: DriveName,
-    /// First instant, s.
-    pub start_s: f64,
-    /// Duration to run unless told otherwise, s.
-    pub duration_s: f64,
-    series: Option<Series>,
-    position_of: PositionOf,
-    /// The position that drives a key under this finger.
-    worked_out: Mutex<Option<(Finger, Arc<PositionSeries>)>>,
-    force_n: f64,
 }
 
 impl StrokeOptions {
@@ -378,13 +349,14 @@ impl StrokeOptions {
                     .into(),
             ));
         }
+        let drive = self.drive.map(Prescribed::from);
         // What was done and noticed, told when nothing is wrong.
         let mut notes = Vec::new();
-        let (series, title, position_of, after) = match &self.file {
+        let (stroke, note) = match &self.file {
             Some(path) => {
                 let Ready { name, prepared, position_of, .. } = self.recording.load(path)?;
                 notes = told(&prepared.report);
-                (prepared.series, name, position_of, AFTERWARDS_S)
+                Stroke::recorded(name, prepared.series, position_of, drive)
             }
             None => {
                 let nuance = self.stroke.as_deref().unwrap_or("mf");
@@ -392,95 +364,30 @@ impl StrokeOptions {
                     TouchName::Pressed => Touch::Pressed,
                     TouchName::Struck => Touch::Struck,
                 };
-                let name = if touch == Touch::Struck { "struck" } else { "pressed" };
-                let series = Series::builtin(nuance, touch)
-                    .ok_or_else(|| Failure::Internal(format!("the built-in stroke {nuance} {name} cannot be read")))?;
-                let text = Series::builtin_text(nuance, touch).unwrap_or_default();
+                let (text, name) = (Series::builtin_text(nuance, touch).unwrap_or_default(), touch.name());
                 identity::used("stroke", &format!("{nuance}, {name}"), None, text.as_bytes());
-                (series, format!("{nuance}, {name}"), PositionOf::Key, 0.2)
+                Stroke::builtin(nuance, touch, drive)
+                    .ok_or_else(|| Failure::Internal(format!("the built-in stroke {nuance} {name} cannot be read")))?
             }
-        };
-        let own = if position_of == PositionOf::Key { DriveName::Rigid } else { DriveName::Motion };
-        let drive = self.drive.unwrap_or(if series.force.is_some() { DriveName::Force } else { own });
-        let (missing, column) = match drive {
-            DriveName::Force => (series.force.is_none(), "force_N"),
-            DriveName::Motion | DriveName::Rigid => (series.position.is_none(), "position_m"),
-        };
-        if missing {
-            return Err(Failure::Usage(format!(
-                "{title}: --drive {} needs a column `{column}`, and the file has none",
-                drive.name()
-            )));
+        }?;
+        for note in notes.into_iter().chain(note.map(str::to_owned)) {
+            tell!("{}: {note}", stroke.title);
         }
-        match (drive, position_of) {
-            (DriveName::Motion, PositionOf::Key) if series.force.is_none() => notes.push(
-                "no force was recorded, so that the fingertip's position is not known: the key's stands for it (--position fingertip if it is \
-                 the fingertip's; --drive rigid plays the key's)"
-                    .into(),
-            ),
-            (DriveName::Rigid, PositionOf::Fingertip) if series.force.is_none() => {
-                return Err(Failure::Usage(format!(
-                    "{title}: --drive rigid needs the key's position; the fingertip's gives it where a column `force_N` is there too"
-                )));
-            }
-            _ => {}
-        }
-        for note in notes {
-            tell!("{title}: {note}");
-        }
-        let duration_s = series.end_s() - series.start_s() + after;
-        let start_s = series.start_s();
-        let worked_out = Mutex::default();
-        Ok(Stroke { title, drive, start_s, duration_s, series: Some(series), position_of, worked_out, force_n: 0.0 })
+        Ok(stroke)
     }
 }
 
-impl Stroke {
-    /// A constant force from the start on, N.
-    fn constant(title: String, force_n: f64) -> Self {
-        Stroke {
-            title,
-            drive: DriveName::Force,
-            start_s: 0.0,
-            duration_s: FORCE_STEP_DURATION_S,
-            series: None,
-            position_of: PositionOf::Key,
-            worked_out: Mutex::default(),
-            force_n,
-        }
-    }
-
-    /// What drives the key of an instrument over time, s from the stroke's start: a fingertip is as soft as the instrument says.
-    pub fn inputs(&self, instrument: &Instrument) -> Result<Box<dyn Fn(f64) -> Input + Send + '_>, Failure> {
-        let wanted = match self.drive {
-            DriveName::Force => {
-                let force = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
-                return Ok(Box::new(move |t| Input::Force(force.as_ref().map_or(self.force_n, |force| force(t)))));
+impl From<DrivingError> for Failure {
+    fn from(error: DrivingError) -> Self {
+        Failure::Usage(match error {
+            DrivingError::Missing { title, drive } => {
+                format!("{title}: --drive {} needs a column `{}`, and the file has none", drive.name(), drive.column())
             }
-            DriveName::Motion => PositionOf::Fingertip,
-            DriveName::Rigid => PositionOf::Key,
-        };
-        let position = self.position(wanted, &instrument.finger)?.shared_drive();
-        Ok(match self.drive {
-            DriveName::Motion => Box::new(player::motion(position)),
-            _ => Box::new(player::rigid(position)),
+            DrivingError::NoKeyPosition { title } => format!(
+                "{title}: --drive rigid needs the key's position; the fingertip's gives it where a column `force_N` is there too"
+            ),
+            error @ DrivingError::Samples { .. } => error.to_string(),
         })
-    }
-
-    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.
-    fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, Failure> {
-        let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {
-            return Ok(Arc::clone(position));
-        }
-        let series = self.series.as_ref().ok_or_else(|| Failure::Internal("a motion without a stroke".into()))?;
-        let other = series
-            .position_of(wanted, self.position_of, finger)
-            .map_err(|error| Failure::Usage(format!("{}: key and fingertip: {error}", self.title)))?;
-        let position = other.or_else(|| series.position.clone());
-        let position = Arc::new(position.ok_or_else(|| Failure::Internal("a stroke without a position".into()))?);
-        *worked_out = Some((*finger, Arc::clone(&position)));
-        Ok(position)
     }
 }
 

@@ -212,5 +212,5 @@ fn play_observed(
         progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
         progress.tell(share)
     };
-    Ok(simulate_observed(instrument, stroke.inputs(instrument)?.as_ref(), setup, observer, &mut tell)?)
+    Ok(simulate_observed(instrument, stroke.inputs(&instrument.finger)?.as_ref(), setup, observer, &mut tell)?)
 }

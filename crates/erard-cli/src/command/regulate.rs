@@ -5,14 +5,16 @@ use std::time::Instant;
 
 use clap::Args;
 use erard_workshop::distances::Protocol;
-use erard_workshop::regulate::{Goal, Regulated, Specification, Status, disturbed, regulate, regulate_following};
+use erard_workshop::regulate::{
+    Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following, show,
+};
 
 use super::options::load_instrument_and_text;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::regulate::{Report, Shown, parse_value, screws_of, shown_value, turned_text};
+use crate::regulate::{Report, Shown, screws_of, shown_value, turned_text};
 use crate::say;
 use crate::units::Lengths;
 
@@ -258,7 +260,7 @@ fn provenance(regulated: &Regulated) -> (String, String) {
     let goals: Vec<String> = regulated
         .achieved
         .iter()
-        .map(|achieved| format!("{} {}", achieved.goal.name(), crate::regulate::show(achieved.goal, achieved.target)))
+        .map(|achieved| format!("{} {}", achieved.goal.name(), show(achieved.goal, achieved.target)))
         .collect();
     let title = format!(
         "Regulated in simulation ({} trials) for {}{}",

@@ -326,6 +326,6 @@ fn variant(varied: &Varied<'_>, plain: &Instrument, indices: &[usize]) -> Result
 fn job_stroke<'a>(stroke: &'a Stroke, force_n: Option<f64>, instrument: &Instrument) -> Result<JobStroke<'a>, Failure> {
     match force_n {
         Some(force_n) => Ok(Box::new(move |_| Input::Force(force_n))),
-        None => stroke.inputs(instrument),
+        None => Ok(stroke.inputs(&instrument.finger)?),
     }
 }

@@ -3,7 +3,7 @@
 use erard::run::Events;
 use erard::trust::worst_of_each;
 use erard_workshop::measure::norms::Line;
-use erard_workshop::study::Played;
+use erard_workshop::study::{OUTCOMES, Played};
 
 use super::Axis;
 use crate::table::three;
@@ -32,23 +32,6 @@ pub fn doubts(rows: &[Row]) -> Vec<String> {
     let each = worst_of_each(warnings).into_iter();
     each.map(|(count, worst)| format!("{count} of {} strokes; the worst: {worst}", rows.len())).collect()
 }
-
-/// A number of a row; `None` is what did not happen.
-type Get = fn(&Played) -> Option<f64>;
-
-/// What came of every stroke, in SI units. Instants count from the stroke's start.
-const OUTCOMES: [(&str, Get); 10] = [
-    ("key_start_s", |p| p.events.key_start_s),
-    ("toe_contact_s", |p| p.events.toe_contact_s),
-    ("let_off_s", |p| p.events.let_off_s),
-    ("hammer_contact_s", |p| p.events.hammer_contact_s),
-    ("hammer_speed_m_per_s", |p| p.events.hammer_speed_m_s),
-    ("key_bottom_s", |p| p.events.key_bottom_s),
-    ("check_s", |p| p.events.check_s),
-    ("strikes", |p| Some(p.events.strikes.len() as f64)),
-    ("hammer_highest_m", |p| Some(p.highest_m)),
-    ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
-];
 
 /// Name and values of every column: what was varied, what came of it, what was measured, whether the stroke failed (1, and nothing came of it),
 /// whether it can be trusted (1) and what of its energy is not explained.

@@ -3,9 +3,8 @@
 use erard::instrument::{Instrument, numbers_at, with_numbers};
 use erard::keyboard::{KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
+use erard_workshop::regulate::screw_unit;
 use erard_workshop::study::Parameter;
-
-use crate::regulate::screw_unit;
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
@@ -221,11 +220,10 @@ impl Axis {
             Target::Force => shown.abs() <= MAX_FORCE_N,
             // The reader of the file knows what can be.
             Target::Key | Target::Number(..) => true,
-            Target::Parameter(parameter) if parameter.is_factor() => (1e-3..=1e3).contains(&shown),
-            // As far as a file's own setting may turn a curve.
-            Target::Parameter(_) if self.unit == "degrees" => shown.abs() <= MOST_TURNED_DEG,
-            // Metres; a spring's torque has its own limit beside this one, its sign.
-            Target::Parameter(_) => (shown / self.per_si).abs() <= 0.1,
+            Target::Parameter(parameter) => {
+                let [least, most] = parameter.range();
+                (least * self.per_si..=most * self.per_si).contains(&shown)
+            }
         }
     }
 

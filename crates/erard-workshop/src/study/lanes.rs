@@ -3,6 +3,7 @@
 use moreau::{Input, ModelError, Outcome, SavedState, Settings};
 use moreau_sizes::{EveryBody, Lanes, OwnedDescription, Placed, SideBySide, Size, placed, side_by_side};
 
+use super::sampling::{Sampled, Sampling};
 use super::{JobResult, Played, Stroke};
 use crate::cores::Interrupt;
 use erard::assembly::{describe, marks};
@@ -174,11 +175,12 @@ struct Lane<'a> {
     steps: u64,
     books: Option<Books<'a>>,
     extremes: Extremes,
+    sampled: Option<Sampled<'a>>,
     failed: Option<SimulationError>,
 }
 
 impl<'a> Lane<'a> {
-    fn new(player: &'a Player<'a>, setup: &Setup) -> Result<Self, SimulationError> {
+    fn new(player: &'a Player<'a>, setup: &Setup, sampling: Option<&'a Sampling>) -> Result<Self, SimulationError> {
         let at_rest = player.rest.as_ref().map_err(Clone::clone)?;
         if player.instrument.roles.key.is_none() && (player.stroke)(setup.start_s) != player::Input::Free {
             return Err(SimulationError::NoKey);
@@ -197,6 +199,7 @@ impl<'a> Lane<'a> {
             steps: 0,
             books: None,
             extremes: Extremes::new(player.instrument),
+            sampled: sampling.map(|sampling| Sampled::new(sampling, player.instrument)),
             failed: None,
         })
     }
@@ -211,6 +214,18 @@ impl<'a> Lane<'a> {
         let hammer_m = head_m - self.rest.head_m;
         self.watch.look(time_s, site_m - self.rest.site_m, hammer_m, self.seen.met(), self.seen.as_ref());
         self.highest_m = self.highest_m.max(hammer_m);
+    }
+
+    /// Takes a row of samples, where the mechanism was looked at last.
+    fn sample(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
+        let Some(sampled) = &mut self.sampled else { return };
+        let now = Rest::of(self.player.instrument, self.seen.as_ref());
+        let force_n = match (self.player.stroke)(time_s) {
+            player::Input::Force(force_n) => force_n,
+            _ => 0.0,
+        };
+        let travels = [force_n, now.site_m - self.rest.site_m, now.head_m - self.rest.head_m];
+        sampled.push(travels, angles, velocities);
     }
 
     /// The input of the step from t0; of a mechanism that has failed, one of the same kind that does no harm.
@@ -254,6 +269,7 @@ impl<'a> Lane<'a> {
             unconverged_steps: self.unconverged_steps,
             energy_residual,
             warnings,
+            samples: self.sampled.map(Sampled::into_columns).unwrap_or_default(),
         })
     }
 }
@@ -265,10 +281,12 @@ impl<'a> Lane<'a> {
 pub(super) fn play(
     players: &[Player<'_>],
     setup: &Setup,
+    sampling: Option<&Sampling>,
     lanes: Lanes,
     going: Interrupt<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
-    let mut begun: Vec<Result<Lane, SimulationError>> = players.iter().map(|player| Lane::new(player, setup)).collect();
+    let mut begun: Vec<Result<Lane, SimulationError>> =
+        players.iter().map(|player| Lane::new(player, setup, sampling)).collect();
     let mut own: Vec<&mut Lane> = begun.iter_mut().flatten().collect();
     if !own.is_empty() {
         step_all(&mut own, setup, lanes, going)?;
@@ -295,6 +313,7 @@ fn step_all(
     for (i, lane) in own.iter_mut().enumerate() {
         group.motion(i, &mut angles, &mut velocities);
         lane.look(setup.start_s, &angles, &velocities);
+        lane.sample(setup.start_s, &angles, &velocities);
         lane.books = setup.ledger.then(|| {
             Books::open(lane.player.instrument, setup.settings.theta, h, &angles[..bodies], &velocities[..bodies])
         });
@@ -323,6 +342,9 @@ fn step_all(
             group.motion(i, &mut angles, &mut velocities);
             let now_s = setup.start_s + (n + 1) as f64 * h;
             lane.look(now_s, &angles, &velocities);
+            if lane.sampled.as_ref().is_some_and(|sampled| sampled.is_row(n + 1)) {
+                lane.sample(now_s, &angles, &velocities);
+            }
             lane.steps = n + 1;
             lane.audit(now_s, &inputs[i], &angles, || group.state(i));
         }

@@ -5,11 +5,15 @@
 //! the instants of each stroke. Instruments of six to nine bodies and up to twenty zones go in lanes; the others on all cores, but one by one. So
 //! do steps whose error is controlled, for lanes share their steps.
 
+mod change;
 mod lanes;
 mod parameter;
+mod sampling;
 mod topology;
 
+pub use change::{Change, ChangeError, Quantity, quantities, varied};
 pub use parameter::Parameter;
+pub use sampling::{Sampling, SamplingError};
 
 pub use moreau_sizes::Lanes;
 
@@ -69,7 +73,26 @@ pub struct Played {
     pub energy_residual: Option<f64>,
     /// Why the stroke is not to be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,
+    /// What was sampled, column by column ([`sample_all`]); empty where nothing was, or where the run ended early.
+    pub samples: Vec<Vec<f64>>,
 }
+
+/// A number of what came of a job; `None` is what did not happen.
+pub type Outcome = fn(&Played) -> Option<f64>;
+
+/// What came of every stroke, by the names of a study's columns, in SI units. Instants count from the stroke's start.
+pub const OUTCOMES: [(&str, Outcome); 10] = [
+    ("key_start_s", |p| p.events.key_start_s),
+    ("toe_contact_s", |p| p.events.toe_contact_s),
+    ("let_off_s", |p| p.events.let_off_s),
+    ("hammer_contact_s", |p| p.events.hammer_contact_s),
+    ("hammer_speed_m_per_s", |p| p.events.hammer_speed_m_s),
+    ("key_bottom_s", |p| p.events.key_bottom_s),
+    ("check_s", |p| p.events.check_s),
+    ("strikes", |p| Some(p.events.strikes.len() as f64)),
+    ("hammer_highest_m", |p| Some(p.highest_m)),
+    ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
+];
 
 /// How a job ended: a job that fails fails alone.
 pub type JobResult = Result<Played, SimulationError>;
@@ -89,15 +112,49 @@ pub fn play_all(
     workers: Workers,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<JobResult>, SimulationError> {
+    do_jobs(instruments, jobs, setup, workers, None, progress)
+}
+
+/// [`play_all`], and samples of every stroke along its way ([`Played::samples`]).
+///
+/// # Errors
+/// As [`play_all`].
+///
+/// # Panics
+/// As [`play_all`].
+pub fn sample_all(
+    instruments: &[Instrument],
+    jobs: Vec<Job<'_>>,
+    setup: &Setup,
+    sampling: &Sampling,
+    workers: Workers,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<JobResult>, SimulationError> {
+    do_jobs(instruments, jobs, setup, workers, Some(sampling), progress)
+}
+
+fn do_jobs(
+    instruments: &[Instrument],
+    jobs: Vec<Job<'_>>,
+    setup: &Setup,
+    workers: Workers,
+    sampling: Option<&Sampling>,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
     let in_lanes: Vec<bool> = instruments.iter().map(|i| Size::of(&describe(i)).has_lanes()).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
     let count = jobs.len() as f64;
-    let (lanes, others): (Vec<_>, Vec<_>) =
-        jobs.into_iter().enumerate().partition(|(_, job)| in_lanes[job.instrument] && setup.tolerance.is_none());
+    let (lanes, others): (Vec<_>, Vec<_>) = jobs.into_iter().enumerate().partition(|(_, job)| {
+        let by_force = || matches!((job.stroke)(setup.start_s), Input::Force(_));
+        let seen = sampling.is_none_or(|sampling| sampling.is_seen_in_lanes(by_force()));
+        in_lanes[job.instrument] && setup.tolerance.is_none() && seen
+    });
     let share = lanes.len() as f64 / count.max(1.0);
-    play_in_lanes(instruments, lanes, setup, workers, &mut results, &mut |own| progress(share * own))?;
-    play_alone(instruments, others, setup, workers, &mut results, &mut |own| progress(share + (1.0 - share) * own))?;
+    play_in_lanes(instruments, lanes, setup, workers, sampling, &mut results, &mut |own| progress(share * own))?;
+    play_alone(instruments, others, setup, workers, sampling, &mut results, &mut |own| {
+        progress(share + (1.0 - share) * own)
+    })?;
     Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
 }
 
@@ -107,6 +164,7 @@ fn play_alone(
     jobs: Vec<(usize, Job<'_>)>,
     setup: &Setup,
     workers: Workers,
+    sampling: Option<&Sampling>,
     results: &mut [Option<JobResult>],
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), SimulationError> {
@@ -118,6 +176,7 @@ fn play_alone(
         job(outcome, move |going| match simulate(instrument, stroke.as_ref(), &setup, &mut |_| going()) {
             Err(SimulationError::Interrupted) => Err(SimulationError::Interrupted),
             played => Ok(played.map(|run| Played {
+                samples: sampling.map(|sampling| sampling.of_run(&run)).unwrap_or_default(),
                 highest_m: run.hammer_head_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
                 events: run.events,
                 unconverged_steps: run.work.unconverged_steps,
@@ -142,6 +201,7 @@ fn play_in_lanes(
     jobs: Vec<(usize, Job<'_>)>,
     setup: &Setup,
     workers: Workers,
+    sampling: Option<&Sampling>,
     results: &mut [Option<JobResult>],
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), SimulationError> {
@@ -192,7 +252,7 @@ fn play_in_lanes(
                 Some(Player { instrument: &instruments[instrument], stroke, rest })
             })
             .collect();
-        work.push(job(outcome, move |going| play(&players, setup, lanes, going)));
+        work.push(job(outcome, move |going| play(&players, setup, sampling, lanes, going)));
     }
     do_all(work, threads, &mut |share| progress(settling + (1.0 - settling) * share))?;
     for (group, outcome) in played_together.iter().zip(outcomes) {

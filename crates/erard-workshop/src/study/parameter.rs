@@ -2,6 +2,11 @@
 
 use erard::instrument::{Instrument, ScrewAction};
 
+/// As far as a screw turns a curve, rad.
+const FARTHEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
+/// As far as one moves something, m, or changes a spring's torque, N m.
+const FARTHEST_SCREW: f64 = 0.1;
+
 /// A number of an instrument that a study varies.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parameter {
@@ -58,6 +63,57 @@ impl Parameter {
     /// Whether its values are factors, which must be positive.
     pub fn is_factor(&self) -> bool {
         !matches!(self, Parameter::Screw { .. })
+    }
+
+    /// How far it may be varied: what [`Parameter::vary`] is given, in SI units or as a factor. The reader of files knows narrower limits.
+    pub fn range(&self) -> [f64; 2] {
+        match self {
+            // As far as a file's own setting may turn a curve.
+            Parameter::Screw { action: ScrewAction::Turn { .. }, .. } => [-FARTHEST_TURN_RAD, FARTHEST_TURN_RAD],
+            // Metres; a spring's torque has its own limit beside this one, its sign.
+            Parameter::Screw { .. } => [-FARTHEST_SCREW, FARTHEST_SCREW],
+            _ => [1e-3, 1e3],
+        }
+    }
+
+    /// Its value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or damping, a coefficient.
+    pub fn value(&self, instrument: &Instrument) -> f64 {
+        match *self {
+            Parameter::Screw { screw, .. } => instrument.screws[screw].setting,
+            Parameter::Mass(i) => instrument.bodies[i].mass_kg,
+            Parameter::PivotFriction(i) => instrument.bodies[i].friction_torque_n_m,
+            Parameter::Torque(i) => instrument.springs[i].torque_n_m,
+            Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness,
+            Parameter::Damping(i) => {
+                let felt = &instrument.zones[i].felt;
+                if felt.hunt_crossley > 0.0 { felt.hunt_crossley } else { felt.damping }
+            }
+            Parameter::Friction(i) => instrument.zones[i].friction_coefficient,
+        }
+    }
+
+    /// The path of its number in the instrument's file.
+    pub fn path(&self, instrument: &Instrument) -> String {
+        let (body, zone) = (|i: usize| &instrument.bodies[i].name, |i: usize| &instrument.zones[i].name);
+        match *self {
+            Parameter::Screw { screw, ref action } => {
+                let unit = match action {
+                    ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => "mm",
+                    ScrewAction::Turn { .. } => "deg",
+                    ScrewAction::Spring { .. } => "N_m",
+                };
+                format!("screw.{}.setting_{unit}", instrument.screws[screw].name)
+            }
+            Parameter::Mass(i) => format!("body.{}.mass_g", body(i)),
+            Parameter::PivotFriction(i) => format!("body.{}.friction_torque_N_m", body(i)),
+            Parameter::Torque(i) => format!("spring.{}.torque_N_m", instrument.springs[i].name),
+            Parameter::Stiffness(i) => format!("zone.{}.felt.stiffness_N_per_m_r", zone(i)),
+            Parameter::Damping(i) if instrument.zones[i].felt.hunt_crossley > 0.0 => {
+                format!("zone.{}.felt.hunt_crossley_s_per_m", zone(i))
+            }
+            Parameter::Damping(i) => format!("zone.{}.felt.damping_N_s_per_m3", zone(i)),
+            Parameter::Friction(i) => format!("zone.{}.friction_coefficient", zone(i)),
+        }
     }
 
     /// Varies an instrument: turns the screw by `value` (m, rad, N m) or multiplies by it.

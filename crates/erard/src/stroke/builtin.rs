@@ -16,6 +16,16 @@ pub enum Touch {
     Struck,
 }
 
+impl Touch {
+    /// Its name in titles and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Touch::Pressed => "pressed",
+            Touch::Struck => "struck",
+        }
+    }
+}
+
 macro_rules! stroke {
     ($nuance:literal, $touch:literal) => {
         include_str!(concat!("../../strokes/", $nuance, "-", $touch, ".csv"))

@@ -8,6 +8,7 @@
 mod builtin;
 mod columns;
 mod csv_file;
+mod driving;
 mod error;
 mod fingertip;
 mod force;
@@ -18,6 +19,7 @@ mod units;
 
 pub use builtin::{NUANCES, Touch};
 pub use columns::{Column, Columns, ColumnsError, Layout, PositionOf, ROLES, Role};
+pub use driving::{DrivingError, Prescribed, Stroke};
 pub use error::StrokeError;
 pub use force::ForceSeries;
 pub use position::PositionSeries;

@@ -31,7 +31,7 @@ impl Furthest {
 }
 
 /// How far the bodies of an instrument have turned, and how deep its felts were pressed: told of every step.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extremes {
     /// Of every body: turned against what it is hinged on, from as drawn, rad counter-clockwise; the lowest, at most 0, and the highest, at
     /// least 0.

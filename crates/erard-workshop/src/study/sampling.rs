@@ -1,0 +1,122 @@
+//! What is sampled along many strokes.
+
+use erard::instrument::Instrument;
+use erard::run::Run;
+use moreau_sizes::EveryBody;
+use thiserror::Error;
+
+/// Which columns of a run's table are sampled, and every how many steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    every: u64,
+    columns: Vec<(String, Column)>,
+}
+
+/// No such column.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("there is no column `{name}`; expected {}", .known.join(", "))]
+pub struct SamplingError {
+    /// What was asked for.
+    pub name: String,
+    /// What there is.
+    pub known: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Column {
+    /// Of the finger, the key front and the strike point.
+    Travel(usize),
+    Angle(usize),
+    Rate(usize),
+    /// Only a run knows it.
+    OfRun,
+}
+
+const FORCE: usize = 0;
+const TRAVELS: [&str; 3] = ["force_N", "key_m", "hammer_head_m"];
+
+impl Sampling {
+    /// Of these columns of [`Run::columns`], a row every so many steps, the first at the start. Bodies and zones are those of an instrument;
+    /// others that are played must have the same.
+    ///
+    /// # Errors
+    /// [`SamplingError`].
+    pub fn of(instrument: &Instrument, columns: &[&str], every: u64) -> Result<Self, SamplingError> {
+        let mut known: Vec<(String, Column)> =
+            TRAVELS.iter().enumerate().map(|(i, name)| ((*name).to_owned(), Column::Travel(i))).collect();
+        for (i, body) in instrument.bodies.iter().enumerate() {
+            known.push((format!("{}_rad", body.name), Column::Angle(i)));
+            known.push((format!("{}_rad_per_s", body.name), Column::Rate(i)));
+        }
+        for zone in &instrument.zones {
+            known.push((format!("{}_N", zone.name), Column::OfRun));
+            if zone.friction_coefficient > 0.0 {
+                known.push((format!("{}_tangential_N", zone.name), Column::OfRun));
+            }
+        }
+        let find = |name: &&str| {
+            known.iter().find(|(known, _)| known == name).cloned().ok_or_else(|| SamplingError {
+                name: (*name).to_owned(),
+                known: known.iter().map(|(name, _)| name.clone()).collect(),
+            })
+        };
+        Ok(Sampling { every: every.max(1), columns: columns.iter().map(find).collect::<Result<_, _>>()? })
+    }
+
+    /// Whether all of it is seen in lanes: a motion's force, and the contacts' forces, are not.
+    pub(super) fn is_seen_in_lanes(&self, by_force: bool) -> bool {
+        self.columns.iter().all(|(_, column)| match column {
+            Column::Travel(FORCE) => by_force,
+            Column::OfRun => false,
+            _ => true,
+        })
+    }
+
+    /// The samples of a run that kept every step.
+    pub(super) fn of_run(&self, run: &Run) -> Vec<Vec<f64>> {
+        let all = run.columns();
+        let values = |name: &String| all.iter().find(|(known, _)| known == name).map_or(&[][..], |(_, values)| values);
+        self.columns
+            .iter()
+            .map(|(name, _)| values(name).iter().step_by(self.every as usize).copied().collect())
+            .collect()
+    }
+}
+
+/// Samples of a stroke as they are taken.
+pub(super) struct Sampled<'a> {
+    sampling: &'a Sampling,
+    columns: Vec<Vec<f64>>,
+    has_hammer: bool,
+}
+
+impl<'a> Sampled<'a> {
+    pub fn new(sampling: &'a Sampling, instrument: &Instrument) -> Self {
+        Sampled {
+            sampling,
+            columns: vec![Vec::new(); sampling.columns.len()],
+            has_hammer: instrument.roles.hammer.is_some(),
+        }
+    }
+
+    /// Whether a row stands after so many steps.
+    pub fn is_row(&self, steps: u64) -> bool {
+        steps.is_multiple_of(self.sampling.every)
+    }
+
+    pub fn push(&mut self, travels: [f64; 3], angles: &EveryBody, velocities: &EveryBody) {
+        for ((_, column), values) in self.sampling.columns.iter().zip(&mut self.columns) {
+            match *column {
+                Column::Travel(2) if !self.has_hammer => {}
+                Column::Travel(i) => values.push(travels[i]),
+                Column::Angle(i) => values.push(angles[i]),
+                Column::Rate(i) => values.push(velocities[i]),
+                Column::OfRun => {}
+            }
+        }
+    }
+
+    pub fn into_columns(self) -> Vec<Vec<f64>> {
+        self.columns
+    }
+}

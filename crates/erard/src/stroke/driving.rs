@@ -1,0 +1,234 @@
+//! A stroke, ready to drive: what it prescribes, from when on and for how long.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{ForceSeries, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
+use crate::instrument::Finger;
+use crate::player::{self, Input};
+
+/// Duration of a run under a constant force unless told otherwise, s.
+const CONSTANT_DURATION_S: f64 = 0.6;
+/// How long a run goes on after the end of a recording, s: the key comes home and the hammer falls to rest.
+const AFTER_RECORDING_S: f64 = 0.3;
+/// How long it goes on after the end of a built-in stroke, s.
+const AFTER_BUILTIN_S: f64 = 0.2;
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prescribed {
+    /// The force on the key.
+    Force,
+    /// The motion of a soft finger that can only push.
+    Motion,
+    /// The motion of the key itself.
+    Rigid,
+}
+
+impl Prescribed {
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Prescribed::Force => "force",
+            Prescribed::Motion => "motion",
+            Prescribed::Rigid => "rigid",
+        }
+    }
+
+    /// The column of a recording that it needs.
+    pub fn column(self) -> &'static str {
+        match self {
+            Prescribed::Force => "force_N",
+            Prescribed::Motion | Prescribed::Rigid => "position_m",
+        }
+    }
+}
+
+/// Why a recording cannot drive so.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DrivingError {
+    /// What it would drive with was not recorded.
+    #[error("{title}: driving by {} needs a column `{}`, and there is none", .drive.name(), .drive.column())]
+    Missing {
+        /// The stroke.
+        title: String,
+        /// What was asked for.
+        drive: Prescribed,
+    },
+    /// The fingertip's position without a force does not tell the key's.
+    #[error(
+        "{title}: driving the key itself needs its position; the fingertip's gives it where a column `force_N` is there too"
+    )]
+    NoKeyPosition {
+        /// The stroke.
+        title: String,
+    },
+    /// Key and fingertip cannot be told from each other.
+    #[error("{title}: key and fingertip: {error}")]
+    Samples {
+        /// The stroke.
+        title: String,
+        /// Why.
+        error: SampleError,
+    },
+}
+
+/// What the player does over time, ready to drive a key.
+#[derive(Debug)]
+pub struct Stroke {
+    /// What it is called in titles.
+    pub title: String,
+    /// What it prescribes.
+    pub drive: Prescribed,
+    /// First instant, s.
+    pub start_s: f64,
+    /// Duration to run unless told otherwise, s.
+    pub duration_s: f64,
+    series: Option<Series>,
+    position_of: PositionOf,
+    /// The position that drives a key under this finger.
+    worked_out: Mutex<Option<(Finger, Arc<PositionSeries>)>>,
+    force_n: f64,
+}
+
+impl Stroke {
+    /// A constant force from the start on, N.
+    pub fn constant(title: String, force_n: f64) -> Self {
+        Stroke {
+            title,
+            drive: Prescribed::Force,
+            start_s: 0.0,
+            duration_s: CONSTANT_DURATION_S,
+            series: None,
+            position_of: PositionOf::Key,
+            worked_out: Mutex::default(),
+            force_n,
+        }
+    }
+
+    /// A built-in stroke, which drives by its force unless told otherwise; `None` where there is none of that name ([`NUANCES`]).
+    ///
+    /// # Errors
+    /// See [`DrivingError`].
+    pub fn builtin(
+        nuance: &str,
+        touch: Touch,
+        drive: Option<Prescribed>,
+    ) -> Option<Result<(Self, Option<&'static str>), DrivingError>> {
+        let nuance = NUANCES.into_iter().find(|known| *known == nuance)?;
+        let title = format!("{nuance}, {}", touch.name());
+        Some(Self::of(title, Series::builtin(nuance, touch)?, PositionOf::Key, drive, AFTER_BUILTIN_S))
+    }
+
+    /// A recording, and a note where it does not drive quite as it says. It drives by its force where it has one, else by the motion of
+    /// whatever was recorded, unless told otherwise.
+    ///
+    /// # Errors
+    /// See [`DrivingError`].
+    pub fn recorded(
+        title: String,
+        series: Series,
+        position_of: PositionOf,
+        drive: Option<Prescribed>,
+    ) -> Result<(Self, Option<&'static str>), DrivingError> {
+        Self::of(title, series, position_of, drive, AFTER_RECORDING_S)
+    }
+
+    fn of(
+        title: String,
+        series: Series,
+        position_of: PositionOf,
+        drive: Option<Prescribed>,
+        after_s: f64,
+    ) -> Result<(Self, Option<&'static str>), DrivingError> {
+        let own = if position_of == PositionOf::Key { Prescribed::Rigid } else { Prescribed::Motion };
+        let drive = drive.unwrap_or(if series.force.is_some() { Prescribed::Force } else { own });
+        let missing = match drive {
+            Prescribed::Force => series.force.is_none(),
+            Prescribed::Motion | Prescribed::Rigid => series.position.is_none(),
+        };
+        if missing {
+            return Err(DrivingError::Missing { title, drive });
+        }
+        let note = match (drive, position_of) {
+            (Prescribed::Motion, PositionOf::Key) if series.force.is_none() => Some(
+                "no force was recorded, so that the fingertip's position is not known: the key's stands for it (--position fingertip if it is \
+                 the fingertip's; --drive rigid plays the key's)",
+            ),
+            (Prescribed::Rigid, PositionOf::Fingertip) if series.force.is_none() => {
+                return Err(DrivingError::NoKeyPosition { title });
+            }
+            _ => None,
+        };
+        let (start_s, duration_s) = (series.start_s(), series.end_s() - series.start_s() + after_s);
+        let worked_out = Mutex::default();
+        Ok((
+            Stroke { title, drive, start_s, duration_s, series: Some(series), position_of, worked_out, force_n: 0.0 },
+            note,
+        ))
+    }
+
+    /// What drives a key under this finger over time, s on the stroke's own clock: a fingertip is as soft as its instrument says.
+    ///
+    /// # Errors
+    /// See [`DrivingError`].
+    pub fn inputs(&self, finger: &Finger) -> Result<Box<dyn Fn(f64) -> Input + Send + '_>, DrivingError> {
+        let wanted = match self.drive {
+            Prescribed::Force => {
+                let force = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
+                return Ok(Box::new(move |t| Input::Force(force.as_ref().map_or(self.force_n, |force| force(t)))));
+            }
+            Prescribed::Motion => PositionOf::Fingertip,
+            Prescribed::Rigid => PositionOf::Key,
+        };
+        let position = self.position(wanted, finger)?.shared_drive();
+        Ok(match self.drive {
+            Prescribed::Motion => Box::new(player::motion(position)),
+            _ => Box::new(player::rigid(position)),
+        })
+    }
+
+    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.
+    fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, DrivingError> {
+        let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {
+            return Ok(Arc::clone(position));
+        }
+        let missing = || DrivingError::Missing { title: self.title.clone(), drive: self.drive };
+        let series = self.series.as_ref().ok_or_else(missing)?;
+        let other = series
+            .position_of(wanted, self.position_of, finger)
+            .map_err(|error| DrivingError::Samples { title: self.title.clone(), error })?;
+        let position = Arc::new(other.or_else(|| series.position.clone()).ok_or_else(missing)?);
+        *worked_out = Some((*finger, Arc::clone(&position)));
+        Ok(position)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A recording drives by force where it has one, by the motion of what was recorded where not, and says what it lacks.
+    #[test]
+    fn what_drives() {
+        let read = |text: &str| Series::parse(text, "test").unwrap();
+        let both = read("time_s,force_N,position_m\n0,1,0\n1,2,0.01\n");
+        let path = read("time_s,position_m\n0,0\n1,0.01\n");
+        let of = |series: &Series, whose, drive| Stroke::recorded("x".into(), series.clone(), whose, drive);
+        let (stroke, note) = of(&both, PositionOf::Key, None).unwrap();
+        assert_eq!((stroke.drive, stroke.duration_s, note), (Prescribed::Force, 1.0 + AFTER_RECORDING_S, None));
+        assert_eq!(stroke.inputs(&Finger::default()).unwrap()(0.5), Input::Force(1.5));
+        assert_eq!(of(&path, PositionOf::Key, None).unwrap().0.drive, Prescribed::Rigid);
+        assert_eq!(of(&path, PositionOf::Fingertip, None).unwrap().0.drive, Prescribed::Motion);
+        assert!(of(&path, PositionOf::Key, Some(Prescribed::Motion)).unwrap().1.is_some());
+        let error = of(&path, PositionOf::Key, Some(Prescribed::Force)).unwrap_err().to_string();
+        assert!(error.contains("`force_N`"), "{error}");
+        assert!(matches!(
+            of(&path, PositionOf::Fingertip, Some(Prescribed::Rigid)),
+            Err(DrivingError::NoKeyPosition { .. })
+        ));
+        assert!(Stroke::builtin("mezzo", Touch::Struck, None).is_none());
+        let (builtin, _) = Stroke::builtin("mf", Touch::Struck, None).unwrap().unwrap();
+        assert_eq!((builtin.title.as_str(), builtin.drive), ("mf, struck", Prescribed::Force));
+    }
+}
