@@ -28,3 +28,15 @@ pub extern "C" fn long_run() -> u64 {
 pub extern "C" fn long_run_expected() -> u64 {
     digests::GOLDEN
 }
+
+/// Twelve notes of the grand that bends, played here.
+#[unsafe(no_mangle)]
+pub extern "C" fn long_bending_run() -> u64 {
+    digests::long_bending_run()
+}
+
+/// The same on the machine that the tests run on.
+#[unsafe(no_mangle)]
+pub extern "C" fn long_bending_run_expected() -> u64 {
+    digests::BENDING
+}

@@ -27,7 +27,7 @@ fn says(message: &str, parts: &[&str]) {
 fn instruments() {
     let folder = Folder::new("bad-instruments");
     let cases: [(&str, &str, &[&str]); 6] = [
-        ("mass_g = ", "mass = ", &["`body.key.mass`", "expected `mass_g`"]),
+        ("mass_g = ", "mass = ", &["`body.key_back.mass`", "expected `mass_g`"]),
         ("mass_g = { value = 140", "mass_g = { value = -140", &["`body.key.mass_g.value`", "-140", "greater than 0"]),
         (
             "mass_g = { value = 140",

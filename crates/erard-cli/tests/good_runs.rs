@@ -8,7 +8,7 @@ use common::Folder;
 use serde_json::Value;
 
 const FILES: [&str; 6] = ["run.csv", "run.html", "run.parquet", "run.png", "run.svg", "summary.json"];
-const BODIES: [&str; 6] = ["key", "whippen", "jack", "lever", "hammer", "damper"];
+const BODIES: [&str; 8] = ["key_back", "key", "whippen", "jack", "lever", "shank", "hammer", "damper"];
 
 fn columns(header: &str) -> Vec<&str> {
     header.trim_end().split(',').collect()
@@ -46,7 +46,7 @@ fn with_no_argument_the_grand_plays() {
     let names = columns(header);
     assert_eq!(names[..4], ["time_s", "force_N", "key_m", "hammer_head_m"]);
     let angles: Vec<String> = BODIES.iter().flat_map(|b| [format!("{b}_rad"), format!("{b}_rad_per_s")]).collect();
-    assert_eq!(names[4..16], angles);
+    assert_eq!(names[4..20], angles);
     for sliding in ["jack_knuckle", "let_off_button", "check"] {
         assert!(names.contains(&format!("{sliding}_N").as_str()), "{names:?}");
         assert!(names.contains(&format!("{sliding}_tangential_N").as_str()), "{names:?}");

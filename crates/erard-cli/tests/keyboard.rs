@@ -13,7 +13,7 @@ instrument_key = 40
 [[added_mass]]
 name = "hammer head"
 body = "hammer"
-at_mm = [130, 18]
+at_mm = [70, 18]
 mass_g = [{ key = 1, value = 2 }, { key = 40, value = 0 }, { key = 88, value = -3 }]
 "#;
 
@@ -78,7 +78,7 @@ fn keyboards_are_checked() {
 #[test]
 fn wrong_input_is_told() {
     let folder = with_mine("wrong");
-    folder.file("broken.toml", &MINE.replace("at_mm = [130, 18]", "at_mm = 130"));
+    folder.file("broken.toml", &MINE.replace("at_mm = [70, 18]", "at_mm = 130"));
     let cases: [(&[&str], &str); 11] = [
         (&["keyboard", "nobody"], "there is no file and no built-in keyboard `nobody` (built in: concert-grand)"),
         (&["keyboard", "nobody.toml"], "nobody.toml: cannot be read"),

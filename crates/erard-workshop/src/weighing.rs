@@ -56,7 +56,8 @@ fn weigh_key(key: usize, instrument: &Instrument, going: Interrupt<'_>) -> Resul
         tried: try_once(instrument, going)?,
         key,
         note: note_name(key),
-        hammer_mass_g: rigid.bodies[Parts::of(&rigid)?.hammer].mass_kg * 1e3,
+        // A sum of pieces: without its rounding errors.
+        hammer_mass_g: (rigid.bodies[Parts::of(&rigid)?.hammer].mass_kg * 1e12).round() / 1e9,
         strike_weight_g: scale.strike_weight_g,
         front_weight_g: scale.front_weight_g,
         touch: weights.touch,

@@ -13,7 +13,7 @@ use erard_workshop::measure::weights::on_the_scale;
 
 fn both() -> [Instrument; 2] {
     let path = format!("{}/../erard/benches/bending/8-bodies.toml", env!("CARGO_MANIFEST_DIR"));
-    [Instrument::builtin("concert-grand").unwrap(), Instrument::load(Path::new(&path)).unwrap()]
+    [Instrument::builtin("concert-grand-rigid").unwrap(), Instrument::load(Path::new(&path)).unwrap()]
 }
 
 fn near(a: f64, b: f64, within: f64, what: &str) {

@@ -3,13 +3,13 @@
 #[path = "../../erard/tests/common/mod.rs"]
 mod common;
 
-use common::grand;
+use common::rigid_grand;
 use erard::instrument::{Curve, Felt, Instrument};
 use erard_workshop::distances::{Distances, Protocol, measure};
 
 /// The grand with some of its screws turned (mm), measured.
 fn measured(turns_mm: &[(&str, f64)]) -> Distances {
-    let mut grand = grand();
+    let mut grand = rigid_grand();
     for (screw, by_mm) in turns_mm {
         let screw = grand.screw(screw).unwrap();
         assert!(grand.turn(screw, by_mm * 1e-3));
@@ -32,7 +32,7 @@ fn line(instrument: &Instrument, name: &str) -> ([f64; 2], Felt) {
 /// F = k g^r; the key's own rest is within 0.03 mm of its drawn one.
 #[test]
 fn dip_is_the_punching_and_its_felt() {
-    let (point_m, felt) = line(&grand(), "key_front");
+    let (point_m, felt) = line(&rigid_grand(), "key_front");
     let compressed = |force: f64| (force / felt.stiffness).powf(1.0 / felt.exponent);
     let dip_m = measured(&[]).dip_m.unwrap();
     let [least, most] = [compressed(3.9) - 0.03e-3, compressed(4.7) + 0.03e-3].map(|g| g - point_m[1]);
@@ -73,7 +73,7 @@ fn the_drop_screw_lowers_the_hammer_by_its_levers() {
 /// the jack's pivot, moves its top, 45 mm up, by 0.32 mm.
 #[test]
 fn the_jack_stands_where_it_is_drawn() {
-    let grand = grand();
+    let grand = rigid_grand();
     let zone = grand.zones.iter().find(|zone| zone.name == "jack_knuckle").unwrap();
     let body = |name: &str| grand.bodies.iter().find(|body| body.name == name).unwrap();
     let (hammer, whippen, jack) = (body("hammer"), body("whippen"), body("jack"));
@@ -100,7 +100,7 @@ fn the_lever_rises_as_its_stop_is_lowered() {
 /// A stronger spring lifts the hammer faster; a weak one does not lift it at all; a check too far away catches nothing.
 #[test]
 fn what_does_not_happen_is_none() {
-    let mut grand = grand();
+    let mut grand = rigid_grand();
     let spring = grand.screw("repetition_spring").unwrap();
     let speed = |grand: &Instrument| measure(grand, &Protocol::default(), &mut || true).unwrap().spring_m_s.unwrap();
     let usual = speed(&grand);

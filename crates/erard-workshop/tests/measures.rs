@@ -7,7 +7,7 @@ mod common;
 
 use std::sync::OnceLock;
 
-use common::{body, grand};
+use common::{body, rigid_grand};
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::one_dof;
@@ -50,7 +50,7 @@ fn without_damper(instrument: &Instrument) -> Instrument {
 /// The shipped grand's weights, found once.
 fn grand_weighed() -> &'static Weights {
     static WEIGHED: OnceLock<Weights> = OnceLock::new();
-    WEIGHED.get_or_init(|| weigh(&grand(), &go).unwrap())
+    WEIGHED.get_or_init(|| weigh(&rigid_grand(), &go).unwrap())
 }
 
 fn down(w: &Weights) -> f64 {
@@ -137,8 +137,8 @@ fn weights_and_loop_agree() {
 /// The shipped grand is within the published norms, and R of the equation of balance is R of the geometry within 2 %.
 #[test]
 fn the_concert_grand_is_within_the_norms() {
-    let grand = grand();
-    let w = grand_weighed();
+    let grand = Instrument::builtin("concert-grand").unwrap();
+    let w = &weigh(&grand, &go).unwrap();
     let touch = w.pedal_down.by_weights;
     let within = |what: &str, x: f64, low: f64, high: f64| assert!((low..=high).contains(&x), "{what}: {x}");
     within("down-weight", down(w), 45.0, 55.0);
@@ -161,7 +161,7 @@ fn the_concert_grand_is_within_the_norms() {
 /// 142 mm of the key (which felts and the dome shift by some tenths of a millimetre).
 #[test]
 fn the_parts_weigh_what_they_are() {
-    let grand = grand();
+    let grand = rigid_grand();
     let parts = grand_weighed().parts.clone();
     let key = &grand.bodies[body(&grand, "key")];
     let front = key.mass_kg * 1e3 * key.center_of_mass_m[0] / grand.roles.key_front_m[0];
@@ -189,7 +189,7 @@ fn show_change(before: &Weights, after: &Weights) {
 /// behind it weighs less at the key, still and in motion. The blow is kept by the capstan's height.
 #[test]
 fn capstan_toward_the_player_is_lighter() {
-    let grand = grand();
+    let grand = rigid_grand();
     let mut moved = grand.clone();
     let capstan = zone(&grand, "capstan_heel");
     moved.zones[capstan].disc_center_m[0] -= 0.010;
@@ -206,7 +206,7 @@ fn capstan_toward_the_player_is_lighter() {
 /// The knuckle nearer to the hammer's centre: a shorter arm drives the same hammer.
 #[test]
 fn knuckle_in_is_heavier() {
-    let grand = grand();
+    let grand = rigid_grand();
     let mut moved = grand.clone();
     for knuckle in ["jack_knuckle", "lever_knuckle"] {
         let knuckle = zone(&grand, knuckle);
@@ -229,7 +229,7 @@ fn knuckle_in_is_heavier() {
 /// a mean of two ways, sees half of what one of them rubs more than the other.
 #[test]
 fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
-    let grand = grand();
+    let grand = rigid_grand();
     let heavier = |grand: &Instrument| {
         let mut heavier = grand.clone();
         add_mass(&mut heavier, "hammer", 1e-3, [0.130, 0.018]);
@@ -255,7 +255,7 @@ fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
 /// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less at the front, of down-weight and up-weight.
 #[test]
 fn a_lead_lowers_the_balance_weight_by_its_lever() {
-    let grand = grand();
+    let grand = rigid_grand();
     let mut leaded = grand.clone();
     add_mass(&mut leaded, "key", 14e-3, [-0.147, 0.010]);
     let (before, after) = (grand_weighed(), weighed(&leaded));
@@ -271,7 +271,7 @@ fn a_lead_lowers_the_balance_weight_by_its_lever() {
 /// More friction in the key's bushings, 5 mN m at an arm of 265 mm: 1.9 g more to go down, 1.9 g less to come up.
 #[test]
 fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
-    let grand = grand();
+    let grand = rigid_grand();
     let mut tight = grand.clone();
     let key = body(&grand, "key");
     tight.bodies[key].friction_torque_n_m += 5e-3;
@@ -288,7 +288,7 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
 /// the key lifts it late in its way, where it decides the down-weight, so that friction weight alone does not see all of it.
 #[test]
 fn dampers_down_are_heavier() {
-    let grand = grand();
+    let grand = rigid_grand();
     let w = grand_weighed();
     let with = w.dampers_down.as_ref().unwrap();
     let at = w.free_way.end_m - 0.3e-3;
@@ -305,7 +305,7 @@ fn dampers_down_are_heavier() {
 /// at most, which is what the levers take as closed and the other as it stands.
 #[test]
 fn inertia_is_that_of_the_reduced_model() {
-    let grand = grand();
+    let grand = rigid_grand();
     let curve = inertia(&grand, 5e-3, &go).unwrap();
     let reduced = one_dof::reduce(&grand).unwrap().inertia_kg_m2 / 0.265_f64.powi(2);
     near("at rest", curve.pedal_down_kg[0], reduced, 0.03 * reduced);
@@ -321,7 +321,7 @@ fn inertia_is_that_of_the_reduced_model() {
 /// stop and a force that swells, for otherwise the hammer lags behind and swings ahead.
 #[test]
 fn inertia_is_what_a_force_accelerates() {
-    let mut stiff = grand();
+    let mut stiff = rigid_grand();
     for zone in &mut stiff.zones {
         zone.felt.stiffness *= 1000.0;
         zone.felt.scale_loss(1000.0);
@@ -378,7 +378,7 @@ fn let_off_distance(instrument: &Instrument) -> f64 {
 /// the slowing of a freely rising hammer, from its weight, pin friction and inertia, and d the way that it flies.
 #[test]
 fn twice_the_let_off_needs_a_faster_hammer() {
-    let near_string = grand();
+    let near_string = rigid_grand();
     let distance = let_off_distance(&near_string);
     let mut far = near_string.clone();
     // Button and hammer move in the ratio of their arms: found by secant, and what is reached is measured.
@@ -402,7 +402,7 @@ fn twice_the_let_off_needs_a_faster_hammer() {
 /// to fourteen per second that are published for grands, or nearly.
 #[test]
 fn half_way_repeats_faster() {
-    let grand = grand();
+    let grand = rigid_grand();
     let full = repetition(&grand, HOME_M, &go).unwrap().unwrap();
     let half = repetition(&grand, 4.8e-3, &go).unwrap().unwrap();
     println!("{full:?}\n{half:?}");
@@ -424,7 +424,7 @@ fn half_way_repeats_faster() {
 /// pedal down. Measured on several threads, the sheet is the same, bit for bit.
 #[test]
 fn an_action_without_a_damper_has_a_sheet() {
-    let bare = without_damper(&grand());
+    let bare = without_damper(&rigid_grand());
     let sheet = measure(&bare, &mut |_| true).unwrap();
     assert!(sheet.dampers_down.is_none() && sheet.hysteresis_dampers_down.is_none());
     near("down-weight", sheet.down_weight_g.unwrap(), down(grand_weighed()), SCALE_G);
@@ -446,21 +446,21 @@ fn an_action_without_a_damper_has_a_sheet() {
 /// What is no action is told so, and work that is to end ends.
 #[test]
 fn what_cannot_be_measured_is_said() {
-    let mut no_hammer = grand();
+    let mut no_hammer = rigid_grand();
     no_hammer.roles.hammer = None;
     let error = measure(&no_hammer, &mut |_| true).unwrap_err().to_string();
     assert!(error.contains("names no `hammer`"), "{error}");
-    let mut floating = grand();
+    let mut floating = rigid_grand();
     floating.gravity_m_s2 = 0.0;
     assert!(measure(&floating, &mut |_| true).is_err());
-    assert!(measure(&grand(), &mut |_| false).unwrap_err().is_interruption());
+    assert!(measure(&rigid_grand(), &mut |_| false).unwrap_err().is_interruption());
 }
 
 /// An action that blocks, its let-off button and drop screw turned out of reach, is measured all the same: up to where the hammer
 /// meets the string, and let-off, drop and aftertouch are red flags.
 #[test]
 fn a_blocking_action_has_a_sheet() {
-    let mut blocking = without_damper(&grand());
+    let mut blocking = without_damper(&rigid_grand());
     lower_let_off(&mut blocking, -10e-3);
     let sheet = measure(&blocking, &mut |_| true).unwrap();
     assert_eq!(sheet.let_off_begins_mm, None);

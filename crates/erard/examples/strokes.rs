@@ -1,108 +1,128 @@
 //! Writes the built-in strokes, `strokes/<nuance>-<touch>.csv`: `cargo run --release -p erard --example strokes`.
 //!
-//! The forces are formulas (below); the positions are what the concert grand's key front does under them. A struck stroke is
-//! scaled so that its hammer speed equals the pressed one's, so that the two touches can be compared at equal loudness.
+//! Hands play them on the concert grand ([`erard::player::Hand`]): the force is the fingertip's, the position the key front's. The hammer's speed
+//! at the string is the nuance's: 0.5 m/s (pp) to 5 m/s (ff), p, mf and f in equal ratios between (with mp, which has no stroke). How long the key
+//! takes is not asked for; it stands beside what is published.
+//!
+//! - Pressed: a hand of 0.2 kg rests on the key; its muscle's force rises at a constant rate until the hammer is on the string, and then falls to
+//!   what holds the key. Only pp is led down instead, along the path of least jerk.
+//! - Struck: a finger with a share of the hand arrives at the key with a speed, its muscle pressing on.
+//!
+//! From [`LET_GO_S`] on the hand leaves: its force is gone within 30 ms. All numbers of the hands are estimates.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use erard::instrument::Instrument;
-use erard::player;
+use erard::player::{self, Gesture, Hand, press_by_hand};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::simulation::{Setup, simulate_hand};
 use moreau::Settings;
 
-/// Name, force that is reached (N), time in which it is reached when pressed (s), duration of the blow when struck (s).
-const NUANCES: [(&str, f64, f64, f64); 5] = [
-    ("pp", 0.9, 0.060, 0.030),
-    ("p", 2.0, 0.045, 0.024),
-    ("mf", 4.5, 0.030, 0.018),
-    ("f", 9.0, 0.020, 0.014),
-    ("ff", 20.0, 0.014, 0.010),
-];
+/// Nuance, hammer speed (m/s), and what is published of the key's stroke, ms: Askenfelt and Jansson 1990 (p, f) and 1988 (pp, ff), second-hand.
+const NUANCES: [(&str, f64, &str); 5] =
+    [("pp", 0.5, "over 100"), ("p", 0.79, "160"), ("mf", 1.99, ""), ("f", 3.15, "25"), ("ff", 5.0, "25")];
 /// The key is let go at this instant, s, within [`RELEASE_S`]; the stroke ends at [`END_S`].
 const LET_GO_S: f64 = 0.5;
-/// What stays on a struck key after the blow, N, at least: enough to hold it down.
-const WEIGHT_N: f64 = 0.65;
 const RELEASE_S: f64 = 0.030;
 const END_S: f64 = 0.8;
+/// What holds the key down after the blow, N.
+const HOLD_N: f64 = 3.0;
+/// The muscle relaxes to it within this time, s.
+const RELAX_S: f64 = 0.100;
+/// A struck hand: finger and knuckles, kg.
+const STRUCK_KG: f64 = 0.06;
+/// Its muscle's force for every m/s of its arrival, N s/m: fast fingers press on harder.
+const STRUCK_N_S_M: f64 = 6.0;
+/// What lifts a hand that leaves, m/s2.
+const LEAVING_M_S2: f64 = 11.0;
 
 fn ramp(x: f64) -> f64 {
     0.5 - 0.5 * (PI * x.clamp(0.0, 1.0)).cos()
 }
 
-fn let_go(t: f64) -> f64 {
-    1.0 - ramp((t - LET_GO_S) / RELEASE_S)
+/// A hand of so many kg whose muscle's force is `rising` until `until` and holds the key from then on.
+fn by_force(grand: &Instrument, hand: Hand, rising: impl Fn(f64) -> f64, until: f64, setup: &Setup) -> Run {
+    let stroke = player::force(|t| {
+        let peak = rising(until);
+        let held = if t < until { rising(t) } else { peak + (HOLD_N - peak) * ramp((t - until) / RELAX_S) };
+        held - ramp((t - LET_GO_S) / RELEASE_S) * (held + LEAVING_M_S2 * hand.mass_kg)
+    });
+    simulate_hand(grand, &hand, &stroke, setup, &mut |_| true).expect("the concert grand runs")
 }
 
-/// Rises smoothly to `level` and stays.
-fn pressed(t: f64, level: f64, rise: f64) -> f64 {
-    level * ramp(t / rise) * let_go(t)
+/// One touch by the number that makes it louder, up to the blow and then whole.
+fn play(grand: &Instrument, touch: &str, louder: f64, setup: &Setup) -> Run {
+    let blow = |run: &Run| run.events.hammer_contact_s.unwrap_or(LET_GO_S);
+    let short = Setup { duration_s: 0.4, record_every: Some(u64::MAX), ..*setup };
+    match touch {
+        "led" => press_by_hand(grand, &Gesture::led(1.0 / louder).leaving(LET_GO_S, RELEASE_S), setup, &mut |_| true)
+            .expect("the concert grand runs"),
+        "pressed" => {
+            let hand = Hand { damping_n_s_per_m: 0.0, ..Hand::default() };
+            let until = blow(&by_force(grand, hand, |t| louder * t, LET_GO_S, &short));
+            by_force(grand, hand, |t| louder * t, until, setup)
+        }
+        _ => {
+            let hand = Hand { mass_kg: STRUCK_KG, damping_n_s_per_m: 0.0, start_m_s: louder, ..Hand::default() };
+            let force = STRUCK_N_S_M * louder;
+            let until = blow(&by_force(grand, hand, |_| force, LET_GO_S, &short));
+            by_force(grand, hand, |_| force, until, setup)
+        }
+    }
 }
 
-/// A blow of the falling finger, then the finger's weight.
-fn struck(t: f64, level: f64, blow: f64, scale: f64) -> f64 {
-    let pulse = if t < blow { scale * (PI * t / blow).sin().powi(2) } else { 0.0 };
-    (pulse + (0.35 * level).max(WEIGHT_N) * ramp((t - 0.5 * blow) / blow)) * let_go(t)
-}
-
-fn run(grand: &Instrument, force: &dyn Fn(f64) -> f64) -> Run {
-    let setup = Setup {
-        settings: Settings::new(10e-6),
-        start_s: 0.0,
-        duration_s: END_S,
-        record_every: Some(50),
-        tolerance: None,
-        ledger: true,
-    };
-    simulate(grand, &player::force(force), &setup, &mut |_| true).expect("the concert grand runs")
-}
-
-/// The force that gives the blow the wanted hammer speed, by bisection.
-fn scale_for(grand: &Instrument, speed: f64, level: f64, blow: f64) -> f64 {
-    // Far harder blows throw the key through before the hammer has followed, and loudness falls again.
-    let (mut low, mut high) = (0.0, 8.0 * level);
-    for _ in 0..25 {
-        let middle = 0.5 * (low + high);
-        let reached = run(grand, &|t| struck(t, level, blow, middle)).events.hammer_speed_m_s.unwrap_or(0.0);
+/// The number that gives the blow the wanted hammer speed, by bisection.
+fn found(grand: &Instrument, touch: &str, speed: f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    let setup = Setup { settings: Settings::new(25e-6), record_every: Some(u64::MAX), ..Setup::new(0.45) };
+    for _ in 0..24 {
+        let middle = (low * high).sqrt();
+        let reached = play(grand, touch, middle, &setup).events.hammer_speed_m_s.unwrap_or(0.0);
         if reached < speed { low = middle } else { high = middle }
     }
-    0.5 * (low + high)
+    high
 }
 
 /// Half a millisecond while it moves, more sparsely while it is held: unevenly sampled, as files may be.
 fn kept(t: f64) -> bool {
     let ms = (t * 2e3).round() as u64;
-    ms <= 400 || (1000..1200).contains(&ms) || ms.is_multiple_of(10)
+    ms <= 500 || (1000..1200).contains(&ms) || ms.is_multiple_of(10)
 }
 
-fn write(folder: &Path, name: &str, run: &Run, force: &dyn Fn(f64) -> f64) {
+fn write(folder: &Path, name: &str, how: &str, published: &str, run: &Run) {
     let mut text = String::from("time_s,force_N,position_m\n");
-    for (t, y) in run.time_s.iter().zip(&run.key_m).filter(|(t, _)| kept(**t)) {
-        writeln!(text, "{t:.4},{:.4},{:.7}", force(*t), y).expect("a string takes any text");
+    for ((t, y), force) in run.time_s.iter().zip(&run.key_m).zip(&run.force_n).filter(|((t, _), _)| kept(**t)) {
+        writeln!(text, "{t:.4},{force:.4},{y:.7}").expect("a string takes any text");
     }
     std::fs::write(folder.join(format!("{name}.csv")), text).expect("the folder `strokes` can be written");
     let e = &run.events;
+    let ms = |s: Option<f64>| s.unwrap_or(f64::NAN) * 1e3;
+    let start = ms(e.key_start_s);
     println!(
-        "{name:12} peak {:6.2} N  hammer {:.3} m/s at {:6.2} ms  key bottom {:6.2} ms",
+        "{name:12} {how:38} peak {:5.1} N  hammer {:.3} m/s  to the string {:5.1} ms  key stroke {:5.1} ms (published {published})  blows {}",
         run.peak_force_n,
         e.hammer_speed_m_s.unwrap_or(0.0),
-        e.hammer_contact_s.unwrap_or(0.0) * 1e3,
-        e.key_bottom_s.unwrap_or(0.0) * 1e3
+        ms(e.hammer_contact_s) - start,
+        ms(e.key_bottom_s) - start,
+        e.strikes.len()
     );
 }
 
 fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("strokes");
     let grand = Instrument::builtin("concert-grand").expect("built in");
-    for (name, level, rise, blow) in NUANCES {
-        let force = |t| pressed(t, level, rise);
-        let reference = run(&grand, &force);
-        write(&folder, &format!("{name}-pressed"), &reference, &force);
-        let speed = reference.events.hammer_speed_m_s.unwrap_or(0.0);
-        let scale = scale_for(&grand, speed, level, blow);
-        let force = |t| struck(t, level, blow, scale);
-        write(&folder, &format!("{name}-struck"), &run(&grand, &force), &force);
+    let setup = Setup { settings: Settings::new(10e-6), record_every: Some(50), ..Setup::new(END_S) };
+    for (name, speed, published) in NUANCES {
+        let (touch, ends) = if name == "pp" { ("led", [2.0, 20.0]) } else { ("pressed", [3.0, 3000.0]) };
+        let louder = found(&grand, touch, speed, ends);
+        let how = match touch {
+            "led" => format!("led down within {:.0} ms", 1e3 / louder),
+            _ => format!("force rising by {louder:.0} N/s"),
+        };
+        write(&folder, &format!("{name}-pressed"), &how, published, &play(&grand, touch, louder, &setup));
+        let louder = found(&grand, "struck", speed, [0.02, 6.0]);
+        let how = format!("arriving with {louder:.2} m/s, then {:.1} N", STRUCK_N_S_M * louder);
+        write(&folder, &format!("{name}-struck"), &how, published, &play(&grand, "struck", louder, &setup));
     }
 }

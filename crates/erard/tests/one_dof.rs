@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Play, USUAL_STEP_S, grand};
+use common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::assembly::assemble;
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
@@ -71,7 +71,7 @@ fn moment_and_friction_are_those_of_the_mechanism() {
 /// rounding for J, to the differences' 1e-8 for alpha.
 #[test]
 fn inertia_and_moment_from_first_principles() {
-    let grand = grand();
+    let grand = rigid_grand();
     let one = reduce(&grand).unwrap();
     let action = Action::with(&grand, Settings::new(USUAL_STEP_S)).unwrap();
     let rest = action.mechanism();

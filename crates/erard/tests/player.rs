@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Play, USUAL_STEP_S, grand};
+use common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::stroke::{Cursor, Series, Touch};
 use erard::{Action, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError, Strike};
 
@@ -187,7 +187,7 @@ fn larger_sizes_play() {
 /// A file whose laws, bodies or zones do not fit the largest size is an error, never a law left out.
 #[test]
 fn what_does_not_fit_is_an_error() {
-    let mut too_many = grand();
+    let mut too_many = rigid_grand();
     let body = too_many.bodies[5].clone();
     too_many.bodies.extend(std::iter::repeat_n(body, 10));
     let error = Action::new(&too_many).map(|_| ()).unwrap_err().to_string();

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{USUAL_STEP_S, grand};
+use common::{USUAL_STEP_S, rigid_grand};
 use erard::assembly::{assemble, drawn_angles};
 use moreau::{Input, Model, Outcome, Scalar, Settings, State, Workspace, step};
 
@@ -16,7 +16,7 @@ fn press<T: Scalar>(force_n: f64) -> (f64, u32, f64)
 where
     f64: From<T>,
 {
-    let grand = grand();
+    let grand = rigid_grand();
     let model: Model<T, 6, 14> = assemble(&grand).expect("it fits");
     let hammer = grand.roles.hammer.expect("it has a hammer");
     let [x, y] = grand.roles.hammer_head_m;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Play, USUAL_STEP_S, grand};
+use common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
 use erard::run::Run;
@@ -84,7 +84,8 @@ fn a_string_felt_of_exponent_one_is_not_trusted() {
 /// Long steps that damp by themselves.
 #[test]
 fn backward_euler_with_long_steps_is_not_trusted() {
-    let run = Play::Stroke("ff", Touch::Pressed).run(&grand(), Settings { theta: 1.0, ..Settings::new(1e-3) }, 0.3);
+    let run =
+        Play::Frozen("ff", Touch::Pressed).run(&rigid_grand(), Settings { theta: 1.0, ..Settings::new(1e-3) }, 0.3);
     let warning = run.warnings.iter().find(|w| w.kind == Kind::EnergyResidual).expect("it takes a third of the work");
     assert!(warning.value > 0.3 && warning.bound == ENERGY_RESIDUAL && warning.time_s.is_none(), "{warning:?}");
     assert!(warning.what.contains("not explained"), "{warning}");
@@ -152,19 +153,19 @@ fn extremes_are_those_of_the_rows() {
 #[test]
 fn a_body_beyond_its_stops_is_told() {
     let mut instrument = grand();
-    let hammer = instrument.roles.hammer.unwrap();
+    let hammer = instrument.first_piece(instrument.roles.hammer.unwrap());
     instrument.bodies[hammer].turn_rad = Some([-0.2, 0.1]);
     let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings(), 0.3);
     let [warning] = &run.warnings[..] else { panic!("{:?}", run.warnings) };
-    assert_eq!((warning.kind, warning.part.as_deref(), warning.unit), (Kind::TurnBeyondStops, Some("hammer"), "rad"));
+    assert_eq!((warning.kind, warning.part.as_deref(), warning.unit), (Kind::TurnBeyondStops, Some("shank"), "rad"));
     assert!(warning.value > 0.3 && warning.bound == 0.1 && warning.time_s.is_some(), "{warning:?}");
-    assert!(warning.what.contains("`hammer`") && warning.what.contains("stop"), "{warning}");
+    assert!(warning.what.contains("`shank`") && warning.what.contains("stop"), "{warning}");
 }
 
 /// Where there is no rest there is no run, and who plays many can still say why.
 #[test]
 fn no_rest_is_a_warning_of_its_own() {
-    let mut instrument = grand();
+    let mut instrument = rigid_grand();
     (instrument.gravity_m_s2, instrument.zones) = (0.0, Vec::new());
     instrument.roles = erard::instrument::Roles::default();
     // A constant torque, and nothing that ends its way.

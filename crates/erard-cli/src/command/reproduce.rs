@@ -59,7 +59,7 @@ impl ClaimReport {
 #[derive(Debug, Args)]
 pub struct Reproduce {
     /// Instrument: a TOML file, or the name of a built-in one
-    #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
+    #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
     instrument: String,
     /// Only this subject, or all whose names start so; may be repeated
     #[arg(long, value_name = "NAME")]

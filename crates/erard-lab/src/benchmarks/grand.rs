@@ -22,12 +22,12 @@ pub type GrandState = State<f64, 6, 14>;
 /// The same; ten set-valued laws, one of them a rigid drive's.
 pub type GrandWorkspace = Workspace<f64, 6, 14, 10>;
 
-/// The concert grand.
+/// The concert grand of six rigid bodies, which the counts and times of earlier versions belong to.
 ///
 /// # Panics
 /// If the built-in file cannot be read, which a test rules out; so do all functions here.
 pub fn instrument() -> Instrument {
-    Instrument::builtin("concert-grand").expect("built in")
+    Instrument::builtin("concert-grand-rigid").expect("built in")
 }
 
 /// An instrument of the grand's topology, at rest.

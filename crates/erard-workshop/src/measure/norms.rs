@@ -98,6 +98,10 @@ const fn at_least(low: f64, source: &'static str) -> Option<Norm> {
     Some(Norm { low: Limit::All(low), high: Limit::Open, source })
 }
 
+const fn at_most(high: f64, source: &'static str) -> Option<Norm> {
+    Some(Norm { low: Limit::Open, high: Limit::All(high), source })
+}
+
 /// Strike weights of medium hammers. Lower ends: Stanwood's guideline at notes 1 and 88, 10.3 and 4.6 g (Pianotech list, 12 July 1995), and his
 /// heads without shank at notes 16, 40 and 64, 8.0, 6.8 and 5.1 g (1997), with 1.7 g of shank. Upper ends: those heads' upper ends, 9.9, 8.6 and
 /// 6.7 g, with 1.9 g of shank; at notes 1 and 88 as far above the lower end as at notes 16 and 64.
@@ -325,6 +329,14 @@ pub const GROUPS: [Group; 6] = [
             line("softest_force_N", "softest force that sounds", "N", 2, |s| s.softest_force_N, None),
             line("softest_let_off_speed_m_s", "  hammer at let-off", "m/s", 2, |s| s.softest_let_off_speed_m_s, None),
             line("softest_fall_speed_m_s", "  sqrt(2 a d) of its flight", "m/s", 2, |s| s.softest_fall_speed_m_s, None),
+            line(
+                "double_strike_m_s",
+                "  second blow of a soft note",
+                "m/s",
+                2,
+                |s| s.double_strike_m_s,
+                at_most(0.15, "a well-regulated action has none; no published number: one of 0.15 m/s is hardly heard"),
+            ),
             line("repetition_rate_hz", "repetition, fully released", "Hz", 1, |s| s.repetition_rate_hz, None),
             line(
                 "repetition_rate_half_hz",

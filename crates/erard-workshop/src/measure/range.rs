@@ -16,6 +16,9 @@ const STEP_S: f64 = 50e-6;
 const PATIENCE_S: f64 = 0.8;
 /// Constant forces on the key, N: from what starts it to the most that has been published for a fortissimo, and beyond.
 pub const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
+/// Forces among which a second blow is looked for, N, and into how many steps: from the softest that sounds to where every blow is checked.
+pub const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
+const DOUBLE_STRIKES: u32 = 12;
 /// Softest force: searched below this, to this, N.
 const LARGEST_SOFT_N: f64 = 10.0;
 const CLOSE_N: f64 = 2e-4;
@@ -86,6 +89,22 @@ pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Res
             Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity, warnings: run.warnings })
         })
         .collect()
+}
+
+/// The fastest blow after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back against the string while the key
+/// is held (double striking). 0 where every one of [`DOUBLE_STRIKE_N`] sounds once.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn double_strike(instrument: &Instrument, going: Interrupt<'_>) -> Result<f64, MeasureError> {
+    let [from, to] = DOUBLE_STRIKE_N;
+    let mut fastest = 0.0;
+    for n in 0..=DOUBLE_STRIKES {
+        let force_n = from + (to - from) * f64::from(n) / f64::from(DOUBLE_STRIKES);
+        let run = press(instrument, force_n, false, going)?;
+        fastest = run.events.strikes.iter().skip(1).map(|strike| strike.speed_m_s).fold(fastest, f64::max);
+    }
+    Ok(fastest)
 }
 
 /// The smallest constant force from rest that makes the hammer reach the string, by bisection; `None` when 10 N do not.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::inertia::{InertiaCurve, inertia};
 use super::norms::{Flag, Line, MIDDLE_C, flags};
-use super::range::{Loudness, Softest, midi_velocity, softest, speed_against_force};
+use super::range::{Loudness, Softest, double_strike, midi_velocity, softest, speed_against_force};
 use super::repetition::{PRESS_N, Repetition, repetition};
 use super::slow_loop::{SlowLoop, SlowWay, slow_loop};
 use super::timing::{Timing, timing};
@@ -109,6 +109,8 @@ pub struct Sheet {
     pub softest_let_off_speed_m_s: Option<f64>,
     /// What sqrt(2 a d) makes of the way that it then flies, m/s.
     pub softest_fall_speed_m_s: Option<f64>,
+    /// The fastest second blow after a soft first one, the key held, m/s; 0 where there is none.
+    pub double_strike_m_s: Option<f64>,
     /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger feels of
     /// let-off.
     pub let_off_resistance_N: Option<f64>,
@@ -263,6 +265,7 @@ struct Results {
     full: Option<Option<Repetition>>,
     half: Option<Option<Repetition>>,
     softest: Option<Option<Softest>>,
+    double_strike: Option<f64>,
     loudness: Option<Vec<Loudness>>,
     timing: Option<Vec<Timing>>,
     hysteresis: Option<SlowLoop>,
@@ -308,6 +311,7 @@ pub fn measure_key(
     let mut jobs = vec![
         job(&mut r.touch, |going| on_the_key(&lifted, way.end_m, going)),
         job(&mut r.softest, |going| softest(instrument, going)),
+        job(&mut r.double_strike, |going| double_strike(instrument, going)),
         job(&mut r.loudness, |going| speed_against_force(instrument, going)),
         job(&mut r.hysteresis, |going| slow_loop(&lifted, deep, going)),
         job(&mut r.full, |going| repetition(instrument, HOME_M, going)),
@@ -342,6 +346,7 @@ enum Need {
     Full,
     Half,
     Softest,
+    DoubleStrike,
     Hysteresis,
 }
 
@@ -359,6 +364,7 @@ impl Need {
             key if key.starts_with("dampers_down.") => &[Need::Damped],
             key if key.starts_with("effective_inertia") => &[Need::Inertia],
             key if key.starts_with("softest_") => &[Need::Softest],
+            "double_strike_m_s" => &[Need::DoubleStrike],
             "front_weight_g" | "strike_weight_g" | "whippen_weight_g" | "key_ratio" => &[Need::Scale],
             key if key.starts_with("strike_weight_ratio") => &[Need::Touch, Need::Scale],
             _ => &[Need::Distances],
@@ -415,6 +421,9 @@ pub fn measure_some(
     }
     if needs(Need::Softest) {
         r.softest = Some(softest(instrument, going)?);
+    }
+    if needs(Need::DoubleStrike) {
+        r.double_strike = Some(double_strike(instrument, going)?);
     }
     let sheet = r.sheet(instrument, MIDDLE_C, way, &distances);
     Ok(lines.iter().map(|line| (line.value)(&sheet).filter(|value| value.is_finite())).collect())
@@ -494,6 +503,7 @@ impl Results {
             softest_force_N: soft.map(|s| s.force_n),
             softest_let_off_speed_m_s: soft.map(|s| s.let_off_speed_m_s),
             softest_fall_speed_m_s: soft.map(|s| s.fall_speed_m_s),
+            double_strike_m_s: self.double_strike,
             let_off_resistance_N: resistance,
             loop_loss_mJ: self.hysteresis.as_ref().map_or(NONE, |slow| slow.lost_j() * 1e3),
             dynamic_range: self.loudness.unwrap_or_default(),

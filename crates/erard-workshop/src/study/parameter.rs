@@ -23,6 +23,8 @@ pub enum Parameter {
     PivotFriction(usize),
     /// A spring's torque as drawn, times a factor.
     Torque(usize),
+    /// A spring's stiffness, times a factor.
+    SpringStiffness(usize),
     /// A felt's stiffness, times a factor.
     Stiffness(usize),
     /// A felt's damping, times a factor.
@@ -33,7 +35,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Every parameter of an instrument by its name: a screw by its own, the others as `body.hammer.mass`, `body.key.friction`,
-    /// `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
+    /// `spring.repetition.torque`, `spring.key_bending.stiffness`, `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
     pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
         let mut all = Vec::new();
         for (screw, one) in instrument.screws.iter().enumerate() {
@@ -46,7 +48,12 @@ impl Parameter {
             }
         }
         for (i, spring) in instrument.springs.iter().enumerate() {
-            all.push((format!("spring.{}.torque", spring.name), Parameter::Torque(i)));
+            if spring.torque_n_m != 0.0 {
+                all.push((format!("spring.{}.torque", spring.name), Parameter::Torque(i)));
+            }
+            if spring.stiffness_n_m_per_rad > 0.0 {
+                all.push((format!("spring.{}.stiffness", spring.name), Parameter::SpringStiffness(i)));
+            }
         }
         for (i, zone) in instrument.zones.iter().enumerate() {
             all.push((format!("zone.{}.stiffness", zone.name), Parameter::Stiffness(i)));
@@ -136,6 +143,7 @@ impl Parameter {
             }
             Parameter::PivotFriction(i) => instrument.bodies[i].friction_torque_n_m *= value,
             Parameter::Torque(i) => instrument.springs[i].torque_n_m *= value,
+            Parameter::SpringStiffness(i) => instrument.springs[i].stiffness_n_m_per_rad *= value,
             Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness *= value,
             Parameter::Damping(i) => instrument.zones[i].felt.scale_loss(value),
             Parameter::Friction(i) => instrument.zones[i].friction_coefficient *= value,

@@ -1,6 +1,6 @@
 //! Erard's side of the comparison in `peers/`: the mechanism as JSON for programs that are not this one, and the engine's own rows.
 //!
-//! `cargo run --release -p erard --example peers -- export|blow|batch|hold [--quick] [FILE.toml]`; the concert grand unless a file is
+//! `cargo run --release -p erard --example peers -- export|blow|batch|hold [--quick] [FILE.toml]`; the rigid concert grand unless a file is
 //! named. `export` prints the mechanism (its format stands in `export.rs`), the others one JSON object a line and setting.
 
 mod export;
@@ -30,7 +30,7 @@ fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let command = words.next().ok_or("expected export, blow, batch or hold")?;
     let instrument = match words.next() {
         Some(file) => Instrument::load(Path::new(file))?,
-        None => Instrument::builtin("concert-grand")?,
+        None => Instrument::builtin("concert-grand-rigid")?,
     };
     let action = Action::new(instrument)?;
     match command.as_str() {

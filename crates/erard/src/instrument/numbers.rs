@@ -48,8 +48,8 @@ mod tests {
     /// A number and a coordinate of the built-in grand are found, changed, and read back as the instrument; the rest is the same.
     #[test]
     fn numbers_are_found_and_changed() {
-        let text = Instrument::builtin_text("concert-grand").unwrap();
-        let grand = Instrument::builtin("concert-grand").unwrap();
+        let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
+        let grand = Instrument::builtin("concert-grand-rigid").unwrap();
         assert_eq!(numbers_at(text, "body.hammer.mass_g"), Some(vec![11.2]));
         let center = numbers_at(text, "zone.capstan_heel.disc.center_mm").unwrap();
         assert_eq!(center.len(), 2);

@@ -17,9 +17,34 @@ use moreau::{FrictionLaw, Settings};
 /// The usual step, s.
 pub const USUAL_STEP_S: f64 = 50e-6;
 
-/// The shipped concert grand.
+/// The shipped concert grand, whose key and shank bend.
 pub fn grand() -> Instrument {
     Instrument::builtin("concert-grand").expect("the built-in grand reads")
+}
+
+/// The papers' six rigid bodies.
+pub fn rigid_grand() -> Instrument {
+    Instrument::builtin("concert-grand-rigid").expect("the built-in grand reads")
+}
+
+/// A stroke as it was when the rigid grand's digest was taken: the built-in ones may be made anew, its bits stay.
+pub fn frozen(nuance: &str, touch: Touch) -> Series {
+    macro_rules! stroke {
+        ($touch:literal) => {
+            match nuance {
+                "pp" => include_str!(concat!("../strokes/pp-", $touch, ".csv")),
+                "p" => include_str!(concat!("../strokes/p-", $touch, ".csv")),
+                "mf" => include_str!(concat!("../strokes/mf-", $touch, ".csv")),
+                "f" => include_str!(concat!("../strokes/f-", $touch, ".csv")),
+                _ => include_str!(concat!("../strokes/ff-", $touch, ".csv")),
+            }
+        };
+    }
+    let text = match touch {
+        Touch::Pressed => stroke!("pressed"),
+        Touch::Struck => stroke!("struck"),
+    };
+    Series::parse(text, nuance).expect("it reads")
 }
 
 /// Index of a body.
@@ -45,6 +70,10 @@ pub enum Play {
     Motion(&'static str, Touch),
     /// A built-in stroke's motion, imposed on the key.
     Rigid(&'static str, Touch),
+    /// A frozen stroke's force ([`frozen`]).
+    Frozen(&'static str, Touch),
+    /// A frozen stroke's motion, imposed on the key.
+    FrozenRigid(&'static str, Touch),
     /// A soft finger going up and down between two depths (m) at a frequency (Hz), from the upper one.
     Tremolo {
         /// Depth of the finger's upper turning point, m.
@@ -62,6 +91,13 @@ impl Play {
         erard::stroke::NUANCES
             .into_iter()
             .flat_map(|nuance| [Touch::Pressed, Touch::Struck].map(|touch| Play::Stroke(nuance, touch)))
+    }
+
+    /// The ten of them that are frozen.
+    pub fn frozen_strokes() -> impl Iterator<Item = Play> {
+        erard::stroke::NUANCES
+            .into_iter()
+            .flat_map(|nuance| [Touch::Pressed, Touch::Struck].map(|touch| Play::Frozen(nuance, touch)))
     }
 
     /// Constant forces from pianissimo to more than fortissimo, held for 0.5 s.
@@ -107,6 +143,10 @@ impl Play {
             }
             Play::Motion(nuance, touch) => go(&player::motion(&motion(nuance, touch).drive())),
             Play::Rigid(nuance, touch) => go(&player::rigid(&motion(nuance, touch).drive())),
+            Play::Frozen(nuance, touch) => go(&player::force(frozen(nuance, touch).force.expect("it has one").drive())),
+            Play::FrozenRigid(nuance, touch) => {
+                go(&player::rigid(&frozen(nuance, touch).position.expect("it has one").drive()))
+            }
             Play::Tremolo { top, bottom, frequency } => go(&player::motion(|t| tremolo(top, bottom, frequency, t))),
         }
     }

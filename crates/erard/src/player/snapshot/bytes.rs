@@ -136,7 +136,7 @@ mod tests {
     use crate::{Action, Input, Instrument};
 
     fn pressed() -> Snapshot {
-        let mut action = Action::new(&Instrument::builtin("concert-grand").unwrap()).unwrap();
+        let mut action = Action::new(&Instrument::builtin("concert-grand-rigid").unwrap()).unwrap();
         for n in 0..700 {
             action.step(Input::Rigid { position_m: f64::from(n) * 1e-5, velocity_m_s: 0.2 });
         }
