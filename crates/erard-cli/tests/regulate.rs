@@ -69,8 +69,9 @@ fn a_mis_set_file_is_put_right() {
 #[test]
 fn the_file_keeps_its_comments() {
     let folder = folder("comments");
-    folder.good(&["--let-off", "1.5mm", "--drop", "1.5mm"]);
-    let (old, new) = (Instrument::builtin_text("concert-grand").unwrap(), folder.read("concert-grand-regulated.toml"));
+    folder.good(&["concert-grand-rigid", "--let-off", "1.5mm", "--drop", "1.5mm"]);
+    let old = Instrument::builtin_text("concert-grand-rigid").unwrap();
+    let new = folder.read("concert-grand-rigid-regulated.toml");
     let added: Vec<&str> = new.lines().filter(|line| !old.lines().any(|o| o == *line)).collect();
     assert_eq!(added.len(), 5, "two settings, and three lines of their source: {added:#?}");
     assert_eq!(new.lines().count(), old.lines().count() + 4);
@@ -165,7 +166,7 @@ fn interrupted_it_leaves_nothing() {
 #[test]
 fn what_must_follow_is_said_and_follows() {
     let folder = folder("follow");
-    let output = folder.erard(&["--let-off", "3mm", "--out", "alone.toml"]);
+    let output = folder.erard(&["concert-grand-rigid", "--let-off", "3mm", "--out", "alone.toml"]);
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
@@ -173,12 +174,12 @@ fn what_must_follow_is_said_and_follows() {
         "{message}"
     );
     assert!(message.contains(" turn"), "{message}");
-    let table = folder.good(&["--let-off", "3mm", "--follow", "--out", "both.toml"]);
+    let table = folder.good(&["concert-grand-rigid", "--let-off", "3mm", "--follow", "--out", "both.toml"]);
     assert!(table.contains("turn"), "{table}");
     let report: Value = serde_json::from_str(&folder.read("both.json")).unwrap();
     assert_eq!(report["all_met"], true);
     let both = Instrument::load(&folder.0.join("both.toml")).unwrap();
-    let [before, after] = [&Instrument::builtin("concert-grand").unwrap(), &both]
+    let [before, after] = [&Instrument::builtin("concert-grand-rigid").unwrap(), &both]
         .map(|one| measure(one, &Protocol::default(), &mut || true).unwrap());
     assert!((after.let_off_m.unwrap() - 3e-3).abs() < 5e-5);
     assert!((after.drop_m.unwrap() - before.drop_m.unwrap()).abs() < 5e-5, "{after:?}");

@@ -31,8 +31,8 @@ const END_S: f64 = 0.8;
 const HOLD_N: f64 = 3.0;
 /// The muscle relaxes to it within this time, s.
 const RELAX_S: f64 = 0.100;
-/// A struck hand: finger and knuckles, kg.
-const STRUCK_KG: f64 = 0.06;
+/// A struck hand, kg: the lightest of the published effective masses.
+const STRUCK_KG: f64 = 0.1;
 /// Its muscle's force for every m/s of its arrival, N s/m: fast fingers press on harder.
 const STRUCK_N_S_M: f64 = 6.0;
 /// What lifts a hand that leaves, m/s2.

@@ -7,7 +7,7 @@ use erard::run::Run;
 use erard::stroke::Touch;
 use moreau::Settings;
 
-const MF: Play = Play::Stroke("mf", Touch::Pressed);
+const MF: Play = Play::Frozen("mf", Touch::Pressed);
 
 fn controlled(play: &Play, tolerance: f64, until_s: f64, record_every: u64) -> Run {
     play.run_controlled(&grand(), Settings::new(50e-6), until_s, Some(record_every), Some(tolerance))
@@ -22,7 +22,12 @@ fn speed(run: &Run) -> f64 {
 /// is extrapolated beyond it; up to the blow some sixteen changes of friction may each err by it, either way, which makes four of it.
 #[test]
 fn the_error_follows_the_tolerance() {
-    for play in [MF, Play::Motion("mf", Touch::Pressed), Play::Rigid("mf", Touch::Pressed), Play::ForceStep(8.0, 1.0)] {
+    for play in [
+        MF,
+        Play::FrozenMotion("mf", Touch::Pressed),
+        Play::FrozenRigid("mf", Touch::Pressed),
+        Play::ForceStep(8.0, 1.0),
+    ] {
         let fixed = |h: f64| speed(&play.run_every(&grand(), Settings::new(h), 0.06, Some(u64::MAX)));
         let exact = 2.0 * fixed(0.1e-6) - fixed(0.2e-6);
         for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {

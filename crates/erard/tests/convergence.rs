@@ -22,7 +22,7 @@ fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
 /// a true 2 may be seen as 1.5. Over the whole ladder the scatter averages out, and the order must be 1.
 #[test]
 fn halving_the_step_halves_the_error() {
-    let rungs = ladder(&grand(), &Play::Stroke("mf", Touch::Pressed), 0.5, &halvings(200e-6, 7), 64.0, 0.06);
+    let rungs = ladder(&grand(), &Play::Frozen("mf", Touch::Pressed), 0.5, &halvings(200e-6, 7), 64.0, 0.06);
     for pair in rungs.windows(2) {
         let (speed, contact) = (pair[0].speed_rms / pair[1].speed_rms, pair[0].contact_rms / pair[1].contact_rms);
         assert!(speed > 1.5 && contact > 1.5, "{:.3} us: speed {speed:.2}, contact {contact:.2}", pair[0].step * 1e6);
@@ -36,7 +36,7 @@ fn halving_the_step_halves_the_error() {
 #[test]
 fn order_one_for_steps_of_force() {
     for (force, until) in [(0.8, 0.14), (2.0, 0.07), (5.0, 0.04), (8.0, 0.03), (20.0, 0.02), (35.0, 0.015)] {
-        let rungs = ladder(&grand(), &Play::ForceStep(force, 1.0), 0.5, &halvings(100e-6, 5), 64.0, until);
+        let rungs = ladder(&rigid_grand(), &Play::ForceStep(force, 1.0), 0.5, &halvings(100e-6, 5), 64.0, until);
         let (speed, contact) = (order(&rungs, |r| r.speed_rms), order(&rungs, |r| r.contact_rms));
         // 35 % of scatter between the two ends of four halvings are 0.13 of an order.
         assert!(speed > 0.87 && contact > 0.87, "{force} N: orders {speed:.2}, {contact:.2}");
@@ -47,7 +47,7 @@ fn order_one_for_steps_of_force() {
 /// makes the error, so that the ratio of each halving is 2 with little scatter once the step is small against the felts.
 #[test]
 fn theta_one_is_of_first_order() {
-    let rungs = ladder(&grand(), &Play::Stroke("mf", Touch::Pressed), 1.0, &halvings(12.5e-6, 3), 64.0, 0.06);
+    let rungs = ladder(&grand(), &Play::Frozen("mf", Touch::Pressed), 1.0, &halvings(12.5e-6, 3), 64.0, 0.06);
     let (speed, contact) = (order(&rungs, |r| r.speed_rms), order(&rungs, |r| r.contact_rms));
     assert!((speed - 1.0).abs() < 0.1 && (contact - 1.0).abs() < 0.1, "orders {speed:.2}, {contact:.2}");
 }
@@ -57,7 +57,7 @@ fn theta_one_is_of_first_order() {
 fn half_a_percent_at_the_usual_step() {
     let grand = grand();
     let held = [0.8, 2.0, 5.0, 8.0, 20.0, 35.0].map(|force| Play::ForceStep(force, 1.0));
-    for play in held.into_iter().chain(Play::strokes()) {
+    for play in held.into_iter().chain(Play::frozen_strokes()) {
         let rungs = ladder(&grand, &play, 0.5, &[50e-6], 16.0, 0.2);
         assert!(rungs[0].speed_worst < 5e-3, "{play:?}: {:.1e}", rungs[0].speed_worst);
     }

@@ -4,9 +4,10 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::player::{LossRecorder, Observer, ReactionRecorder};
+use erard::player::{Hand, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate_observed};
+use erard::simulation::{Setup, simulate_hand, simulate_observed};
+use erard::stroke::Prescribed;
 
 use super::options::{InstrumentsOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
@@ -51,6 +52,20 @@ pub struct Press {
     /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
     #[arg(long, conflicts_with = "tolerance")]
     losses: bool,
+    /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle leads it along
+    /// the stroke's motion; the force at the key is then what comes of it [default: 200]
+    #[arg(
+        long,
+        value_name = "GRAMS",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "200",
+        conflicts_with_all = ["tolerance", "reactions", "losses"]
+    )]
+    hand: Option<f64>,
+    /// How fast the hand arrives at the key, m/s: 0 presses, more strikes
+    #[arg(long, value_name = "M/S", requires = "hand", default_value_t = 0.0, allow_negative_numbers = true)]
+    hand_speed: f64,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -87,9 +102,14 @@ impl Press {
             reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
             losses: self.losses.then(|| LossRecorder::new(instrument)),
         };
-        let run = play_observed(instrument, &stroke, &setup, &mut inside)?;
+        let hand = self.hand()?;
+        let run = match &hand {
+            Some(hand) => play_by_hand(instrument, hand, &stroke, &setup)?,
+            None => play_observed(instrument, &stroke, &setup, &mut inside)?,
+        };
         let elapsed_s = started.elapsed().as_secs_f64();
-        let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
+        let drive = if hand.is_some() { "hand" } else { stroke.drive.name() };
+        let names = [self.instrument.model.name(), drive, self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
         let svg = run_svg(&run, &stroke.title);
@@ -119,7 +139,7 @@ impl Press {
         }
         let written = output.commit()?;
 
-        say!("{} - {} ({} driven)", run.instrument, stroke.title, stroke.drive.name());
+        say!("{} - {} ({drive} driven)", run.instrument, stroke.title);
         say!();
         say!("{summary}");
         if let Some(report) = lost {
@@ -135,6 +155,14 @@ impl Press {
         }
         say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
         Ok(())
+    }
+
+    /// The hand that was asked for.
+    fn hand(&self) -> Result<Option<Hand>, Failure> {
+        let Some(grams) = self.hand else { return Ok(None) };
+        let hand = Hand { mass_kg: grams * 1e-3, start_m_s: self.hand_speed, ..Hand::default() };
+        hand.check().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(Some(hand))
     }
 
     /// Two instruments under one stroke, or one under two.
@@ -168,8 +196,13 @@ impl Press {
             let (instrument, stroke, setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
-            let run = play(instrument, stroke, setup)?;
-            let names = [self.instrument.model.name(), stroke.drive.name(), self.step.solver_name()];
+            let hand = self.hand()?;
+            let run = match &hand {
+                Some(hand) => play_by_hand(instrument, hand, stroke, setup)?,
+                None => play(instrument, stroke, setup)?,
+            };
+            let drive = if hand.is_some() { "hand" } else { stroke.drive.name() };
+            let names = [self.instrument.model.name(), drive, self.step.solver_name()];
             let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
             played.push(Played { instrument, stroke: stroke.title.clone(), run, summary });
         }
@@ -199,6 +232,16 @@ fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failur
 /// Simulates a stroke on an instrument, with progress on stderr.
 pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
     play_observed(instrument, stroke, setup, &mut Inside::default())
+}
+
+/// Simulates a stroke that a hand plays.
+fn play_by_hand(instrument: &Instrument, hand: &Hand, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
+    // Its own damping is toward the motion that it follows; under a force there is none to follow.
+    let damping_n_s_per_m = if stroke.drive == Prescribed::Force { 0.0 } else { hand.damping_n_s_per_m };
+    let hand = &Hand { damping_n_s_per_m, ..*hand };
+    let mut progress = Progress::new("simulating");
+    let inputs = stroke.inputs(&instrument.finger)?;
+    Ok(simulate_hand(instrument, hand, inputs.as_ref(), setup, &mut |share| progress.tell(share))?)
 }
 
 fn play_observed(

@@ -90,6 +90,7 @@ impl Parameter {
             Parameter::Mass(i) => instrument.bodies[i].mass_kg,
             Parameter::PivotFriction(i) => instrument.bodies[i].friction_torque_n_m,
             Parameter::Torque(i) => instrument.springs[i].torque_n_m,
+            Parameter::SpringStiffness(i) => instrument.springs[i].stiffness_n_m_per_rad,
             Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness,
             Parameter::Damping(i) => {
                 let felt = &instrument.zones[i].felt;
@@ -114,6 +115,7 @@ impl Parameter {
             Parameter::Mass(i) => format!("body.{}.mass_g", body(i)),
             Parameter::PivotFriction(i) => format!("body.{}.friction_torque_N_m", body(i)),
             Parameter::Torque(i) => format!("spring.{}.torque_N_m", instrument.springs[i].name),
+            Parameter::SpringStiffness(i) => format!("spring.{}.stiffness_N_m_per_rad", instrument.springs[i].name),
             Parameter::Stiffness(i) => format!("zone.{}.felt.stiffness_N_per_m_r", zone(i)),
             Parameter::Damping(i) if instrument.zones[i].felt.hunt_crossley > 0.0 => {
                 format!("zone.{}.felt.hunt_crossley_s_per_m", zone(i))

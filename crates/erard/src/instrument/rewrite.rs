@@ -112,7 +112,7 @@ mod tests {
     /// read back has the same screws to the bit.
     #[test]
     fn only_the_settings_change() {
-        let text = Instrument::builtin_text("concert-grand").unwrap();
+        let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
         let (instrument, new) = turned(
             text,
             &[("let_off", 0.2834 / 1e3), ("repetition_spring", -0.002), ("back_check_angle", 2_f64.to_radians())],
@@ -142,7 +142,7 @@ mod tests {
     /// Line ends and byte order mark of another system stay.
     #[test]
     fn written_elsewhere() {
-        let unix = Instrument::builtin_text("concert-grand").unwrap();
+        let unix = Instrument::builtin_text("concert-grand-rigid").unwrap();
         let windows = format!("\u{feff}{}", unix.replace('\n', "\r\n"));
         let turns = [("let_off", 0.2834 / 1e3)];
         let ((_, plain), (_, new)) = (turned(unix, &turns), turned(&windows, &turns));

@@ -46,7 +46,7 @@ pub fn long_bending_run() -> u64 {
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert grand and to the built-in
 /// strokes.
-pub const BENDING: u64 = 0;
+pub const BENDING: u64 = 0x9756_0c7b_15c5_659f;
 
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
 /// value, which the failing test prints, here.
@@ -54,7 +54,7 @@ pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
 
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on which side of the loader a
 /// difference between two targets arises.
-pub const LOADED: u64 = 0x51c5_5fe8_df01_1bd0;
+pub const LOADED: u64 = 0x990d_c46b_46db_8e22;
 
 /// FNV-1a over what a value prints; a float prints the shortest digits that read back as the same number.
 fn printed(hash: u64, value: &impl std::fmt::Debug) -> u64 {

@@ -72,6 +72,8 @@ pub enum Play {
     Rigid(&'static str, Touch),
     /// A frozen stroke's force ([`frozen`]).
     Frozen(&'static str, Touch),
+    /// A frozen stroke's motion, with a soft finger.
+    FrozenMotion(&'static str, Touch),
     /// A frozen stroke's motion, imposed on the key.
     FrozenRigid(&'static str, Touch),
     /// A soft finger going up and down between two depths (m) at a frequency (Hz), from the upper one.
@@ -144,6 +146,9 @@ impl Play {
             Play::Motion(nuance, touch) => go(&player::motion(&motion(nuance, touch).drive())),
             Play::Rigid(nuance, touch) => go(&player::rigid(&motion(nuance, touch).drive())),
             Play::Frozen(nuance, touch) => go(&player::force(frozen(nuance, touch).force.expect("it has one").drive())),
+            Play::FrozenMotion(nuance, touch) => {
+                go(&player::motion(&frozen(nuance, touch).position.expect("it has one").drive()))
+            }
             Play::FrozenRigid(nuance, touch) => {
                 go(&player::rigid(&frozen(nuance, touch).position.expect("it has one").drive()))
             }
