@@ -275,7 +275,8 @@ fn of_file(name: &str, change: &Change, now: f64) -> Result<f64, ChangeError> {
 /// What may be written.
 fn expected(units: &[(&str, f64)]) -> String {
     let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-    match names.last() {
+    // The trade's own unit stands second where there is one.
+    match names.get(1).or(names.first()) {
         Some(unit) => format!(
             "a value with its unit (`2 {unit}`), a difference with its sign (`+2 {unit}`) or a factor (`*1.5`); units: {}",
             names.join(", ")

@@ -1,0 +1,59 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       format_name: percent
+#   kernelspec:
+#     name: python3
+#     display_name: Python 3
+# ---
+
+# %% [markdown]
+# # My own recording
+# A recording is a table with a column for the time and any of force, position and hammer. Here one is made, with the sensors' noise; yours may be a
+# CSV or Parquet file, a data frame, or a mapping of arrays. Titles say the units: `Time (ms)`, `Force (gf)`, `Travel [mm]`.
+
+# %%
+import numpy as np
+import pandas as pd
+import erard
+
+grand = erard.load("concert-grand")
+true = grand.vary({"body.hammer.mass": 1.1})
+played, rng = true.press(stroke="mf", duration=0.15), np.random.default_rng(1)
+rows = slice(None, None, 10)
+frame = pd.DataFrame(
+    {
+        "Time (ms)": 1e3 * played["time_s"][rows],
+        "Force (gf)": played["force_N"][rows] / 9.80665e-3 + rng.normal(0, 2, len(played["time_s"][rows])),
+        "Travel [mm]": 1e3 * played["key_m"][rows] + rng.normal(0, 0.01, len(played["time_s"][rows])),
+    }
+)
+frame.head()
+
+# %% [markdown]
+# What the reader made of it:
+
+# %%
+mine = erard.Recording(frame)
+print(mine)
+for note in mine.notes:
+    print("-", note)
+
+# %% [markdown]
+# Beside the model: what drives it, what comes out, what is missed.
+
+# %%
+compared = grand.compare(mine, models=["action"])
+for verdict in compared.verdicts:
+    print("-", verdict)
+errors = pd.DataFrame(compared.errors)[["drive", "quantity", "rms", "explained", "delay_s"]]
+errors
+
+# %% [markdown]
+# The same force on the model, as a run of its own:
+
+# %%
+run = grand.press(stroke=mine)
+run.plot("force_N", "key_m", "hammer_head_m")
+assert run.hammer_speed > played.hammer_speed  # Our hammer is lighter.

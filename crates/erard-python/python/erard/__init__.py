@@ -1,0 +1,118 @@
+"""The grand piano action, simulated.
+
+>>> import erard
+>>> grand = erard.load("concert-grand")
+>>> run = grand.press(force=5.0)
+>>> run.hammer_speed > 1.0, "let_off" in run.events
+(True, True)
+
+SI units everywhere: s, N, m, rad; forces and positions of key and finger are positive downward (pushing), the hammer's upward. A column's name ends
+with its unit. `erard.fit`, `erard.dataset` and `erard.distributed` need what `pip install erard[fit]` and `erard[distributed]` bring along.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._action import Action
+from ._common import unit_of
+from ._errors import InputError, MissingFileError, SimulationError
+from ._instrument import (
+    Comparison,
+    Drawing,
+    Instrument,
+    Keyboard,
+    Kinematics,
+    Parameter,
+    Sheet,
+    builtin,
+    compare,
+    keyboard,
+    kinematics,
+    load,
+    validate,
+)
+from ._many import Rollout, Study, rollout, study
+from ._recording import Recording
+from ._run import Run
+from ._table import Table
+
+if TYPE_CHECKING:
+    from . import dataset, distributed
+    from ._fit import Fit, Posterior, fit, sample
+
+__all__ = [
+    "Action",
+    "Comparison",
+    "Drawing",
+    "Fit",
+    "InputError",
+    "Instrument",
+    "Keyboard",
+    "Kinematics",
+    "MissingFileError",
+    "Parameter",
+    "Posterior",
+    "Recording",
+    "Rollout",
+    "Run",
+    "Sheet",
+    "SimulationError",
+    "Study",
+    "Table",
+    "builtin",
+    "compare",
+    "dataset",
+    "distributed",
+    "fit",
+    "keyboard",
+    "kinematics",
+    "load",
+    "measure",
+    "press",
+    "regulate",
+    "rollout",
+    "sample",
+    "study",
+    "unit_of",
+    "validate",
+    "vary",
+]
+__version__ = "0.1.0"
+
+#: What is imported when it is asked for first: SciPy takes longer to import than an action to strike.
+_LATER = {"fit": "_fit", "Fit": "_fit", "sample": "_fit", "Posterior": "_fit"}
+
+
+def __getattr__(name: str) -> Any:
+    import importlib
+
+    if name in _LATER:
+        return getattr(importlib.import_module(f".{_LATER[name]}", __name__), name)
+    if name in ("dataset", "distributed"):
+        return importlib.import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def vary(instrument: Instrument, changes: Any = None, /, **more: float | str) -> Instrument:
+    """`Instrument.vary` as a function."""
+    return instrument.vary(changes, **more)
+
+
+def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
+    """`Instrument.press` as a function."""
+    return instrument.press(force, **options)
+
+
+def measure(instrument: Instrument, **options: Any) -> Sheet:
+    """`Instrument.measure` as a function."""
+    return instrument.measure(**options)
+
+
+def regulate(instrument: Instrument, **goals: Any) -> Instrument:
+    """`Instrument.regulate` as a function."""
+    return instrument.regulate(**goals)

@@ -1,0 +1,135 @@
+"""What the modules share: arguments made into arrays, progress bars, the settings of the steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypedDict
+
+import numpy as np
+
+from . import _erard
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._erard import Floats, Progress, Steps
+
+
+class Stepping(TypedDict, total=False):
+    """How to step: keyword arguments that every simulation takes.
+
+    step : float
+        Length of a step, s (default 50e-6).
+    theta : float
+        Of the time-stepping scheme, 0.5 (second order) to 1 (damped); default 0.5.
+    solver : str
+        "active-set" (default) or "projected-gauss-seidel".
+    friction : str
+        "set-valued" (default: true dry friction) or "tanh" (regularised, kept for comparison).
+    friction_width : float
+        Width of the regularised law, rad/s (default 0.1).
+    """
+
+    step: float
+    theta: float
+    solver: str
+    friction: str
+    friction_width: float
+
+
+def steps(given: Mapping[str, Any]) -> Steps:
+    """The settings as the extension takes them; what is unknown is named."""
+    own: dict[str, Any] = {
+        "step": 50e-6,
+        "theta": 0.5,
+        "solver": "active-set",
+        "friction": "set-valued",
+        "friction_width": 0.1,
+    }
+    for key, value in given.items():
+        if key not in own:
+            raise TypeError(f"unexpected argument {key!r}; how to step is said by {', '.join(own)}")
+        own[key] = value if isinstance(own[key], str) else number(key, value)
+    return own  # type: ignore[return-value]
+
+
+def number(key: str, value: Any) -> float:
+    """A finite number, or an error that names the argument."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{key}: found {value!r}, expected a number", key=key, found=repr(value)) from None
+    if not np.isfinite(found):
+        raise InputError(f"{key}: found {found}, expected a finite number", key=key, found=str(found))
+    return found
+
+
+def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
+    """An array of doubles of so many dimensions, contiguous and finite."""
+    try:
+        array = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        kind = type(values).__name__
+        raise InputError(f"{key}: found {kind}, expected an array of numbers", key=key, found=kind) from None
+    shape = f"an array of shape {array.shape}" if array.ndim else "a single number"
+    if array.ndim != dimensions:
+        expected = f"an array of {dimensions} dimension{'s' if dimensions > 1 else ''}"
+        raise InputError(f"{key}: found {shape}, expected {expected}", key=key, found=shape, expected=expected)
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        at = tuple(int(i) for i in np.unravel_index(bad[0], array.shape))
+        where = at[0] if len(at) == 1 else at
+        found = str(array[at])
+        raise InputError(f"{key}: sample {where} is {found}; expected finite numbers", key=key, found=found)
+    return array
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """The same array, not to be written to."""
+    array.flags.writeable = False
+    return array
+
+
+@contextmanager
+def bar(progress: bool | None, what: str) -> Iterator[Progress]:
+    """A function that is told the share done. `None`: a bar on a terminal or in a notebook, if it takes more than a second."""
+    if progress is False:
+        yield None
+        return
+    from tqdm.auto import tqdm
+
+    shown = tqdm(
+        total=100,
+        desc=what,
+        delay=0.0 if progress else 1.0,
+        disable=False if progress else None,
+        leave=bool(progress),
+        bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}",
+    )
+
+    def tell(share: float) -> None:
+        shown.update(100.0 * min(max(share, 0.0), 1.0) - shown.n)
+
+    try:
+        yield tell
+    finally:
+        shown.close()
+
+
+def quantity(value: float | None, unit: str, digits: int = 4) -> str:
+    """A number with its unit, for people; a dash where there is none."""
+    return "-" if value is None else f"{value:.{digits}g} {unit}".rstrip()
+
+
+def unit_of(column: str) -> str:
+    """The unit of a column, by the ending of its name; "1" for a number without.
+
+    Examples
+    --------
+    >>> from erard import unit_of
+    >>> unit_of("hammer_rad_per_s"), unit_of("key_m")
+    ('rad/s', 'm')
+    """
+    return _erard.unit(column)

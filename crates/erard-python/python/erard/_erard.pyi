@@ -1,0 +1,183 @@
+"""The extension in Rust: conversion, and nothing else. Use `erard` itself."""
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypedDict, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+Change: TypeAlias = tuple[str, float | str]
+Progress: TypeAlias = Callable[[float], None] | None
+
+class Steps(TypedDict):
+    step: float
+    theta: float
+    solver: str
+    friction: str
+    friction_width: float
+
+class Work(TypedDict):
+    threads: int | None
+    single: bool
+    ledger: bool
+    columns: list[str]
+    every: int
+
+@final
+class Instrument:
+    def __new__(cls, text: str, file_name: str, changes: list[Change]) -> Instrument: ...
+    @staticmethod
+    def load(asked: str) -> Instrument: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def description(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def file_name(self) -> str: ...
+    @property
+    def changes(self) -> list[Change]: ...
+    @property
+    def bodies(self) -> list[str]: ...
+    @property
+    def zones(self) -> list[str]: ...
+    @property
+    def screws(self) -> list[tuple[str, str]]: ...
+    def quantities(self) -> list[dict[str, Any]]: ...
+    def varied(self, changes: list[Change]) -> Instrument: ...
+    def equals(self, other: Instrument) -> bool: ...
+
+@final
+class Stroke:
+    @staticmethod
+    def constant(force_n: float) -> Stroke: ...
+    @staticmethod
+    def samples(kind: str, values: Floats, dt: float) -> Stroke: ...
+    @staticmethod
+    def builtin(nuance: str, touch: str, drive: str | None) -> Stroke: ...
+    @staticmethod
+    def recorded(recording: Recording, drive: str | None) -> Stroke: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def drive(self) -> str: ...
+    @property
+    def start_s(self) -> float: ...
+    @property
+    def duration_s(self) -> float: ...
+    @property
+    def note(self) -> str | None: ...
+
+@final
+class Recording:
+    @staticmethod
+    def load(path: str, columns: str | None, ready: tuple[str | None, bool, float | None, bool]) -> Recording: ...
+    @staticmethod
+    def table(
+        name: str,
+        titles: list[str],
+        values: list[Floats],
+        columns: str | None,
+        ready: tuple[str | None, bool, float | None, bool],
+    ) -> Recording: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def position_of(self) -> str: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def columns(self) -> dict[str, Floats]: ...
+    def at(self, name: str, times: Floats) -> Floats | None: ...
+    def noise(self, name: str) -> float | None: ...
+
+@final
+class Reading:
+    time_s: float
+    key_m: float
+    key_m_per_s: float
+    finger_n: float
+    hammer_m: float
+    hammer_m_per_s: float
+    string_n: float
+    converged: bool
+    blow: tuple[float, float] | None
+
+@final
+class Action:
+    def __new__(cls, instrument: Instrument, steps: Steps) -> Action: ...
+    def step(
+        self, force: float | None, motion: tuple[float, float] | None, rigid: tuple[float, float] | None
+    ) -> Reading: ...
+    def play(self, forces: Floats) -> dict[str, Floats]: ...
+    def reading(self) -> Reading: ...
+    def angles(self) -> Floats: ...
+    def velocities(self) -> Floats: ...
+    def contact_forces(self) -> Floats: ...
+    def save(self) -> bytes: ...
+    def restore(self, saved: bytes) -> None: ...
+
+def builtin() -> tuple[list[str], list[str], list[str], list[str]]: ...
+def unit(name: str) -> str: ...
+def press(
+    instrument: Instrument,
+    stroke: Stroke,
+    steps: Steps,
+    duration: float | None,
+    record_every: int | None,
+    tolerance: float | None,
+    progress: Progress,
+) -> tuple[dict[str, Floats], dict[str, Any]]: ...
+def figure(columns: dict[str, Floats], about: dict[str, Any], title: str) -> str: ...
+def rollout(
+    instruments: list[Instrument], kind: str, values: Floats, dt: float, steps: Steps, work: Work, progress: Progress
+) -> dict[str, Any]: ...
+def play_all(
+    instruments: list[Instrument],
+    strokes: list[Stroke],
+    jobs: list[tuple[int, int]],
+    duration: float | None,
+    steps: Steps,
+    work: Work,
+    progress: Progress,
+) -> dict[str, Any]: ...
+def study(
+    instrument: Instrument,
+    names: list[str],
+    values: Floats,
+    stroke: Stroke | None,
+    forces: Floats | None,
+    duration: float | None,
+    steps: Steps,
+    work: Work,
+    progress: Progress,
+) -> dict[str, Any]: ...
+def measure_lines() -> list[tuple[str, str, str, int, str]]: ...
+def measure(instrument: Instrument, key: int | None, only: list[str] | None, progress: Progress) -> str: ...
+def regulate(
+    instrument: Instrument, goals: list[Change], norms: bool, follow: bool, progress: Progress
+) -> tuple[Instrument, dict[str, Any]]: ...
+def kinematics(
+    instrument: Instrument | None, linkage: str | None, from_m: float, to_m: float | None, steps: int
+) -> tuple[dict[str, Floats], dict[str, Any]]: ...
+def keyboard(asked: str, keys: list[int], progress: Progress) -> tuple[str, dict[str, Any]]: ...
+def draw(
+    instrument: Instrument,
+    stroke: Stroke,
+    at_s: float,
+    steps: Steps,
+    labels: bool,
+    forces: bool,
+    caption: str,
+) -> str: ...
+def compare(
+    instrument: Instrument,
+    recording: Recording,
+    drives: list[str] | None,
+    models: list[str] | None,
+    duration: float | None,
+    steps: Steps,
+    progress: Progress,
+) -> tuple[dict[str, Floats], list[dict[str, Any]], list[str]]: ...
+def validate(instrument: Instrument, progress: Progress) -> list[dict[str, Any]]: ...

@@ -1,0 +1,62 @@
+"""What can go wrong, and where."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Something that was given is wrong: a name, a number, an array, a file.
+
+    Attributes
+    ----------
+    file : str or None
+        The file in which it stands.
+    line : int or None
+        The line of it, from 1 (of a table without lines: the row).
+    key : str or None
+        The key, column or argument that is meant.
+    found : str or None
+        What stands there.
+    expected : str or None
+        What should stand there.
+
+    Examples
+    --------
+    >>> import erard
+    >>> try:
+    ...     erard.load("concert-grand").vary(let_off="1 g")
+    ... except erard.InputError as error:
+    ...     error.key, error.found
+    ('let_off', '1 g')
+    """
+
+    file: str | None
+    line: int | None
+    key: str | None
+    found: str | None
+    expected: str | None
+
+    def __init__(
+        self,
+        message: str,
+        file: str | None = None,
+        line: int | None = None,
+        key: str | None = None,
+        found: str | None = None,
+        expected: str | None = None,
+    ) -> None:
+        super().__init__(message, file, line, key, found, expected)
+        self.file, self.line, self.key, self.found, self.expected = file, line, key, found, expected
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class MissingFileError(InputError, FileNotFoundError):
+    """A file that is not there, or cannot be read. It is a `FileNotFoundError`, too."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class SimulationError(RuntimeError):
+    """A simulation came to no result: a number became infinite, or there is no rest to start from."""

@@ -1,0 +1,720 @@
+"""Instruments: loaded, varied, pressed, measured, regulated, drawn."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Union, Unpack
+
+from . import _erard
+from ._common import Stepping, bar, floats, number, quantity, steps
+from ._errors import InputError
+from ._recording import Recording, as_recording
+from ._run import Run
+from ._table import Table
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._erard import Change
+    from ._recording import RecordingLike
+
+    Force = Union[float, ArrayLike]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an instrument that has a name of its own to be varied by.
+
+    Attributes
+    ----------
+    name : str
+        A screw's own, or `body.NAME.mass`, `body.NAME.friction`, `spring.NAME.torque`, `zone.NAME.stiffness`, `zone.NAME.damping`,
+        `zone.NAME.friction`.
+    value : float
+        In `unit` (SI).
+    unit : str
+        SI unit; empty for a coefficient.
+    is_factor : bool
+        Whether a bare number multiplies it; a screw is turned by it instead (m, rad or N m).
+    range : (float, float)
+        What a bare number may be.
+    spread : (float, float) or None
+        How far the file says that it may be off, as bare numbers say it.
+    certainty : str or None
+        "measured", "read", "second-hand" or "estimate"; `None` for a number without a source.
+    path : str
+        Its key in the file.
+    """
+
+    name: str
+    value: float
+    unit: str
+    is_factor: bool
+    range: tuple[float, float]
+    spread: tuple[float, float] | None
+    certainty: str | None
+    path: str
+
+
+class Instrument:
+    """A piano action: bodies, felts, springs and screws. Make one with `erard.load`.
+
+    It does not change: `vary` and `regulate` give new ones. Two are equal if all their numbers are; it pickles as its file's text and its
+    changes.
+
+    Examples
+    --------
+    >>> import erard
+    >>> grand = erard.load("concert-grand")
+    >>> heavy = grand.vary({"body.hammer.mass": "+0.8 g"}, let_off="-0.2 mm")
+    >>> heavy == grand, heavy.changes
+    (False, [('body.hammer.mass', '+0.8 g'), ('let_off', '-0.2 mm')])
+    """
+
+    __slots__ = ("_inner", "regulation")
+
+    #: What became of each goal and screw, where the instrument came from `regulate`.
+    regulation: Mapping[str, Any] | None
+
+    def __init__(self, text: str, *, name: str = "text", changes: Sequence[Change] = ()) -> None:
+        self._inner = _erard.Instrument(text, name, list(changes))
+        self.regulation = None
+
+    @classmethod
+    def _of(cls, inner: _erard.Instrument) -> Instrument:
+        made = cls.__new__(cls)
+        made._inner, made.regulation = inner, None
+        return made
+
+    @property
+    def name(self) -> str:
+        """Its name, e.g. "Concert grand, C4"."""
+        return self._inner.name
+
+    @property
+    def description(self) -> str:
+        """What the file says that it is."""
+        return self._inner.description
+
+    @property
+    def text(self) -> str:
+        """The text of the file that it was read from, without the changes."""
+        return self._inner.text
+
+    @property
+    def changes(self) -> list[Change]:
+        """What was changed, in order."""
+        return self._inner.changes
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of the bodies."""
+        return self._inner.bodies
+
+    @property
+    def zones(self) -> list[str]:
+        """Names of the contacts."""
+        return self._inner.zones
+
+    @property
+    def screws(self) -> dict[str, str]:
+        """What a positive turn of each screw does."""
+        return dict(self._inner.screws)
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """Everything that has a name of its own to be varied by, by that name."""
+        rows = (Parameter(**_tuples(row)) for row in self._inner.quantities())
+        return {row.name: row for row in rows}
+
+    def vary(self, changes: Mapping[str, float | str] | None = None, /, **more: float | str) -> Instrument:
+        """The same instrument with some numbers changed.
+
+        Parameters
+        ----------
+        changes, **more : mapping of str to str or float
+            What is changed: a screw or a parameter by its name (see `parameters`), or any number of the file by its path, as in
+            "body.hammer.mass_g" or "zone.string.disc.center_mm.x".
+
+            A text says what shall be, with a unit ("8.7 g"), what is added, with its sign ("+0.8 g", "-0.2 mm"), or a factor ("*1.5"). What shall
+            be and has a sign, or no unit, stands behind an equals sign ("= -0.2 mm", "= 0.15").
+
+            A bare number means what it means to `erard study --vary` in SI units: a screw is turned by it (m; rad for an angle, N m for a
+            spring), another parameter is multiplied by it, and a number of the file takes its place.
+
+        Returns
+        -------
+        Instrument
+
+        Raises
+        ------
+        InputError
+            With the key, what was found and what was expected.
+
+        Examples
+        --------
+        >>> import erard
+        >>> grand = erard.load("concert-grand")
+        >>> mass = grand.parameters["body.hammer.mass"].value
+        >>> heavy = grand.vary({"body.hammer.mass": "+1 g"})
+        >>> round(1e3 * (heavy.parameters["body.hammer.mass"].value - mass), 6)
+        1.0
+        >>> grand.vary(letoff="1 mm")
+        Traceback (most recent call last):
+        erard._errors.InputError: `letoff` is nothing that can be varied here; ...nearest `let_off`...
+        """
+        asked: list[Change] = []
+        for key, value in {**(changes or {}), **more}.items():
+            asked.append((str(key), value if isinstance(value, str) else number(str(key), value)))
+        return Instrument._of(self._inner.varied(asked))
+
+    def press(
+        self,
+        force: Force | None = None,
+        *,
+        dt: float | None = None,
+        stroke: str | RecordingLike | None = None,
+        touch: str = "pressed",
+        motion: ArrayLike | None = None,
+        rigid: ArrayLike | None = None,
+        drive: str | None = None,
+        duration: float | None = None,
+        record_every: int | None = None,
+        tolerance: float | None = None,
+        progress: bool | None = None,
+        **how: Unpack[Stepping],
+    ) -> Run:
+        """Presses the key once, from rest.
+
+        Parameters
+        ----------
+        force : float or array_like of shape (T,), optional
+            Of the finger, N, pushing positive: constant, or one sample every `dt` s.
+        dt : float, optional
+            From sample to sample of `force`, `motion` or `rigid`, s.
+        stroke : {"pp", "p", "mf", "f", "ff"}, path or recording, optional
+            A built-in stroke (the default: "mf") or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file.
+        touch : {"pressed", "struck"}
+            How the finger meets the key in a built-in stroke.
+        motion : array_like of shape (T,), optional
+            Where the fingertip is, m down from the key's rest: the finger is soft and can only push.
+        rigid : array_like of shape (T,), optional
+            Where the key's front itself is, m down from rest.
+        drive : {"force", "motion", "rigid"}, optional
+            What a recording prescribes; by default its force where it has one.
+        duration : float, optional
+            Simulated time, s; by default the stroke's and a little more.
+        record_every : int, optional
+            Keep a row every so many steps.
+        tolerance : float, optional
+            Error that a step may have, 1e-9 to 0.1: steps are then as long as that allows.
+        progress : bool, optional
+            A progress bar; by default on a terminal or in a notebook, if it takes more than a second.
+        **how
+            How to step: `step` (s), `theta`, `solver`, `friction`, `friction_width`.
+
+        Returns
+        -------
+        Run
+
+        Examples
+        --------
+        >>> import erard
+        >>> grand = erard.load("concert-grand")
+        >>> loud, soft = grand.press(force=10.0), grand.press(force=3.0)
+        >>> loud.hammer_speed > soft.hammer_speed
+        True
+        >>> grand.press(stroke="mf", touch="struck").title
+        'mf, struck'
+        """
+        made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive)
+        duration = None if duration is None else number("duration", duration)
+        if record_every is not None and record_every < 1:
+            raise InputError(f"record_every: found {record_every}, expected a number of steps, from 1", key="record_every")
+        with bar(progress, "press") as tell:
+            columns, about = _erard.press(
+                self._inner, made, steps(how), duration, record_every, tolerance, tell
+            )
+        return Run(columns, about, made.title)
+
+    def measure(self, *, key: int = 40, only: Sequence[str] | None = None, progress: bool | None = None) -> Sheet:
+        """Measures the action as a technician does: weights, distances, inertia, repetition, timing.
+
+        Parameters
+        ----------
+        key : int
+            The key whose norms it is held against, 1 to 88; 40 is middle C.
+        only : sequence of str, optional
+            Only these lines, such as "down_weight_g", "effective_inertia_kg", "let_off_mm".
+        progress : bool, optional
+            A progress bar.
+
+        Returns
+        -------
+        Sheet
+            A mapping: the keys of `erard measure`'s measure.json.
+
+        Examples
+        --------
+        >>> import erard
+        >>> sheet = erard.load("concert-grand").measure(only=["let_off_mm", "dip_mm"])
+        >>> sorted(sheet)
+        ['dip_mm', 'let_off_mm']
+        """
+        with bar(progress, "measure") as tell:
+            text = _erard.measure(self._inner, key, None if only is None else list(only), tell)
+        return Sheet(self.name, json.loads(text))
+
+    def regulate(
+        self,
+        *,
+        norms: bool = False,
+        follow: bool = False,
+        progress: bool | None = None,
+        **goals: float | str,
+    ) -> Instrument:
+        """Turns the screws until goals are met, as on the bench.
+
+        Parameters
+        ----------
+        norms : bool
+            Ask for the trade's norms, too, where a goal is not given. Without any goal they are asked for anyway.
+        follow : bool
+            Let other screws follow where the goals disturb what they set.
+        progress : bool, optional
+            A progress bar.
+        **goals
+            `dip`, `blow`, `let_off`, `drop`, `check`, `repetition_rise`, `spring`, `jack_position`, `lever_height`, `damper`: a text with a unit
+            ("1.5 mm", "300 mm/s", "50 %") or a number in SI units (m, m/s, share).
+
+        Returns
+        -------
+        Instrument
+            Its `regulation` holds `goals`, `screws` and `all_met`; a goal that cannot be met is as near as can be.
+
+        Examples
+        --------
+        >>> import erard
+        >>> regulated = erard.load("concert-grand").regulate(let_off="2 mm")
+        >>> regulated.regulation["all_met"], [screw["screw"] for screw in regulated.regulation["screws"]]
+        (True, ['let_off'])
+        """
+        asked: list[Change] = [
+            (name, goal if isinstance(goal, str) else number(name, goal)) for name, goal in goals.items()
+        ]
+        with bar(progress, "regulate") as tell:
+            inner, about = _erard.regulate(self._inner, asked, norms, follow, tell)
+        made = Instrument._of(inner)
+        made.regulation = about
+        return made
+
+    def kinematics(self, *, start: float = 0.0, end: float | None = None, steps: int = 200) -> Kinematics:
+        """Leverage and sliding over the key's travel, from the geometry alone; see `erard.kinematics`."""
+        return kinematics(self, start=start, end=end, steps=steps)
+
+    def compare(self, recording: RecordingLike, **options: Any) -> Comparison:
+        """Holds a recording against this instrument; see `erard.compare`."""
+        return compare(self, recording, **options)
+
+    def validate(self, *, progress: bool | None = None) -> list[dict[str, Any]]:
+        """Holds it against what has been measured on real pianos; see `erard.validate`."""
+        return validate(self, progress=progress)
+
+    def draw(
+        self,
+        at: float | str = 0.0,
+        *,
+        force: Force | None = None,
+        dt: float | None = None,
+        stroke: str | RecordingLike | None = None,
+        touch: str = "pressed",
+        labels: bool = False,
+        forces: bool = False,
+        **how: Unpack[Stepping],
+    ) -> Drawing:
+        """Draws the action in one pose of a stroke.
+
+        Parameters
+        ----------
+        at : float or str
+            s after the stroke's start, where 0 is rest; or an event: "key_start", "toe_contact", "let_off", "hammer_contact", "key_bottom",
+            "check".
+        force, dt, stroke, touch, **how
+            As in `press`.
+        labels : bool
+            Name the main parts.
+        forces : bool
+            Show contact forces as arrows.
+
+        Returns
+        -------
+        Drawing
+            A notebook shows it; `save` writes the SVG.
+
+        Examples
+        --------
+        >>> import erard
+        >>> drawing = erard.load("concert-grand").draw("let_off", stroke="mf", labels=True)
+        >>> drawing.svg.startswith("<svg")
+        True
+        """
+        made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch)
+        own = steps(how)
+        if isinstance(at, str):
+            happened = self.press(force, dt=dt, stroke=stroke, touch=touch, **how).events
+            known = ["key_start", "toe_contact", "let_off", "hammer_contact", "key_bottom", "check"]
+            name = at.replace("-", "_")
+            if name not in known:
+                raise InputError(f"at: found {at!r}, expected seconds or one of {', '.join(known)}", key="at", found=at)
+            if name not in happened:
+                raise InputError(f"at: there is no {name.replace('_', ' ')} in this stroke", key="at", found=at)
+            at_s = math.ceil((happened[name] - made.start_s) / own["step"]) * own["step"]
+            what = f", {name.replace('_', ' ')}"
+        else:
+            at_s, what = number("at", at), ""
+            if not 0 <= at_s <= 600:
+                raise InputError(f"at: found {at_s} s, expected 0 to 600 s", key="at", found=str(at_s))
+        caption = f"{self.name}, at rest" if at_s == 0 else f"{self.name}, {made.title}, {1e3 * at_s:.1f} ms{what}"
+        return Drawing(_erard.draw(self._inner, made, at_s, own, labels, forces, caption))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Instrument):
+            return NotImplemented
+        return self._inner.equals(other._inner)
+
+    def __hash__(self) -> int:
+        return hash((self.name, tuple(parameter.value for parameter in self.parameters.values())))
+
+    def __repr__(self) -> str:
+        told = "".join(f", {key} {change}" for key, change in self.changes)
+        return f"<erard.Instrument {self.name}{told}: {len(self.bodies)} bodies, {len(self.zones)} contacts>"
+
+    def _repr_html_(self) -> str:
+        caption = html.escape(repr(self).strip("<>"))
+        return f'<div style="max-width: 900px">{self.draw().svg}<p>{caption}</p></div>'
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self.text, self._inner.file_name, self.changes, self.regulation)
+
+
+def _unpickled(text: str, name: str, changes: list[Change], regulation: Mapping[str, Any] | None) -> Instrument:
+    made = Instrument(text, name=name, changes=changes)
+    made.regulation = regulation
+    return made
+
+
+def _tuples(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+
+
+def load(asked: str | os.PathLike[str]) -> Instrument:
+    """Loads an instrument.
+
+    Parameters
+    ----------
+    asked : str or path
+        A built-in one by its name ("concert-grand"; see `erard.builtin`), a TOML file, or a key of a keyboard ("concert-grand:key=40",
+        "mine.toml:key=1").
+
+    Returns
+    -------
+    Instrument
+
+    Raises
+    ------
+    InputError
+        With file, line and key of what is wrong; `MissingFileError`, a `FileNotFoundError`, where there is no such file.
+
+    Examples
+    --------
+    >>> import erard
+    >>> erard.load("concert-grand:key=40").name
+    'Concert grand, key 40 (C4)'
+    >>> erard.load("no-such-file.toml")
+    Traceback (most recent call last):
+    erard._errors.MissingFileError: no-such-file.toml: cannot be read: ...
+    """
+    return Instrument._of(_erard.Instrument.load(os.fspath(asked)))
+
+
+def stroke_of(
+    *,
+    force: Force | None = None,
+    dt: float | None = None,
+    stroke: str | RecordingLike | None = None,
+    touch: str = "pressed",
+    motion: ArrayLike | None = None,
+    rigid: ArrayLike | None = None,
+    drive: str | None = None,
+) -> _erard.Stroke:
+    """The one stroke that the arguments of `press` say."""
+    given = {"force": force, "motion": motion, "rigid": rigid, "stroke": stroke}
+    named = [name for name, value in given.items() if value is not None]
+    if len(named) > 1:
+        raise InputError(f"{' and '.join(named)} are given; expected one of {', '.join(given)}", key=named[1])
+    if stroke is not None or not named:
+        if isinstance(stroke, str) and stroke in ("pp", "p", "mf", "f", "ff") or stroke is None:
+            return _erard.Stroke.builtin(stroke or "mf", touch, drive)
+        made = stroke if isinstance(stroke, Recording) else as_recording_to_play(stroke)
+        return _erard.Stroke.recorded(made._inner, drive)
+    name, value = named[0], given[named[0]]
+    if name == "force" and not hasattr(value, "__len__"):
+        return _erard.Stroke.constant(number("force", value))
+    values = floats(name, value, 1)  # type: ignore[arg-type]
+    if dt is None:
+        raise InputError(f"{name} is an array: expected dt, the time from sample to sample in s", key="dt")
+    return _erard.Stroke.samples(name, values, number("dt", dt))
+
+
+def as_recording_to_play(source: Any) -> Recording:
+    """A file as the command plays it, its zero taken and its noise filtered; a table as it is."""
+    if isinstance(source, (str, os.PathLike)):
+        return Recording(source)
+    return as_recording(source)
+
+
+class Sheet(Mapping[str, Any]):
+    """What was measured of an action: a mapping of the keys of measure.json, and the technician's table when it is shown."""
+
+    def __init__(self, instrument: str, values: dict[str, Any]) -> None:
+        self.instrument, self._values = instrument, values
+
+    def __getitem__(self, key: str) -> Any:
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def lines(self) -> list[tuple[str, str, str]]:
+        """The lines of the table: what, value with unit, what is usual at middle C."""
+        found = []
+        for key, label, unit, decimals, usual in _erard.measure_lines():
+            value: Any = self._values
+            for part in key.split("."):
+                value = value.get(part) if isinstance(value, Mapping) else None
+            if value is None and key not in self._values:
+                continue
+            told = "-" if value is None else f"{value:.{decimals}f} {unit}".rstrip()
+            found.append((label, told, usual))
+        return found
+
+    def __repr__(self) -> str:
+        rows = "\n".join(f"  {what:<34}{value:>14}   {usual}" for what, value, usual in self.lines())
+        return f"{self.instrument}\n{rows}"
+
+    def _repr_html_(self) -> str:
+        cells = (f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in self.lines())
+        head = "<tr><th></th><th>measured</th><th>usual</th></tr>"
+        return f"<table><caption>{html.escape(self.instrument)}</caption>{head}{''.join(cells)}</table>"
+
+
+class Drawing:
+    """A picture as SVG; a notebook shows it."""
+
+    def __init__(self, svg: str) -> None:
+        self.svg = svg
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the SVG to a file."""
+        Path(path).write_text(self.svg, encoding="utf-8")
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"<erard.Drawing, {len(self.svg)} bytes of SVG>"
+
+
+class Kinematics(Table):
+    """Leverage and sliding over the key's travel: columns `key_m`, `leverage`, `capstan_m`, `knuckle_m` (where along its lever each contact is),
+    and in `summary` leverages at rest, half-way and at let-off, and how far the contacts slide."""
+
+    def __init__(self, columns: dict[str, Any], summary: dict[str, Any]) -> None:
+        super().__init__(columns)
+        self.summary: dict[str, Any] = summary
+
+    def __repr__(self) -> str:
+        rest, off = self.summary["leverage_at_rest"], self.summary["leverage_at_let_off"]
+        return f"<erard.Kinematics {self.summary['name']}: leverage {quantity(rest, '')} at rest, {quantity(off, '')} at let-off>"
+
+
+def kinematics(
+    design: Instrument | str, *, start: float = 0.0, end: float | None = None, steps: int = 200
+) -> Kinematics:
+    """Leverage and sliding over the key's travel, from the geometry alone.
+
+    Parameters
+    ----------
+    design : Instrument or str
+        An instrument, or three levers by their lengths: a TOML file of kind `three-lever` or a built-in linkage ("c7f-like").
+    start, end : float
+        Key travel to begin and to end at, m; by default from rest to let-off.
+    steps : int
+        Steps between the two.
+
+    Returns
+    -------
+    Kinematics
+
+    Examples
+    --------
+    >>> import erard
+    >>> moved = erard.kinematics("c7f-like")
+    >>> 4 < moved.summary["leverage_at_rest"] < 7
+    True
+    """
+    instrument = design._inner if isinstance(design, Instrument) else None
+    linkage = None if isinstance(design, Instrument) else os.fspath(design)
+    columns, about = _erard.kinematics(instrument, linkage, float(start), end, steps)
+    return Kinematics(columns, about)
+
+
+class Comparison(Table):
+    """A recording beside the models: columns, `errors` (a row for each trial), `verdicts` in words."""
+
+    def __init__(self, columns: dict[str, Any], errors: list[dict[str, Any]], verdicts: list[str]) -> None:
+        super().__init__(columns)
+        self.errors, self.verdicts = errors, verdicts
+
+    def __repr__(self) -> str:
+        return "\n".join(["<erard.Comparison>", *self.verdicts])
+
+
+def compare(
+    instrument: Instrument,
+    recording: RecordingLike,
+    *,
+    drives: Sequence[str] | None = None,
+    models: Sequence[str] | None = None,
+    duration: float | None = None,
+    progress: bool | None = None,
+    **how: Unpack[Stepping],
+) -> Comparison:
+    """Holds a recording against the models: what drives it, what comes out, what is missed.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    recording : run, mapping, data frame, path or Recording
+        What was measured.
+    drives : sequence of {"force", "motion", "rigid"}, optional
+        Drives to try; by default all that the recording has.
+    models : sequence of {"action", "one-dof"}, optional
+        Models to run; by default both.
+    duration : float, optional
+        How much of it is compared, s.
+    progress, **how
+        As in `Instrument.press`.
+
+    Returns
+    -------
+    Comparison
+
+    Examples
+    --------
+    >>> import erard
+    >>> grand = erard.load("concert-grand")
+    >>> own = erard.compare(grand, grand.press(force=5.0, duration=0.2), drives=["force"], models=["action"])
+    >>> own.errors[0]["explained"] > 0.9999
+    True
+    """
+    made = as_recording_to_play(recording) if not isinstance(recording, Recording) else recording
+    with bar(progress, "compare") as tell:
+        found = _erard.compare(
+            instrument._inner,
+            made._inner,
+            None if drives is None else list(drives),
+            None if models is None else list(models),
+            duration,
+            steps(how),
+            tell,
+        )
+    return Comparison(*found)
+
+
+def validate(instrument: Instrument, *, progress: bool | None = None) -> list[dict[str, Any]]:
+    """Holds an instrument against what has been measured on real pianos.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    progress : bool, optional
+        A progress bar.
+
+    Returns
+    -------
+    list of dict
+        A row for each published number: `name`, `quantity`, `unit`, `published`, `at_least`, `at_most`, `simulated`, `verdict` ("met",
+        "missed", "did not happen", "cannot speak to it"), `missed_by`, `source`, `certainty`, `likely_reason`.
+    """
+    with bar(progress, "validate") as tell:
+        return _erard.validate(instrument._inner, tell)
+
+
+class Keyboard(Table):
+    """The keys of a keyboard on the technician's bench, a row for each."""
+
+    def __init__(self, name: str, columns: dict[str, Any]) -> None:
+        super().__init__(columns)
+        self.name = name
+
+    def __repr__(self) -> str:
+        return f"<erard.Keyboard {self.name}: {len(self['key'])} keys weighed>"
+
+
+def keyboard(
+    asked: str | os.PathLike[str] = "concert-grand",
+    *,
+    keys: Sequence[int] | None = None,
+    progress: bool | None = None,
+) -> Keyboard:
+    """Weighs the keys of a keyboard from bass to treble.
+
+    Parameters
+    ----------
+    asked : str or path
+        A keyboard: a TOML file or a built-in one. One of its keys is an instrument: `erard.load("concert-grand:key=40")`.
+    keys : sequence of int, optional
+        From 1 (A0) to 88 (C8); by default every third and the last.
+    progress : bool, optional
+        A progress bar.
+
+    Returns
+    -------
+    Keyboard
+        Columns `key`, `note`, hammer mass, strike, front, down-, up-, balance and friction weight in g, the hammer's speed of a mezzo forte.
+
+    Examples
+    --------
+    >>> import erard
+    >>> two = erard.keyboard(keys=[1, 88])
+    >>> bool(two["hammer_mass_g"][0] > two["hammer_mass_g"][1]), two["note"].tolist()
+    (True, ['A0', 'C8'])
+    """
+    import numpy as np
+
+    chosen = [*range(1, 88, 3), 88] if keys is None else [int(key) for key in keys]
+    with bar(progress, "keyboard") as tell:
+        name, columns = _erard.keyboard(os.fspath(asked), chosen, tell)
+    return Keyboard(name, {key: np.asarray(values) for key, values in columns.items()})
+
+
+def builtin() -> dict[str, list[str]]:
+    """Names of what is built in: `instruments`, `keyboards`, `linkages`, `strokes`.
+
+    Examples
+    --------
+    >>> import erard
+    >>> erard.builtin()["strokes"]
+    ['pp', 'p', 'mf', 'f', 'ff']
+    """
+    return dict(zip(("instruments", "keyboards", "linkages", "strokes"), _erard.builtin(), strict=True))

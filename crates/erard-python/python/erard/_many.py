@@ -1,0 +1,429 @@
+"""Many strokes at once: rollouts and studies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union, Unpack
+
+import numpy as np
+
+from . import _erard
+from ._common import Stepping, bar, floats, number, steps
+from ._errors import InputError
+from ._instrument import Instrument, stroke_of
+from ._table import Table
+
+if TYPE_CHECKING:
+    import matplotlib.figure
+    import xarray
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._erard import Steps, Work
+    from ._recording import RecordingLike
+
+    Axis = Union[float, Sequence[float], NDArray[Any]]
+
+#: What came of every stroke, besides what was sampled.
+OUTCOMES = (
+    "key_start_s",
+    "toe_contact_s",
+    "let_off_s",
+    "hammer_contact_s",
+    "hammer_speed_m_per_s",
+    "key_bottom_s",
+    "check_s",
+    "strikes",
+    "hammer_highest_m",
+    "unconverged_steps",
+    "energy_residual_relative",
+    "failed",
+    "trusted",
+)
+
+
+def work(threads: int | None, single: bool, ledger: bool, columns: Sequence[str] = (), every: int = 1) -> Work:
+    """Who does the work and what is kept, as the extension takes it."""
+    if threads is not None and threads < 1:
+        raise InputError(f"threads: found {threads}, expected a number from 1", key="threads", found=str(threads))
+    return {"threads": threads, "single": single, "ledger": ledger, "columns": list(columns), "every": every}
+
+
+def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """The columns of what came of every stroke, read-only."""
+    columns = {name: found[name] for name in OUTCOMES}
+    columns["strikes"] = np.nan_to_num(columns["strikes"]).astype(np.int64)
+    columns["unconverged_steps"] = np.nan_to_num(columns["unconverged_steps"]).astype(np.int64)
+    for values in columns.values():
+        values.flags.writeable = False
+    return columns
+
+
+class Rollout(Table):
+    """What N strokes of T samples left behind.
+
+    Columns of shape (N,) tell what came of every stroke, by the names of a study's columns: instants in s (`let_off_s`, ...), nan where it did not
+    happen; `hammer_speed_m_per_s`; `strikes`; `failed`; `trusted`. Columns of shape (N, T) are what was sampled, a sample at each of `time_s`.
+
+    Attributes
+    ----------
+    time_s : ndarray of shape (T,)
+        Instants of the samples, s.
+    errors : dict of int to str
+        Why strokes failed, by their row; their numbers are nan.
+    doubts : list of str
+        Why strokes are not to be trusted: of every kind how many, and the worst.
+    blows : list of list of (float, float)
+        Of every stroke: instant (s) and speed (m/s) of each blow on the string.
+    """
+
+    def __init__(
+        self,
+        time_s: NDArray[np.float64],
+        columns: dict[str, NDArray[Any]],
+        errors: dict[int, str],
+        doubts: list[str],
+        blows: list[list[tuple[float, float]]],
+    ) -> None:
+        super().__init__(columns)
+        time_s.flags.writeable = False
+        self.time_s, self.errors, self.doubts, self.blows = time_s, errors, doubts, blows
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A labelled data set: dimensions `stroke` and `time_s`, units as attributes."""
+        import xarray as xr
+
+        units = self.units
+        variables = {
+            name: (("stroke", "time_s")[: values.ndim], values, {"units": units[name]}) for name, values in self.items()
+        }
+        coordinates = {"time_s": ("time_s", self.time_s, {"units": "s"})}
+        return xr.Dataset(variables, coords=coordinates)
+
+    def __repr__(self) -> str:
+        count = len(self["failed"])
+        failed = f", {len(self.errors)} failed" if self.errors else ""
+        sampled = ", ".join(name for name, values in self.items() if values.ndim == 2) or "nothing"
+        return f"<erard.Rollout of {count} strokes{failed}; {len(self.time_s)} samples of {sampled}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            "columns": {name: np.asarray(values) for name, values in self.items()},
+            "time_s": np.asarray(self.time_s),
+            "errors": self.errors,
+            "doubts": self.doubts,
+            "blows": self.blows,
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for values in state["columns"].values():
+            values.flags.writeable = False
+        Rollout.__init__(self, state["time_s"], state["columns"], state["errors"], state["doubts"], state["blows"])
+
+
+def divided(dt: float, own: Steps) -> tuple[Steps, int]:
+    """Steps that divide the time from sample to sample evenly, at most as long as asked for; and how many there are."""
+    every = max(1, math.ceil(dt / own["step"] - 1e-9))
+    even: Steps = {**own, "step": dt / every}
+    return even, every
+
+
+def rollout(
+    instruments: Instrument | Sequence[Instrument],
+    *,
+    force: ArrayLike | None = None,
+    motion: ArrayLike | None = None,
+    rigid: ArrayLike | None = None,
+    dt: float,
+    columns: Sequence[str] = ("key_m", "hammer_head_m"),
+    threads: int | None = None,
+    single: bool = False,
+    ledger: bool = True,
+    progress: bool | None = None,
+    **how: Unpack[Stepping],
+) -> Rollout:
+    """Plays many strokes, in the lanes of the processor's vectors and on all its cores, without Python's lock.
+
+    Every stroke comes out as `Instrument.press` computes it, to rounding, and with the same bits however many threads there are.
+
+    Parameters
+    ----------
+    instruments : Instrument or sequence of Instrument
+        One for all strokes, or one for each. Those that differ in numbers only share lanes.
+    force : array_like of shape (N, T)
+        N strokes of T samples of the finger's force, N, pushing positive.
+    motion, rigid : array_like of shape (N, T)
+        In its place: where the fingertip is, or the key's front itself, m down from rest.
+    dt : float
+        From sample to sample, s. The run lasts (T - 1) dt; its steps divide dt evenly.
+    columns : sequence of str
+        What is sampled at the same instants: names of a run's columns. The contacts' forces (`string_N`), and the finger's under a motion, are not
+        seen in lanes: strokes are then played one by one on all cores.
+    threads : int, optional
+        By default as many as there are cores.
+    single : bool
+        Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4.
+    ledger : bool
+        Keep the energy's books, which `trusted` looks at.
+    progress : bool, optional
+        A progress bar.
+    **how
+        How to step: `step` (s, at most), `theta`, `solver`, `friction`, `friction_width`.
+
+    Returns
+    -------
+    Rollout
+        Arrays of shape (N,) and (N, T). A stroke that fails fails alone: its row is nan.
+
+    Raises
+    ------
+    InputError
+        Where an argument is wrong: its shape, a number that is not finite.
+
+    Examples
+    --------
+    >>> import erard, numpy as np
+    >>> grand = erard.load("concert-grand")
+    >>> force = np.repeat(np.linspace(4, 12, 5)[:, None], 101, axis=1)
+    >>> r = erard.rollout(grand, force=force, dt=1e-3)
+    >>> r["key_m"].shape, bool(np.all(np.diff(r["hammer_speed_m_per_s"]) > 0))
+    ((5, 101), True)
+    """
+    given = {name: values for name, values in (("force", force), ("motion", motion), ("rigid", rigid)) if values is not None}
+    if len(given) != 1:
+        found = " and ".join(given) or "none"
+        raise InputError(f"found {found}; expected one of force, motion and rigid", key="force", found=found)
+    [(kind, values)] = given.items()
+    array = floats(kind, values, 2)
+    if array.shape[1] < 2:
+        shape = f"shape {array.shape}"
+        raise InputError(f"{kind}: found {shape}, expected two samples or more for each stroke", key=kind, found=shape)
+    own = [instruments] if isinstance(instruments, Instrument) else list(instruments)
+    if not own or not all(isinstance(one, Instrument) for one in own):
+        raise InputError("instruments: expected an Instrument, or one for each stroke", key="instruments")
+    dt = number("dt", dt)
+    if dt <= 0:
+        raise InputError(f"dt: found {dt}, expected a positive number of seconds", key="dt", found=str(dt))
+    even, every = divided(dt, steps(how))
+    with bar(progress, "rollout") as tell:
+        found_all = _erard.rollout(
+            [one._inner for one in own], kind, array, dt, even, work(threads, single, ledger, columns, every), tell
+        )
+    sampled = {name: found_all[name][:, : array.shape[1]] for name in columns}
+    for samples in sampled.values():
+        samples.flags.writeable = False
+    time_s = dt * np.arange(array.shape[1], dtype=np.float64)
+    errors, doubts, blows = dict(found_all["errors"]), found_all["doubts"], found_all.get("blows", [])
+    return Rollout(time_s, outcomes(found_all) | sampled, errors, doubts, blows)
+
+
+class Study(Table):
+    """A stroke on many variants of an instrument: a row for every combination of what was varied, the last one fastest.
+
+    Columns are what was varied, by its name, then what came of it by the names of a study's columns, then what was measured.
+
+    Attributes
+    ----------
+    axes : dict of str to ndarray
+        What was varied, and its values.
+    errors : dict of int to str
+        Why strokes failed, by their row.
+    doubts : list of str
+        Why strokes are not to be trusted.
+    """
+
+    def __init__(
+        self,
+        axes: dict[str, NDArray[np.float64]],
+        columns: dict[str, NDArray[Any]],
+        errors: dict[int, str],
+        doubts: list[str],
+    ) -> None:
+        super().__init__(columns)
+        self.axes, self.errors, self.doubts = axes, errors, doubts
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each axis has."""
+        return tuple(len(values) for values in self.axes.values())
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A labelled data set whose dimensions are what was varied."""
+        import xarray as xr
+
+        names = list(self.axes)
+        units = self.units
+        variables = {
+            name: (names, values.reshape(self.shape), {"units": units[name]})
+            for name, values in self.items()
+            if name not in self.axes
+        }
+        return xr.Dataset(variables, coords=dict(self.axes))
+
+    def plot(self, column: str = "hammer_speed_m_per_s") -> matplotlib.figure.Figure:
+        """Draws a column over the last axis, a curve for every combination of the others.
+
+        Parameters
+        ----------
+        column : str
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from ._plot import study_figure
+
+        return study_figure(self, column)
+
+    def __repr__(self) -> str:
+        over = " x ".join(f"{len(values)} {name}" for name, values in self.axes.items())
+        failed = f", {len(self.errors)} failed" if self.errors else ""
+        return f"<erard.Study over {over}: {len(self['failed'])} strokes{failed}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        columns = {name: np.asarray(values) for name, values in self.items()}
+        return {"axes": self.axes, "columns": columns, "errors": self.errors, "doubts": self.doubts}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for values in state["columns"].values():
+            values.flags.writeable = False
+        Study.__init__(self, state["axes"], state["columns"], state["errors"], state["doubts"])
+
+
+def study(
+    instrument: Instrument,
+    vary: Mapping[str, Axis] | None = None,
+    /,
+    *,
+    force: Axis | None = None,
+    stroke: str | RecordingLike | None = None,
+    touch: str = "pressed",
+    drive: str | None = None,
+    duration: float | None = None,
+    measure: Sequence[str] = (),
+    threads: int | None = None,
+    single: bool = False,
+    progress: bool | None = None,
+    step: float = 50e-6,
+    theta: float = 0.5,
+    **more: Axis,
+) -> Study:
+    """Plays a stroke on many variants of an instrument: every combination of what is varied.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    vary, **more : mapping of str to array_like
+        What is varied and its values, as bare numbers mean it in `Instrument.vary`: turns of a screw in m (rad, N m), factors of other
+        parameters, and the values themselves of a number of the file.
+    force : float or array_like, optional
+        A constant force from the start on, N; several are varied, too.
+    stroke, touch, drive, duration
+        As in `Instrument.press`; by default the built-in mf.
+    measure : sequence of str
+        Lines of the technician's sheet that are measured of every variant, such as "down_weight_g".
+    threads, single, progress
+        As in `rollout`.
+    step, theta : float
+        How to step.
+
+    Returns
+    -------
+    Study
+
+    Examples
+    --------
+    >>> import erard, numpy as np
+    >>> grand = erard.load("concert-grand")
+    >>> s = erard.study(grand, let_off=np.linspace(-5e-4, 5e-4, 5), force=[4, 8])
+    >>> s.shape, s.columns[:2], s.to_xarray()["hammer_speed_m_per_s"].dims
+    ((5, 2), ['let_off', 'force_N'], ('let_off', 'force_N'))
+    """
+    own = steps({"step": step, "theta": theta})
+    axes: dict[str, NDArray[np.float64]] = {}
+    for name, values in {**(vary or {}), **more}.items():
+        axes[str(name)] = floats(str(name), np.atleast_1d(np.asarray(values)), 1)
+    forces = None
+    if force is not None:
+        if stroke is not None:
+            raise InputError("force and stroke are given; expected one of them", key="stroke")
+        forces = floats("force", np.atleast_1d(np.asarray(force)), 1)
+        if bad := [f for f in forces if not 0 <= f <= 1e4]:
+            raise InputError(f"force: found {bad[0]}, expected numbers from 0 to 10000 N", key="force", found=str(bad[0]))
+        if len(forces) > 1:
+            axes["force_N"] = forces
+    if not axes or any(len(values) == 0 for values in axes.values()):
+        raise InputError("nothing is varied; expected names with values, as in let_off=[-1e-4, 0, 1e-4]")
+    grid = [values.ravel() for values in np.meshgrid(*axes.values(), indexing="ij")]
+    rows = dict(zip(axes, grid, strict=True))
+    count = len(grid[0])
+    row_forces = None if forces is None else np.ascontiguousarray(rows.get("force_N", np.full(count, forces[0])))
+    varied = [name for name in axes if name != "force_N" or forces is None]
+    # Of what was varied each combination once: the force makes no other instrument.
+    table = np.column_stack([rows[name] for name in varied]) if varied else np.empty((count, 0))
+    made = None if forces is not None else stroke_of(stroke=stroke, touch=touch, drive=drive)
+    duration = None if duration is None else number("duration", duration)
+    keep = work(threads, single, True)
+    known = instrument.parameters
+    with bar(progress, "study") as tell:
+        if all(name in known for name in varied):
+            found = _erard.study(
+                instrument._inner, varied, np.ascontiguousarray(table), made, row_forces, duration, own, keep, tell
+            )
+        else:
+            found = _by_file(instrument, varied, table, made, row_forces, duration, own, keep, tell)
+    columns = {name: values for name, values in rows.items()} | outcomes(found)
+    for values in rows.values():
+        values.flags.writeable = False
+    if measure:
+        columns |= _measured(instrument, varied, table, list(measure), threads)
+    return Study(axes, columns, dict(found["errors"]), found["doubts"])
+
+
+def _by_file(
+    instrument: Instrument,
+    varied: list[str],
+    table: NDArray[np.float64],
+    made: _erard.Stroke | None,
+    forces: NDArray[np.float64] | None,
+    duration: float | None,
+    own: Steps,
+    keep: Work,
+    tell: Any,
+) -> dict[str, Any]:
+    """A study of numbers that have no other name than their path: every variant is read anew."""
+    unique, place = np.unique(table, axis=0, return_inverse=True)
+    variants = [instrument.vary(dict(zip(varied, map(float, row), strict=True)))._inner for row in unique]
+    if forces is None:
+        assert made is not None
+        strokes, which = [made], np.zeros(len(table), dtype=int)
+    else:
+        levels, which = np.unique(forces, return_inverse=True)
+        strokes = [_erard.Stroke.constant(float(level)) for level in levels]
+    jobs = list(zip(place.ravel().tolist(), which.ravel().tolist(), strict=True))
+    return _erard.play_all(variants, strokes, jobs, duration, own, keep, tell)
+
+
+def _measured(
+    instrument: Instrument, varied: list[str], table: NDArray[np.float64], keys: list[str], threads: int | None
+) -> dict[str, NDArray[Any]]:
+    """Lines of the sheet of every variant, measured side by side: the work itself runs without Python's lock."""
+    import os
+    from concurrent.futures import ThreadPoolExecutor
+
+    unique, place = np.unique(table, axis=0, return_inverse=True)
+
+    def one(row: NDArray[np.float64]) -> list[float]:
+        try:
+            variant = instrument.vary(dict(zip(varied, map(float, row), strict=True)))
+            sheet = variant.measure(only=keys, progress=False)
+        except (InputError, RuntimeError):
+            return [math.nan] * len(keys)
+        return [math.nan if sheet[key] is None else float(sheet[key]) for key in keys]
+
+    # Wrong keys are told at once, not as missing numbers.
+    if unknown := [key for key in keys if key not in {line[0] for line in _erard.measure_lines()}]:
+        instrument.measure(only=unknown, progress=False)
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        found = np.array(list(pool.map(one, unique)))[place.ravel()]
+    return {key: found[:, i] for i, key in enumerate(keys)}

@@ -1,0 +1,108 @@
+"""Figures with matplotlib, which is imported only here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._common import unit_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ._fit import Fit
+    from ._many import Study
+    from ._run import Run
+
+#: What is drawn unless something else is asked for.
+USUAL = ("force_N", "key_m", "hammer_head_m", "string_N")
+#: Colours that the colour-blind tell apart (Okabe and Ito).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+
+
+def _scaled(column: str, values: Any) -> tuple[Any, str]:
+    unit = unit_of(column)
+    return (1e3 * values, "mm") if unit == "m" else (values, unit)
+
+
+def run_figure(run: Run, columns: Sequence[str], ax: Any) -> Figure:
+    """Columns of a run over the time, one panel below the other; events as lines."""
+    import matplotlib.pyplot as plt
+
+    shown = columns or tuple(name for name in USUAL if name in run)
+    if ax is None:
+        figure, axes = plt.subplots(
+            len(shown), 1, sharex=True, squeeze=False, figsize=(8, 1 + 1.5 * len(shown)), layout="constrained"
+        )
+        panels = list(axes[:, 0])
+    else:
+        figure, panels = ax.figure, [ax] * len(shown)
+    ms = 1e3 * run["time_s"]
+    for colour, (panel, name) in enumerate(zip(panels, shown, strict=True)):
+        values, unit = _scaled(name, run[name])
+        panel.plot(ms, values, color=COLOURS[colour % len(COLOURS)], label=name)
+        panel.set_ylabel(f"{name.rsplit('_', 1)[0]} ({unit})" if ax is None else unit)
+    for name, at in run.events.items():
+        if name != "hammer_speed":
+            for panel in dict.fromkeys(panels):
+                panel.axvline(1e3 * at, color="0.7", linewidth=0.8, zorder=0)
+    if ax is not None:
+        ax.legend()
+    panels[-1].set_xlabel("time (ms)")
+    speed = "" if run.hammer_speed is None else f", hammer {run.hammer_speed:.2f} m/s"
+    panels[0].set_title(f"{run.instrument}: {run.title}{speed}", fontsize="medium")
+    return figure
+
+
+def study_figure(study: Study, column: str) -> Figure:
+    """A column over the last axis, a curve for every combination of the others (ten at most are told apart)."""
+    import matplotlib.pyplot as plt
+
+    names = list(study.axes)
+    values = study[column].reshape(-1, study.shape[-1])
+    others = np.meshgrid(*(study.axes[name] for name in names[:-1]), indexing="ij") if len(names) > 1 else []
+    figure, panel = plt.subplots(figsize=(7, 4), layout="constrained")
+    for row, curve in enumerate(values):
+        label = ", ".join(f"{name} {grid.ravel()[row]:.4g}" for name, grid in zip(names, others, strict=False))
+        panel.plot(study.axes[names[-1]], curve, color=COLOURS[row % len(COLOURS)], label=label if len(values) <= 10 else None)
+    if 1 < len(values) <= 10:
+        panel.legend(fontsize="small")
+    panel.set_xlabel(names[-1])
+    panel.set_ylabel(f"{column} ({unit_of(column)})")
+    return figure
+
+
+def fit_figure(fit: Fit) -> Figure:
+    """Measured and fitted above, what is left over in units of its noise below: a column for each channel."""
+    import matplotlib.pyplot as plt
+
+    channels = fit.channels
+    figure, axes = plt.subplots(
+        2,
+        len(channels),
+        sharex="col",
+        squeeze=False,
+        figsize=(1 + 4 * len(channels), 5),
+        height_ratios=(2, 1),
+        layout="constrained",
+    )
+    for (above, below), channel in zip(axes.T, channels, strict=True):
+        ms = 1e3 * channel.time_s
+        measured, unit = _scaled(channel.column, channel.measured)
+        fitted, _ = _scaled(channel.column, channel.fitted)
+        above.plot(ms, measured, ".", color="0.6", markersize=2, label="measured")
+        above.plot(ms, fitted, color=COLOURS[1], label="fitted")
+        above.set_ylabel(f"{channel.column.rsplit('_', 1)[0]} ({unit})")
+        above.set_title(channel.title, fontsize="small")
+        left = (channel.measured - channel.fitted) / channel.sigma
+        below.axhspan(-2, 2, color="0.93")
+        below.plot(ms, left, ".", color=COLOURS[0], markersize=2)
+        below.set_xlabel("time (ms)")
+        below.set_ylim(-max(4.0, float(np.max(np.abs(left)))), max(4.0, float(np.max(np.abs(left)))))
+    axes[0, 0].legend(fontsize="small")
+    axes[1, 0].set_ylabel("left over (sigma)")
+    return figure
+
+

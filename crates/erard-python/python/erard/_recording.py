@@ -1,0 +1,187 @@
+"""Recordings: what was measured, from a file, a table or a run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+
+from . import _erard
+from ._errors import InputError, MissingFileError
+from ._table import Table
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    RecordingLike = Union["Recording", Table, Mapping[str, ArrayLike], str, "os.PathLike[str]", Any]
+
+
+class Recording(Table):
+    """A recording of a stroke, its columns and units understood, made ready to drive a key or to be compared.
+
+    Parameters
+    ----------
+    source : run, mapping, data frame, path or Recording
+        Columns by their titles: one for the time and any of force, position (of the key's front or of the fingertip, down positive) and the
+        hammer's rise. Titles say the unit: `time_s`, `force_N`, `key_m`, `hammer_head_m`, `Force (gf)`, `Travel [mm]`. Anything that speaks
+        the Arrow PyCapsule protocol or is a mapping of arrays will do; a path is a CSV file or, ending in .parquet, a Parquet file.
+    columns : str, optional
+        Which columns to read where their titles do not say it: "time=Time (s),position=Displacement (mm),force=F [gf]".
+    position : {"key", "fingertip"}, optional
+        Whose position it is; by default what its title says, else the key's.
+    zero : bool
+        Take the mean of the rest before the touch from every channel that has one.
+    low_pass : float, "own" or None
+        A low-pass forth and back, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
+
+    Raises
+    ------
+    InputError
+        With file, line (or row), column, what was found and what was expected.
+
+    Examples
+    --------
+    >>> import numpy as np, erard
+    >>> t = np.linspace(0, 0.2, 201)
+    >>> mine = erard.Recording({"Time (ms)": 1e3 * t, "Force (gf)": 400 + 0 * t}, zero=False)
+    >>> mine
+    <erard.Recording table: 201 rows, time_s, force_N>
+    >>> round(float(mine["force_N"][0]), 3)
+    3.923
+    """
+
+    def __init__(
+        self,
+        source: RecordingLike,
+        *,
+        columns: str | None = None,
+        position: str | None = None,
+        zero: bool = True,
+        low_pass: float | str | None = "own",
+    ) -> None:
+        own = low_pass == "own"
+        if isinstance(low_pass, str) and not own:
+            raise InputError(f"low_pass: found {low_pass!r}, expected a number of Hz, 'own' or None", key="low_pass")
+        ready = (position, zero, None if own or low_pass is None else float(low_pass), own)
+        if isinstance(source, Recording):
+            name, source = source.name, dict(source)
+        elif isinstance(source, (str, os.PathLike)):
+            path = os.fspath(source)
+            if not path.endswith((".parquet", ".pq")):
+                self._made(_erard.Recording.load(path, columns, ready), ready)
+                return
+            name, source = path, _parquet(path)
+        else:
+            name = "table"
+        table = _arrays(source)
+        titles = list(table)
+        self._made(_erard.Recording.table(name, titles, list(table.values()), columns, ready), ready)
+
+    def _made(self, inner: _erard.Recording, ready: tuple[str | None, bool, float | None, bool]) -> None:
+        self._inner, self._ready = inner, ready
+        columns = inner.columns()
+        for values in columns.values():
+            values.flags.writeable = False
+        super().__init__(dict(columns))
+
+    @property
+    def name(self) -> str:
+        """What it is called in messages: its file, or "table"."""
+        return self._inner.name
+
+    @property
+    def position_of(self) -> str:
+        """Whose position was recorded: "key" or "fingertip"."""
+        return self._inner.position_of
+
+    @property
+    def notes(self) -> list[str]:
+        """What was done to it and noticed, a line each."""
+        return self._inner.notes
+
+    def noise(self, column: str) -> float | None:
+        """Root mean square of a channel's noise, N or m, as its rest or its spectrum tells it; `None` where neither does.
+
+        Parameters
+        ----------
+        column : {"force_N", "key_m", "hammer_head_m"}
+        """
+        return self._inner.noise(column)
+
+    def at(self, column: str, time_s: ArrayLike) -> NDArray[np.float64]:
+        """A channel, made ready and interpolated.
+
+        Parameters
+        ----------
+        column : {"force_N", "key_m", "hammer_head_m"}
+        time_s : array_like
+            Instants, s, of shape (T,).
+
+        Returns
+        -------
+        ndarray of shape (T,)
+            N or m.
+        """
+        found = self._inner.at(column, np.ascontiguousarray(time_s, dtype=np.float64))
+        if found is None:
+            raise KeyError(f"{column} was not recorded")
+        return found
+
+    def __repr__(self) -> str:
+        return f"<erard.Recording {self.name}: {len(self['time_s'])} rows, {', '.join(self)}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self.name, {name: np.asarray(values) for name, values in self.items()}, self._ready)
+
+
+def _unpickled(
+    name: str, columns: dict[str, Any], ready: tuple[str | None, bool, float | None, bool]
+) -> Recording:
+    recording = Recording.__new__(Recording)
+    recording._made(_erard.Recording.table(name, list(columns), list(columns.values()), None, ready), ready)
+    return recording
+
+
+def _parquet(path: str) -> Mapping[str, Any]:
+    import pyarrow.parquet as pq
+
+    try:
+        table = pq.read_table(path)
+    except (OSError, ValueError) as error:
+        raise MissingFileError(f"{path}: cannot be read: {error}", file=path) from None
+    return {name: column.to_numpy() for name, column in zip(table.column_names, table.columns, strict=True)}
+
+
+def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
+    """The numeric columns of whatever has columns."""
+    if not isinstance(source, Mapping) and hasattr(source, "__arrow_c_stream__") and not hasattr(source, "columns"):
+        import pyarrow as pa
+
+        source = pa.table(source)
+    if hasattr(source, "column_names"):
+        names = list(source.column_names)
+    elif isinstance(source, Mapping):
+        names = list(source)
+    elif hasattr(source, "columns"):
+        names = [str(name) for name in source.columns]
+    else:
+        kind = type(source).__name__
+        raise InputError(f"a recording is a run, a mapping of arrays with `time_s`, a data frame or a path; found {kind}", found=kind)
+    found: dict[str, NDArray[np.float64]] = {}
+    for name in names:
+        try:
+            found[str(name)] = np.ascontiguousarray(source[name], dtype=np.float64)
+        except (TypeError, ValueError):
+            continue  # A column of text is none of ours.
+    lengths = {name: len(values) if values.ndim == 1 else values.shape for name, values in found.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name}: {length}" for name, length in lengths.items())
+        raise InputError(f"columns of equal length are expected; found {told}", found=told)
+    return found
+
+
+def as_recording(source: RecordingLike) -> Recording:
+    """The recording itself, or one made of what is like one, nothing filtered and no zero taken."""
+    return source if isinstance(source, Recording) else Recording(source, zero=False, low_pass=None)

@@ -1,0 +1,125 @@
+"""Columns by name: what runs, rollouts and studies are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._common import unit_of
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
+    from numpy.typing import NDArray
+
+
+class Table(Mapping[str, "NDArray[Any]"]):
+    """Columns of equal length by their names, as read-only views of the memory in which they were computed.
+
+    It is a mapping, and speaks the Arrow PyCapsule protocol: `polars.DataFrame(table)`, `pyarrow.table(table)` and DuckDB read it
+    without a copy.
+    """
+
+    _columns: dict[str, NDArray[Any]]
+
+    def __init__(self, columns: dict[str, NDArray[Any]]) -> None:
+        self._columns = columns
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns, in their order; a name ends with the unit."""
+        return list(self._columns)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of every column; "1" for a number without."""
+        return {name: unit_of(name) for name in self._columns}
+
+    def __getitem__(self, column: str) -> NDArray[Any]:
+        try:
+            return self._columns[column]
+        except KeyError:
+            raise KeyError(f"there is no column {column!r}; there are {', '.join(self._columns)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        assert isinstance(other, Table)
+        return list(self) == list(other) and all(_same(self[name], other[name]) for name in self)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A pandas data frame of the one-dimensional columns; its `attrs["units"]` holds their units.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        import pandas as pd
+
+        frame = pd.DataFrame(self._flat(), copy=False)
+        frame.attrs["units"] = {name: unit_of(name) for name in frame.columns}
+        return frame
+
+    def to_polars(self) -> polars.DataFrame:
+        """A polars data frame of the one-dimensional columns.
+
+        Returns
+        -------
+        polars.DataFrame
+        """
+        import polars as pl
+
+        return pl.DataFrame(self)
+
+    def to_arrow(self) -> pyarrow.Table:
+        """An Arrow table; every field's metadata holds its `unit`.
+
+        Returns
+        -------
+        pyarrow.Table
+        """
+        import pyarrow as pa
+
+        return pa.table(self)
+
+    def _flat(self) -> dict[str, NDArray[Any]]:
+        return {name: values for name, values in self._columns.items() if values.ndim == 1}
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        import nanoarrow as na
+
+        children, fields = [], []
+        rows = 0
+        for name, values in self._flat().items():
+            rows = len(values)
+            match values.dtype.kind:
+                case "f":
+                    kind, array = na.float64(), na.c_array_from_buffers(na.float64(), rows, [None, values])
+                case "b":
+                    bits = np.packbits(values, bitorder="little")
+                    kind, array = na.bool_(), na.c_array_from_buffers(na.bool_(), rows, [None, bits])
+                case "i" | "u":
+                    whole = np.ascontiguousarray(values, dtype=np.int64)
+                    kind, array = na.int64(), na.c_array_from_buffers(na.int64(), rows, [None, whole])
+                case _:
+                    kind, array = na.string(), na.c_array([str(value) for value in values], na.string())
+            fields.append(na.Schema(kind, name=name, metadata={"unit": unit_of(name)}))
+            children.append(array)
+        schema = na.struct(fields)
+        struct = na.c_array_from_buffers(schema, rows, [None], children=children)
+        return na.c_array_stream(struct).__arrow_c_stream__(requested_schema)
+
+
+def _same(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))

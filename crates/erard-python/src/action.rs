@@ -1,0 +1,178 @@
+//! An action that is stepped from Python.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use erard::instrument::Instrument as Inner;
+use erard::player::{Action as Player, Input, Snapshot};
+use erard::{Outcome, simulation};
+use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::fault::{self, failed, wrong, wrong_argument};
+use crate::instrument::Instrument;
+use crate::press::array;
+use crate::setup::Steps;
+
+/// A grand action. Two threads may step it: one waits for the other.
+#[pyclass(frozen, module = "erard._erard")]
+pub struct Action {
+    player: Mutex<Player>,
+    instrument: Arc<Inner>,
+}
+
+/// What there is to be read after a step.
+#[pyclass(frozen, module = "erard._erard", get_all, eq)]
+#[derive(Clone, PartialEq)]
+pub struct Reading {
+    time_s: f64,
+    key_m: f64,
+    key_m_per_s: f64,
+    finger_n: f64,
+    hammer_m: f64,
+    hammer_m_per_s: f64,
+    string_n: f64,
+    converged: bool,
+    /// The speed of the blow whose hammer met the string in this step, and when.
+    blow: Option<(f64, f64)>,
+}
+
+#[pymethods]
+impl Reading {
+    fn __repr__(&self) -> String {
+        format!(
+            "Reading(time_s={:.6}, key_m={:.6}, finger_n={:.3}, hammer_m={:.6}, hammer_m_per_s={:.4})",
+            self.time_s, self.key_m, self.finger_n, self.hammer_m, self.hammer_m_per_s
+        )
+    }
+}
+
+fn reading(player: &Player) -> Reading {
+    let reading = player.reading();
+    Reading {
+        time_s: player.time_s(),
+        key_m: reading.key_m,
+        key_m_per_s: reading.key_m_s,
+        finger_n: reading.finger_n,
+        hammer_m: reading.hammer_m,
+        hammer_m_per_s: reading.hammer_m_s,
+        string_n: reading.string_n,
+        converged: reading.outcome == Outcome::Converged,
+        blow: player.blow().map(|blow| (blow.time_s, blow.speed_m_s)),
+    }
+}
+
+/// A force, a fingertip's motion or the key's own (position and velocity), or none of them.
+fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64)>) -> PyResult<Input> {
+    let finite = |name: &str, numbers: &[f64]| match numbers.iter().find(|x| !x.is_finite()) {
+        Some(found) => Err(wrong_argument(name, format!("found {found}, expected a finite number"))),
+        None => Ok(()),
+    };
+    match (force, motion, rigid) {
+        (None, None, None) => Ok(Input::Free),
+        (Some(force), None, None) => {
+            finite("force", &[force])?;
+            Ok(Input::Force(force))
+        }
+        (None, Some((position_m, velocity_m_s)), None) => {
+            finite("motion", &[position_m, velocity_m_s])?;
+            Ok(Input::Motion { position_m, velocity_m_s })
+        }
+        (None, None, Some((position_m, velocity_m_s))) => {
+            finite("rigid", &[position_m, velocity_m_s])?;
+            Ok(Input::Rigid { position_m, velocity_m_s })
+        }
+        _ => Err(wrong("expected one of force, motion and rigid, or none of them")),
+    }
+}
+
+#[pymethods]
+impl Action {
+    #[new]
+    fn new(py: Python<'_>, instrument: &Instrument, steps: Steps) -> PyResult<Self> {
+        let settings = steps.settings()?;
+        let inner = instrument.inner.clone();
+        steps.setup(0.0, 1.0)?.check().map_err(|error: simulation::SimulationError| fault::simulation(&error))?;
+        let player = py.detach(|| Player::with(&inner, settings)).map_err(|error| fault::action(&error))?;
+        Ok(Action { player: Mutex::new(player), instrument: inner })
+    }
+
+    #[pyo3(signature = (force, motion, rigid))]
+    fn step(
+        &self,
+        py: Python<'_>,
+        force: Option<f64>,
+        motion: Option<(f64, f64)>,
+        rigid: Option<(f64, f64)>,
+    ) -> PyResult<Reading> {
+        let input = input(force, motion, rigid)?;
+        let mut player = self.lock(py);
+        player.step(input);
+        if player.reading().outcome == Outcome::NonFinite {
+            return Err(failed("a number became infinite; the action is where it was before the step"));
+        }
+        Ok(reading(&player))
+    }
+
+    /// One step for each force, N.
+    fn play<'py>(&self, py: Python<'py>, forces: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyDict>> {
+        let forces = forces.as_slice().map_err(wrong)?;
+        if let Some((at, found)) = forces.iter().enumerate().find(|(_, x)| !x.is_finite()) {
+            return Err(wrong_argument("force", format!("sample {at} is {found}; expected finite numbers")));
+        }
+        let mut columns: [Vec<f64>; 5] = Default::default();
+        for portion in forces.chunks(4096) {
+            // A signal's handler may step the action itself: nothing is locked then.
+            py.check_signals()?;
+            let mut player = self.lock(py);
+            for force in portion {
+                let now = player.step(Input::Force(*force));
+                let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_s, now.string_n];
+                columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+            }
+        }
+        let all = PyDict::new(py);
+        for (name, values) in
+            ["time_s", "key_m", "hammer_head_m", "hammer_head_m_per_s", "string_N"].into_iter().zip(columns)
+        {
+            all.set_item(name, array(py, values))?;
+        }
+        Ok(all)
+    }
+
+    fn reading(&self, py: Python<'_>) -> Reading {
+        reading(&self.lock(py))
+    }
+
+    fn angles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.lock(py).angles().to_pyarray(py)
+    }
+
+    fn velocities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.lock(py).velocities().to_pyarray(py)
+    }
+
+    fn contact_forces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let player = self.lock(py);
+        let forces: Vec<f64> = (0..self.instrument.zones.len()).map(|zone| player.contact_force(zone)).collect();
+        forces.to_pyarray(py)
+    }
+
+    /// All that the next steps depend on.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.lock(py).save().to_bytes())
+    }
+
+    fn restore(&self, py: Python<'_>, saved: &[u8]) -> PyResult<()> {
+        let snapshot = Snapshot::from_bytes(saved).map_err(wrong)?;
+        self.lock(py).restore(&snapshot).map_err(wrong)
+    }
+}
+
+impl Action {
+    /// Waits without Python's lock, so that who has the action can end.
+    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Player> {
+        self.player.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,294 @@
+//! The technician's work: measuring, regulating, kinematics, keyboards, drawings.
+
+use std::cell::RefCell;
+use std::path::Path;
+
+use erard::asked::Asked;
+use erard::instrument::Instrument as Inner;
+use erard::keyboard::KEYS;
+use erard::simulation::{Setup, simulate};
+use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
+use erard_workshop::distances::Protocol;
+use erard_workshop::kinematics::{Design, LinkageFile, derive};
+use erard_workshop::measure::norms::{Line, MIDDLE_C, lines};
+use erard_workshop::measure::{measure_key, measure_some};
+use erard_workshop::regulate::{
+    Goal, Kind, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
+};
+use erard_workshop::weighing::weigh;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::fault::{self, failed, wrong, wrong_argument};
+use crate::instrument::{Instrument, Value};
+use crate::press::array;
+use crate::setup::Steps;
+use crate::stroke::Stroke;
+use crate::watch::watched;
+
+/// The lines of the technician's sheet: key, name, unit, decimals, what is usual.
+#[pyfunction]
+pub fn measure_lines() -> Vec<(&'static str, &'static str, &'static str, usize, String)> {
+    lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(MIDDLE_C))).collect()
+}
+
+/// The sheet as JSON, or only some lines of it.
+#[pyfunction]
+#[pyo3(signature = (instrument, key, only, progress))]
+pub fn measure(
+    py: Python<'_>,
+    instrument: &Instrument,
+    key: Option<usize>,
+    only: Option<Vec<String>>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let key = key.unwrap_or(MIDDLE_C);
+    if !(1..=KEYS).contains(&key) {
+        return Err(wrong_argument("key", format!("found {key}, expected a number from 1 to {KEYS}")));
+    }
+    let inner = instrument.inner.clone();
+    let Some(only) = only else {
+        let sheet = watched(py, progress, move |going| measure_key(&inner, key, going), fault::measure)?;
+        return serde_json::to_string(&sheet).map_err(failed);
+    };
+    let find = |name: &String| {
+        lines().find(|line| line.key == *name).ok_or_else(|| {
+            let known: Vec<&str> = lines().map(|line| line.key).collect();
+            wrong_argument("only", format!("found `{name}`, expected {}", known.join(", ")))
+        })
+    };
+    let chosen: Vec<&'static Line> = only.iter().map(find).collect::<PyResult<_>>()?;
+    let values = watched(
+        py,
+        progress,
+        |going| {
+            let going = RefCell::new(going);
+            measure_some(&inner, &chosen, &|| (going.borrow_mut())(0.0))
+        },
+        fault::measure,
+    )?;
+    let object: serde_json::Map<String, serde_json::Value> =
+        chosen.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
+    serde_json::to_string(&object).map_err(failed)
+}
+
+/// Turns screws until goals are met: the new instrument, and what became of each goal and screw.
+#[pyfunction]
+#[pyo3(signature = (instrument, goals, norms, follow, progress))]
+pub fn regulate<'py>(
+    py: Python<'py>,
+    instrument: &Instrument,
+    goals: Vec<(String, Value)>,
+    norms: bool,
+    follow: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Instrument, Bound<'py, PyDict>)> {
+    let mut specification: Specification = Vec::new();
+    for (name, text) in &goals {
+        let spoken = name.replace('_', " ");
+        let goal = Goal::ALL.into_iter().find(|goal| goal.name().replace(['-', '_'], " ") == spoken);
+        let goal = goal.ok_or_else(|| {
+            let names: Vec<String> = Goal::ALL.into_iter().map(|goal| goal.name().replace([' ', '-'], "_")).collect();
+            wrong_argument(name, format!("is no goal; expected {}", names.join(", ")))
+        })?;
+        let text = &match text {
+            Value::Text(text) => text.clone(),
+            // SI units, and shares.
+            Value::Number(x) => match goal.kind() {
+                Kind::Length => format!("{x} m"),
+                Kind::Speed => format!("{x} m/s"),
+                Kind::Share => format!("{} %", 100.0 * x),
+            },
+        };
+        let target = parse_value(goal, text)
+            .map_err(|expected| wrong_argument(name, format!("found `{text}`, expected {expected}")))?;
+        specification.push((goal, target));
+    }
+    if specification.is_empty() || norms {
+        let given: Vec<Goal> = specification.iter().map(|(goal, _)| *goal).collect();
+        specification.extend(Goal::norms().into_iter().filter(|(goal, _)| !given.contains(goal)));
+    }
+    let inner = instrument.inner.clone();
+    let work = if follow { regulate_following } else { turn };
+    let regulated = watched(
+        py,
+        progress,
+        move |going| work(&inner, &specification, &Protocol::default(), &mut |status| going(status.share)),
+        |error| match error {
+            RegulateError::NoScrew { .. } => wrong(error),
+            error => failed(error),
+        },
+    )?;
+    let mut rows = Vec::new();
+    for one in &regulated.achieved {
+        let row = PyDict::new(py);
+        row.set_item("goal", one.goal.name().replace([' ', '-'], "_"))?;
+        row.set_item("target", one.target)?;
+        row.set_item("before", one.before)?;
+        row.set_item("after", one.after)?;
+        row.set_item("met", one.miss.is_none())?;
+        row.set_item("why_not", one.miss.as_ref().map(missed))?;
+        rows.push(row);
+    }
+    let mut turned = Vec::new();
+    for one in &regulated.turned {
+        let row = PyDict::new(py);
+        row.set_item("screw", &one.name)?;
+        row.set_item("from", one.setting[0])?;
+        row.set_item("to", one.setting[1])?;
+        row.set_item("way", one.way)?;
+        turned.push(row);
+    }
+    let about = PyDict::new(py);
+    about.set_item("goals", rows)?;
+    about.set_item("screws", turned)?;
+    about.set_item("all_met", regulated.all_met())?;
+    about.set_item("simulations", regulated.simulations)?;
+    let asked: Vec<String> =
+        regulated.achieved.iter().map(|one| format!("{} {}", one.goal.name(), show(one.goal, one.target))).collect();
+    let title = format!("Regulated in simulation ({} trials) for {}", regulated.simulations, asked.join(", "));
+    let note = "turned until the simulated action met its goals";
+    Ok((instrument.turned(&regulated.instrument, &title, note)?, about))
+}
+
+fn missed(miss: &Miss) -> String {
+    match miss {
+        Miss::EndOfRange(screws) => format!("at the end of its range: {}", screws.join(", ")),
+        Miss::NoSetting(screws) => format!("no setting of {} gives it", screws.join(" or ")),
+        Miss::Disturbed => "it cannot be met together with the other goals".to_owned(),
+    }
+}
+
+/// Leverage and sliding over the key's travel, of an instrument or of a linkage (a file or a built-in one).
+#[pyfunction]
+#[pyo3(signature = (instrument, linkage, from_m, to_m, steps))]
+pub fn kinematics<'py>(
+    py: Python<'py>,
+    instrument: Option<&Instrument>,
+    linkage: Option<&str>,
+    from_m: f64,
+    to_m: Option<f64>,
+    steps: usize,
+) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+    if !(1..=1_000_000).contains(&steps) {
+        return Err(wrong_argument("steps", format!("found {steps}, expected a number from 1 to 1000000")));
+    }
+    let design = match (instrument, linkage) {
+        (Some(instrument), _) => derive(&instrument.inner).map_err(wrong)?.design,
+        (None, Some(linkage)) => linkage_design(linkage)?,
+        (None, None) => return Err(wrong("expected an instrument or a linkage")),
+    };
+    let case = design.case(&[], moreau_linkage::three_lever::Regulation::AsMoved).map_err(wrong)?;
+    let to_m = to_m.or(case.let_off_key_m).unwrap_or(0.010);
+    if !(from_m.is_finite() && to_m.is_finite() && to_m > from_m && to_m.abs() <= 1.0) {
+        return Err(wrong_argument(
+            "to_m",
+            format!("found {from_m} to {to_m} m, expected a way downward of at most 1 m"),
+        ));
+    }
+    let stroke = case.stroke(from_m, to_m, steps);
+    let columns = PyDict::new(py);
+    let of = |get: &dyn Fn(&moreau_linkage::three_lever::StrokePose) -> f64| {
+        array(py, stroke.poses.iter().map(get).collect())
+    };
+    columns.set_item("key_m", of(&|pose| pose.key))?;
+    columns.set_item("leverage", of(&|pose| pose.leverage))?;
+    columns.set_item("capstan_m", of(&|pose| pose.s1))?;
+    columns.set_item("knuckle_m", of(&|pose| pose.s2))?;
+    let digest = case.digest();
+    let about = PyDict::new(py);
+    about.set_item("name", &design.name)?;
+    about.set_item("leverage_at_rest", digest.start.leverage)?;
+    about.set_item("leverage_half_way", digest.middle.map(|spot| spot.leverage))?;
+    about.set_item("leverage_at_let_off", digest.let_off.map(|spot| spot.leverage))?;
+    about.set_item("let_off_key_m", case.let_off_key_m)?;
+    about.set_item("capstan_sliding_m", digest.let_off.map(|_| digest.capstan_sliding_m))?;
+    about.set_item("knuckle_sliding_m", digest.let_off.map(|_| digest.knuckle_sliding_m))?;
+    about.set_item("stopped_at_key_m", stroke.stop.as_ref().map(|stop| stop.key))?;
+    Ok((columns, about))
+}
+
+fn linkage_design(asked: &str) -> PyResult<Design> {
+    let path = Path::new(asked);
+    let is_file = path.exists() || path.extension().is_some() || path.components().count() > 1;
+    let file = if is_file {
+        LinkageFile::load(path).map_err(|error| fault::file(&error))?
+    } else {
+        LinkageFile::builtin(asked).ok_or_else(|| {
+            let names: Vec<&str> = LinkageFile::builtin_names().collect();
+            wrong_argument("linkage", format!("found `{asked}`, expected a file or one of {}", names.join(", ")))
+        })?
+    };
+    file.design().map_err(wrong)
+}
+
+/// The keys of a keyboard, weighed: columns.
+#[pyfunction]
+#[pyo3(signature = (asked, keys, progress))]
+pub fn keyboard<'py>(
+    py: Python<'py>,
+    asked: &str,
+    keys: Vec<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, Bound<'py, PyDict>)> {
+    let keyboard = Asked::of(asked).and_then(Asked::keyboard).map_err(|error| fault::asked(&error))?;
+    if let Some(key) = keys.iter().find(|key| !(1..=KEYS).contains(*key)) {
+        return Err(wrong_argument("keys", format!("found {key}, expected numbers from 1 to {KEYS}")));
+    }
+    let keys: Vec<(usize, Inner)> = keys
+        .into_iter()
+        .map(|key| Ok((key, keyboard.key(key).map_err(|error| fault::file(&error))?)))
+        .collect::<PyResult<_>>()?;
+    let weighed = watched(py, progress, move |going| weigh(&keys, going), fault::measure)?;
+    let columns = PyDict::new(py);
+    columns.set_item("key", weighed.iter().map(|one| one.key).collect::<Vec<_>>())?;
+    columns.set_item("note", weighed.iter().map(|one| one.note.clone()).collect::<Vec<_>>())?;
+    let number = |get: &dyn Fn(&erard_workshop::weighing::WeighedKey) -> Option<f64>| {
+        array(py, weighed.iter().map(|one| get(one).unwrap_or(f64::NAN)).collect())
+    };
+    columns.set_item("hammer_mass_g", number(&|one| Some(one.hammer_mass_g)))?;
+    columns.set_item("strike_weight_g", number(&|one| Some(one.strike_weight_g)))?;
+    columns.set_item("front_weight_g", number(&|one| Some(one.front_weight_g)))?;
+    columns.set_item("down_weight_g", number(&|one| one.touch.down_weight_g))?;
+    columns.set_item("up_weight_g", number(&|one| one.touch.up_weight_g))?;
+    columns.set_item("balance_weight_g", number(&|one| one.touch.balance_weight_g()))?;
+    columns.set_item("friction_weight_g", number(&|one| one.touch.friction_weight_g()))?;
+    columns.set_item("mf_hammer_speed_m_per_s", number(&|one| one.tried.hammer_speed_m_s))?;
+    columns.set_item("trusted", weighed.iter().map(|one| one.tried.warnings.is_empty()).collect::<Vec<_>>())?;
+    Ok((keyboard.name.clone(), columns))
+}
+
+/// The action in one pose, SVG: at rest, or so many s after the start of a stroke.
+#[pyfunction]
+#[pyo3(signature = (instrument, stroke, at_s, steps, labels, forces, caption))]
+#[allow(clippy::too_many_arguments)]
+pub fn draw(
+    py: Python<'_>,
+    instrument: &Instrument,
+    stroke: &Stroke,
+    at_s: f64,
+    steps: Steps,
+    labels: bool,
+    forces: bool,
+    caption: String,
+) -> PyResult<String> {
+    let (own, stroke) = (instrument.inner.clone(), stroke.inner.clone());
+    let setup = steps.setup(stroke.start_s, at_s.max(steps.settings()?.step))?;
+    let setup = Setup { record_every: None, ..setup };
+    let run = {
+        let own = own.clone();
+        watched(
+            py,
+            None,
+            move |going| {
+                let inputs = stroke.inputs(&own.finger).map_err(|_| erard::SimulationError::NoKey)?;
+                simulate(&own, inputs.as_ref(), &setup, going)
+            },
+            fault::simulation,
+        )?
+    };
+    let row = if at_s > 0.0 { run.time_s.len() - 1 } else { 0 };
+    let arrows = if forces { forces_at(&own, &run, row) } else { Vec::new() };
+    let options = PoseOptions { labels, arrows, caption: Some(caption), ..PoseOptions::default() };
+    Ok(pose_svg(&own, &angles_at(&run, row), &options))
+}

@@ -1,0 +1,114 @@
+//! Errors of the crates below as Python's: `InputError` for what the caller gave, with file, line and key; `SimulationError` for what came of it.
+
+use erard::asked::AskedError;
+use erard::instrument::FileError;
+use erard::player::ActionError;
+use erard::simulation::SimulationError;
+use erard::stroke::StrokeError;
+use erard_workshop::measure::MeasureError;
+use erard_workshop::study::ChangeError;
+use pyo3::prelude::*;
+
+mod python {
+    pyo3::import_exception!(erard._errors, InputError);
+    pyo3::import_exception!(erard._errors, MissingFileError);
+    pyo3::import_exception!(erard._errors, SimulationError);
+}
+
+/// Where something is wrong; what is empty or 0 is not known.
+#[derive(Default)]
+struct Place<'a> {
+    file: &'a str,
+    line: u64,
+    key: &'a str,
+    found: &'a str,
+    expected: &'a str,
+}
+
+fn input(message: String, place: &Place<'_>) -> PyErr {
+    let text = |text: &str| (!text.is_empty()).then(|| text.to_owned());
+    let line = (place.line > 0).then_some(place.line);
+    let arguments = (message, text(place.file), line, text(place.key), text(place.found), text(place.expected));
+    if place.line == 0 && arguments.0.contains("cannot be read: ") {
+        return python::MissingFileError::new_err(arguments);
+    }
+    python::InputError::new_err(arguments)
+}
+
+/// Something that the caller gave is wrong.
+pub fn wrong(message: impl std::fmt::Display) -> PyErr {
+    input(message.to_string(), &Place::default())
+}
+
+/// The same of an argument by its name.
+pub fn wrong_argument(key: &str, message: impl std::fmt::Display) -> PyErr {
+    input(format!("{key}: {message}"), &Place { key, ..Place::default() })
+}
+
+/// Something came of it that is no result.
+pub fn failed(message: impl std::fmt::Display) -> PyErr {
+    python::SimulationError::new_err(message.to_string())
+}
+
+pub fn file(error: &FileError) -> PyErr {
+    let FileError { file, line, key, found, expected, .. } = error;
+    input(error.to_string(), &Place { file, line: *line as u64, key, found, expected })
+}
+
+pub fn stroke(error: &StrokeError) -> PyErr {
+    let StrokeError { file, line, column, found, expected, .. } = error;
+    input(error.to_string(), &Place { file, line: *line, key: column, found, expected })
+}
+
+pub fn asked(error: &AskedError) -> PyErr {
+    match error {
+        AskedError::File(error) => file(error),
+        AskedError::NoKey { key, .. } => input(error.to_string(), &Place { found: key, ..Place::default() }),
+        AskedError::IsKeyboard { file } => input(error.to_string(), &Place { file, ..Place::default() }),
+        AskedError::UnknownKeyboard { name } => input(error.to_string(), &Place { found: name, ..Place::default() }),
+        AskedError::Unknown(unknown) => input(error.to_string(), &Place { found: &unknown.name, ..Place::default() }),
+    }
+}
+
+pub fn change(error: &ChangeError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        ChangeError::File(error) => file(error),
+        ChangeError::Unknown { name, nearest } => {
+            input(message, &Place { key: name, found: name, expected: nearest, ..Place::default() })
+        }
+        ChangeError::Value { name, found, expected } | ChangeError::Range { name, found, expected } => {
+            input(message, &Place { key: name, found, expected, ..Place::default() })
+        }
+    }
+}
+
+/// Of a run: what the caller asked for names the argument.
+pub fn simulation(error: &SimulationError) -> PyErr {
+    let key = match error {
+        SimulationError::Step { .. } => "step",
+        SimulationError::Theta { .. } => "theta",
+        SimulationError::Tolerance { .. } => "tolerance",
+        SimulationError::Duration { .. } => "duration",
+        SimulationError::Rows { .. } => "record_every",
+        SimulationError::Start { .. } => "stroke",
+        SimulationError::NoKey => return wrong(error),
+        _ => return failed(error),
+    };
+    wrong_argument(key, error)
+}
+
+/// Of an action that is made.
+pub fn action(error: &ActionError) -> PyErr {
+    match error {
+        ActionError::Step { .. } => wrong_argument("step", error),
+        error => failed(error),
+    }
+}
+
+pub fn measure(error: &MeasureError) -> PyErr {
+    match error {
+        MeasureError::NotAnAction(_) | MeasureError::Anatomy(_) | MeasureError::Levers(_) => wrong(error),
+        error => failed(error),
+    }
+}

@@ -1,0 +1,37 @@
+//! The Python extension `erard._erard`: conversion between Python and the crates below, and nothing else. What users see is `python/erard`.
+//!
+//! Every long call lets go of Python's lock, and looks for signals at least every 50 ms (`watch`).
+
+mod action;
+mod bench;
+mod fault;
+mod instrument;
+mod lab;
+mod many;
+mod press;
+mod recording;
+mod setup;
+mod stroke;
+mod watch;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _erard {
+    #[pymodule_export]
+    use super::action::{Action, Reading};
+    #[pymodule_export]
+    use super::bench::{draw, keyboard, kinematics, measure, measure_lines, regulate};
+    #[pymodule_export]
+    use super::instrument::{Instrument, builtin};
+    #[pymodule_export]
+    use super::lab::{compare, validate};
+    #[pymodule_export]
+    use super::many::{play_all, rollout, study};
+    #[pymodule_export]
+    use super::press::{figure, press, unit};
+    #[pymodule_export]
+    use super::recording::Recording;
+    #[pymodule_export]
+    use super::stroke::Stroke;
+}

@@ -1,0 +1,174 @@
+//! One press: its columns, its events, its figure.
+
+use erard::run::{BodySeries, Events, Run, Strike, ZoneSeries, column_unit};
+use erard::simulation::{Setup, simulate};
+use erard::trust::Warning;
+use erard_figures::figure::run_svg;
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::fault;
+use crate::instrument::Instrument;
+use crate::setup::Steps;
+use crate::stroke::Stroke;
+use crate::watch::watched;
+
+/// An array that holds Rust's own memory, read-only.
+pub fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
+    let array = values.into_pyarray(py);
+    array.readwrite().make_nonwriteable();
+    array
+}
+
+/// The unit that a column's name ends with; `1` for a number without.
+#[pyfunction]
+pub fn unit(name: &str) -> &'static str {
+    column_unit(name)
+}
+
+/// Plays a stroke: columns by name in their order, and what else there is to know.
+#[pyfunction]
+#[pyo3(signature = (instrument, stroke, steps, duration, record_every, tolerance, progress))]
+#[allow(clippy::too_many_arguments)]
+pub fn press<'py>(
+    py: Python<'py>,
+    instrument: &Instrument,
+    stroke: &Stroke,
+    steps: Steps,
+    duration: Option<f64>,
+    record_every: Option<u64>,
+    tolerance: Option<f64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+    let inner = &stroke.inner;
+    let setup = steps.setup(inner.start_s, duration.unwrap_or(inner.duration_s))?;
+    let setup = Setup { record_every, tolerance, ..setup };
+    let (own, stroke) = (instrument.inner.clone(), inner.clone());
+    // A stroke that cannot drive this instrument says so before it is played.
+    stroke.inputs(&own.finger).map(drop).map_err(fault::wrong)?;
+    let run = watched(
+        py,
+        progress,
+        move |going| {
+            // Made here: a drive keeps a cursor, which is not shared between threads.
+            let inputs = stroke.inputs(&own.finger).map_err(|_| erard::SimulationError::NoKey)?;
+            simulate(&own, inputs.as_ref(), &setup, going)
+        },
+        fault::simulation,
+    )?;
+    parts(py, run)
+}
+
+fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+    let about = PyDict::new(py);
+    about.set_item("instrument", &run.instrument)?;
+    about.set_item("events", events(py, &run.events)?)?;
+    about.set_item("strikes", run.events.strikes.iter().map(|s| (s.time_s, s.speed_m_s)).collect::<Vec<_>>())?;
+    about.set_item("free_flight_s", run.events.free_flight_s())?;
+    about.set_item("peak_force_N", run.peak_force_n)?;
+    about.set_item("steps", run.work.steps)?;
+    about.set_item("unconverged_steps", run.work.unconverged_steps)?;
+    about.set_item("newton_iterations", run.work.newton_iterations)?;
+    about.set_item("energy", energy(py, &run)?)?;
+    about.set_item("warnings", run.warnings.iter().map(Warning::to_string).collect::<Vec<_>>())?;
+    about.set_item("bodies", run.bodies.iter().map(|body| body.name.clone()).collect::<Vec<_>>())?;
+    let zones = run.zones.iter().map(|zone| (zone.name.clone(), zone.label.clone(), zone.has_friction));
+    about.set_item("zones", zones.collect::<Vec<_>>())?;
+    // The same names and order as everywhere; the vectors themselves go to Python.
+    let names: Vec<String> = run.columns().into_iter().map(|(name, _)| name).collect();
+    let bodies = run.bodies.into_iter().flat_map(|body| [body.angle_rad, body.rate_rad_per_s]);
+    let zones = run.zones.into_iter().flat_map(|zone| {
+        let tangential = zone.has_friction.then_some(zone.tangential_n);
+        std::iter::once(zone.normal_n).chain(tangential)
+    });
+    let values = [run.time_s, run.force_n, run.key_m, run.hammer_head_m].into_iter().chain(bodies).chain(zones);
+    let columns = PyDict::new(py);
+    for (name, values) in names.into_iter().zip(values) {
+        if !values.is_empty() {
+            columns.set_item(name, array(py, values))?;
+        }
+    }
+    Ok((columns, about))
+}
+
+/// Instants and speeds, `None` for what did not happen.
+fn events<'py>(py: Python<'py>, events: &Events) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    all.set_item("key_start", events.key_start_s)?;
+    all.set_item("toe_contact", events.toe_contact_s)?;
+    all.set_item("let_off", events.let_off_s)?;
+    all.set_item("hammer_contact", events.hammer_contact_s)?;
+    all.set_item("key_bottom", events.key_bottom_s)?;
+    all.set_item("check", events.check_s)?;
+    all.set_item("hammer_speed", events.hammer_speed_m_s)?;
+    Ok(all)
+}
+
+fn energy<'py>(py: Python<'py>, run: &Run) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let Some(ledger) = &run.ledger else { return Ok(None) };
+    let energy = PyDict::new(py);
+    energy.set_item("drive_work_J", ledger.drive_work)?;
+    energy.set_item("pivot_dry_J", ledger.pivot_dry)?;
+    energy.set_item("pivot_viscous_J", ledger.pivot_viscous)?;
+    energy.set_item("felt_J", ledger.felt_damping)?;
+    energy.set_item("coulomb_J", ledger.coulomb)?;
+    energy.set_item("residual_relative", ledger.residual_relative())?;
+    Ok(Some(energy))
+}
+
+/// The figure of a run, SVG: as `erard press` draws it.
+#[pyfunction]
+pub fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &str) -> PyResult<String> {
+    let column = |name: &str| -> PyResult<Vec<f64>> {
+        match columns.get_item(name)? {
+            Some(values) => Ok(values.extract::<PyReadonlyArray1<'_, f64>>()?.to_vec()?),
+            None => Ok(Vec::new()),
+        }
+    };
+    let item = |key: &str| about.get_item(key)?.ok_or_else(|| fault::wrong(format!("a run without `{key}`")));
+    let bodies: Vec<String> = item("bodies")?.extract()?;
+    let zones: Vec<(String, String, bool)> = item("zones")?.extract()?;
+    let happened = item("events")?;
+    let event = |name: &str| -> PyResult<Option<f64>> { happened.get_item(name)?.extract() };
+    let strikes: Vec<(f64, f64)> = item("strikes")?.extract()?;
+    let run = Run {
+        instrument: item("instrument")?.extract()?,
+        time_s: column("time_s")?,
+        force_n: column("force_N")?,
+        key_m: column("key_m")?,
+        hammer_head_m: column("hammer_head_m")?,
+        bodies: bodies
+            .into_iter()
+            .map(|name| {
+                let (angle_rad, rate) = (column(&format!("{name}_rad"))?, column(&format!("{name}_rad_per_s"))?);
+                Ok(BodySeries { name, angle_rad, rate_rad_per_s: rate })
+            })
+            .collect::<PyResult<_>>()?,
+        zones: zones
+            .into_iter()
+            .map(|(name, label, has_friction)| {
+                let (normal_n, tangential_n) =
+                    (column(&format!("{name}_N"))?, column(&format!("{name}_tangential_N"))?);
+                Ok(ZoneSeries { name, label, normal_n, tangential_n, has_friction, contact: Vec::new() })
+            })
+            .collect::<PyResult<_>>()?,
+        events: Events {
+            key_start_s: event("key_start")?,
+            toe_contact_s: event("toe_contact")?,
+            let_off_s: event("let_off")?,
+            hammer_contact_s: event("hammer_contact")?,
+            hammer_speed_m_s: event("hammer_speed")?,
+            key_bottom_s: event("key_bottom")?,
+            check_s: event("check")?,
+            strikes: strikes.into_iter().map(|(time_s, speed_m_s)| Strike { time_s, speed_m_s }).collect(),
+        },
+        peak_force_n: 0.0,
+        final_pivot_friction_n_m: Vec::new(),
+        ledger: None,
+        work: Default::default(),
+        extremes: Default::default(),
+        warnings: Vec::new(),
+    };
+    Ok(run_svg(&run, title))
+}

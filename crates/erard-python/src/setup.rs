@@ -1,0 +1,56 @@
+//! How to step, from keyword arguments.
+
+use erard::simulation::Setup;
+use moreau::{FrictionLaw, Settings, Solver};
+use pyo3::prelude::*;
+
+use crate::fault::wrong_argument;
+
+/// The arguments that every simulation shares.
+#[derive(FromPyObject)]
+pub struct Steps {
+    #[pyo3(item)]
+    step: f64,
+    #[pyo3(item)]
+    theta: f64,
+    #[pyo3(item)]
+    solver: String,
+    #[pyo3(item)]
+    friction: String,
+    #[pyo3(item)]
+    friction_width: f64,
+}
+
+impl Steps {
+    /// The engine's settings.
+    pub fn settings(&self) -> PyResult<Settings<f64>> {
+        let width = self.friction_width;
+        if !(width.is_finite() && width > 0.0) {
+            return Err(wrong_argument(
+                "friction_width",
+                format!("found {width}, expected a positive number of rad/s"),
+            ));
+        }
+        let solver = match self.solver.as_str() {
+            "active-set" => Solver::ActiveSet,
+            "projected-gauss-seidel" => Solver::ProjectedGaussSeidel,
+            found => {
+                let expected = "expected `active-set` or `projected-gauss-seidel`";
+                return Err(wrong_argument("solver", format!("found `{found}`, {expected}")));
+            }
+        };
+        let friction = match self.friction.as_str() {
+            "set-valued" => FrictionLaw::SetValued,
+            "tanh" => FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width },
+            found => {
+                return Err(wrong_argument("friction", format!("found `{found}`, expected `set-valued` or `tanh`")));
+            }
+        };
+        Ok(Settings { theta: self.theta, solver, friction, ..Settings::new(self.step) })
+    }
+
+    /// A run from an instant on.
+    pub fn setup(&self, start_s: f64, duration_s: f64) -> PyResult<Setup> {
+        Ok(Setup { settings: self.settings()?, start_s, ..Setup::new(duration_s) })
+    }
+}

@@ -1,0 +1,136 @@
+//! What the player does, from numbers, arrays, names and recordings.
+
+use std::sync::Arc;
+
+use erard::stroke::{
+    ForceSeries, MAX_FORCE_N, MAX_POSITION_M, PositionOf, PositionSeries, Prescribed, SampleError, Series,
+    Stroke as Inner, Touch,
+};
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+
+use crate::fault::{wrong, wrong_argument};
+use crate::recording::Recording;
+
+/// A stroke, ready to drive.
+#[pyclass(frozen, module = "erard._erard")]
+pub struct Stroke {
+    pub inner: Arc<Inner>,
+    /// What is to be known of it.
+    #[pyo3(get)]
+    note: Option<String>,
+}
+
+/// What is prescribed, by its name.
+pub fn prescribed(name: &str) -> PyResult<Prescribed> {
+    match name {
+        "force" => Ok(Prescribed::Force),
+        "motion" => Ok(Prescribed::Motion),
+        "rigid" => Ok(Prescribed::Rigid),
+        found => Err(wrong_argument("drive", format!("found `{found}`, expected `force`, `motion` or `rigid`"))),
+    }
+}
+
+/// A series of samples from the instant 0 on, one every `dt` s, that prescribes a force or a position.
+pub fn sampled(kind: Prescribed, values: &[f64], dt: f64, name: &str) -> PyResult<Series> {
+    if !(dt > 0.0 && dt.is_finite()) {
+        return Err(wrong_argument("dt", format!("found {dt}, expected a positive number of seconds")));
+    }
+    let (most, unit) = if kind == Prescribed::Force { (MAX_FORCE_N, "N") } else { (MAX_POSITION_M, "m") };
+    if let Some((at, value)) = values.iter().enumerate().find(|(_, value)| value.is_nan() || value.abs() > most) {
+        let expected = format!("expected numbers of at most {most} {unit}");
+        return Err(wrong_argument(name, format!("sample {at} is {value}; {expected}")));
+    }
+    let times = (0..values.len()).map(|i| i as f64 * dt).collect();
+    series(kind, times, values.to_vec()).map_err(|error| wrong_argument(name, error))
+}
+
+fn series(kind: Prescribed, times: Vec<f64>, values: Vec<f64>) -> Result<Series, SampleError> {
+    let mut series = Series { force: None, position: None, hammer_head: None };
+    match kind {
+        Prescribed::Force => series.force = Some(ForceSeries::new(times, values)?),
+        Prescribed::Motion | Prescribed::Rigid => series.position = Some(PositionSeries::new(times, values)?),
+    }
+    Ok(series)
+}
+
+#[pymethods]
+impl Stroke {
+    /// A constant force from the start on, N.
+    #[staticmethod]
+    fn constant(force_n: f64) -> PyResult<Self> {
+        if !(0.0..=MAX_FORCE_N).contains(&force_n) {
+            let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
+            let expected = format!("expected a number from 0 to {MAX_FORCE_N} N{why}");
+            return Err(wrong_argument("force", format!("found {force_n}; {expected}")));
+        }
+        Ok(Self::of(Inner::constant(format!("{force_n} N"), force_n)))
+    }
+
+    /// One sample every `dt` s: `kind` is `force`, `motion` or `rigid`.
+    #[staticmethod]
+    fn samples(kind: &str, values: PyReadonlyArray1<'_, f64>, dt: f64) -> PyResult<Self> {
+        let drive = prescribed(kind)?;
+        let values = values.as_slice().map_err(wrong)?;
+        let series = sampled(drive, values, dt, kind)?;
+        let position_of = if drive == Prescribed::Motion { PositionOf::Fingertip } else { PositionOf::Key };
+        let title = format!("{} samples", values.len());
+        let (inner, _) = Inner::recorded(title, series, position_of, Some(drive)).map_err(wrong)?;
+        Ok(Self::of(inner))
+    }
+
+    /// A built-in one.
+    #[staticmethod]
+    fn builtin(nuance: &str, touch: &str, drive: Option<&str>) -> PyResult<Self> {
+        let touch = match touch {
+            "pressed" => Touch::Pressed,
+            "struck" => Touch::Struck,
+            found => return Err(wrong_argument("touch", format!("found `{found}`, expected `pressed` or `struck`"))),
+        };
+        let drive = drive.map(prescribed).transpose()?;
+        match Inner::builtin(nuance, touch, drive) {
+            None => {
+                Err(wrong_argument("stroke", format!("found `{nuance}`, expected pp, p, mf, f, ff or a recording")))
+            }
+            Some(made) => {
+                let (inner, note) = made.map_err(wrong)?;
+                Ok(Stroke { inner: Arc::new(inner), note: note.map(str::to_owned) })
+            }
+        }
+    }
+
+    /// A recording that drives.
+    #[staticmethod]
+    fn recorded(recording: &Recording, drive: Option<&str>) -> PyResult<Self> {
+        let drive = drive.map(prescribed).transpose()?;
+        let (title, series, position_of) = recording.series()?;
+        let (inner, note) = Inner::recorded(title, series, position_of, drive).map_err(wrong)?;
+        Ok(Stroke { inner: Arc::new(inner), note: note.map(str::to_owned) })
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.inner.title
+    }
+
+    #[getter]
+    fn drive(&self) -> &'static str {
+        self.inner.drive.name()
+    }
+
+    #[getter]
+    fn start_s(&self) -> f64 {
+        self.inner.start_s
+    }
+
+    #[getter]
+    fn duration_s(&self) -> f64 {
+        self.inner.duration_s
+    }
+}
+
+impl Stroke {
+    fn of(inner: Inner) -> Self {
+        Stroke { inner: Arc::new(inner), note: None }
+    }
+}

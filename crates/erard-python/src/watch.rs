@@ -1,0 +1,49 @@
+//! Long work without Python's lock: signals are looked for, and progress told, at least every 50 ms.
+
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+
+/// How often Python is asked: often enough that Control-C ends the work within 0.2 s.
+const EVERY: Duration = Duration::from_millis(50);
+
+/// Does the work without the lock. `progress` is called with the share done; what it raises, or a signal's handler, ends the work and is raised.
+pub fn watched<T: Send, E: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E> + Send,
+    fault: impl FnOnce(&E) -> PyErr,
+) -> PyResult<T> {
+    let mut raised: Option<PyErr> = None;
+    let done = py.detach(|| {
+        let mut last = Instant::now();
+        let mut going = |share: f64| {
+            if raised.is_some() {
+                return false;
+            }
+            if last.elapsed() < EVERY && share < 1.0 {
+                return true;
+            }
+            last = Instant::now();
+            let asked = Python::attach(|py| {
+                py.check_signals()?;
+                match &progress {
+                    Some(progress) => progress.call1(py, (share,)).map(|_| ()),
+                    None => Ok(()),
+                }
+            });
+            match asked {
+                Ok(()) => true,
+                Err(error) => {
+                    raised = Some(error);
+                    false
+                }
+            }
+        };
+        work(&mut going)
+    });
+    if let Some(error) = raised {
+        return Err(error);
+    }
+    done.map_err(|error| fault(&error))
+}

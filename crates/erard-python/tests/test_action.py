@@ -1,0 +1,63 @@
+"""An action stepped from Python."""
+
+import pickle
+import threading
+
+import erard
+import numpy as np
+import pytest
+
+
+def test_steps_are_those_of_a_press(grand: erard.Instrument) -> None:
+    action = erard.Action(grand)
+    run = grand.press(force=5.0, duration=0.05)
+    key = [0.0] + [action.step(force=5.0).key_m for _ in range(1000)]
+    assert np.array_equal(key, run["key_m"][:1001])
+    played = erard.Action(grand).play(np.full(1000, 5.0))
+    assert np.array_equal(played["key_m"], key[1:]) and set(action.angles) == set(grand.bodies)
+
+
+def test_goes_on_to_the_bit(grand: erard.Instrument) -> None:
+    action = erard.Action(grand, step=1e-4)
+    action.play(np.full(300, 6.0))
+    saved = action.save()
+    copy = pickle.loads(pickle.dumps(action))
+    one, two = action.play(np.full(500, 6.0)), copy.play(np.full(500, 6.0))
+    assert one == two and copy.step_s == 1e-4
+    action.restore(saved)
+    assert action.play(np.full(500, 6.0)) == one
+    with pytest.raises(erard.InputError, match="another instrument"):
+        erard.Action(grand.vary(let_off="-0.2 mm")).restore(saved)
+    with pytest.raises(erard.InputError):
+        action.restore(saved[:-3])
+
+
+def test_wrong_inputs(grand: erard.Instrument) -> None:
+    action = erard.Action(grand)
+    before = action.save()
+    for wrong in ({"force": float("nan")}, {"motion": (0.0, float("inf"))}, {"force": 1.0, "rigid": (0.0, 0.0)}):
+        with pytest.raises(erard.InputError):
+            action.step(**wrong)
+    assert action.save() == before
+    with pytest.raises(erard.InputError, match="step"):
+        erard.Action(grand, step=1.0)
+    with pytest.raises(TypeError, match="steep"):
+        erard.Action(grand, steep=1.0)
+
+
+def test_two_threads_on_one_action(grand: erard.Instrument) -> None:
+    """One waits for the other: all steps are taken, none is lost, and the state is that of as many steps."""
+    action, alone = erard.Action(grand), erard.Action(grand)
+
+    def play() -> None:
+        for _ in range(50):
+            action.play(np.full(100, 5.0))
+
+    threads = [threading.Thread(target=play) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert not any(thread.is_alive() for thread in threads)
+    alone.play(np.full(10000, 5.0))
+    assert action.save() == alone.save()

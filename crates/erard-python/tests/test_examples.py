@@ -1,0 +1,29 @@
+"""The examples in the documentation run."""
+
+import doctest
+import importlib
+import pkgutil
+
+import erard
+import pytest
+
+MODULES = [erard.__name__] + [f"erard.{module.name}" for module in pkgutil.iter_modules(erard.__path__) if module.name != "_erard"]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_run(name: str) -> None:
+    module = importlib.import_module(name)
+    failed, _ = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    assert failed == 0
+
+
+def test_what_is_public_has_an_example_or_is_part_of_one() -> None:
+    """Every public function and class says what it does; every function of the package runs in an example."""
+    for name in erard.__all__:
+        assert getattr(erard, name).__doc__, name
+    text = "".join(importlib.import_module(name).__doc__ or "" for name in MODULES)
+    for name in MODULES:
+        module = importlib.import_module(name)
+        text += "".join(test.docstring or "" for test in doctest.DocTestFinder().find(module))
+    for call in ("load(", ".press(", ".vary(", "rollout(", "study(", ".measure(", ".regulate(", "Action(", "compare(", "kinematics(", "keyboard(", ".draw("):
+        assert call in text, call

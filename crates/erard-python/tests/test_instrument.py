@@ -1,0 +1,107 @@
+"""Loading, varying, and the technician's work."""
+
+from pathlib import Path
+
+import erard
+import pytest
+
+
+def test_values_as_people_write_them(grand: erard.Instrument) -> None:
+    def value(instrument: erard.Instrument, name: str) -> float:
+        return instrument.parameters[name].value
+
+    mass = value(grand, "body.hammer.mass")
+    for change, expected in [("8.7 g", 8.7e-3), ("+0.8 g", mass + 0.8e-3), ("*1.5", 1.5 * mass), (1.5, 1.5 * mass)]:
+        assert value(grand.vary({"body.hammer.mass": change}), "body.hammer.mass") == pytest.approx(expected, rel=1e-12)
+    before = value(grand, "let_off")
+    assert value(grand.vary(let_off="-0.2 mm"), "let_off") == pytest.approx(before - 2e-4, abs=1e-15)
+    assert value(grand.vary(let_off=-2e-4), "let_off") == pytest.approx(before - 2e-4, abs=1e-15)
+    assert value(grand.vary(let_off="= -0.2 mm"), "let_off") == pytest.approx(-2e-4, abs=1e-15)
+    assert grand.vary({"body.hammer.mass_g": "+1 g"}) == grand.vary({"body.hammer.mass_g": grand_number(grand) + 1})
+    assert grand.vary({}) == grand == grand.vary(let_off=0.0)
+
+
+def grand_number(grand: erard.Instrument) -> float:
+    return 1e3 * grand.parameters["body.hammer.mass"].value
+
+
+def test_parameters_tell_their_spread(grand: erard.Instrument) -> None:
+    parameters = grand.parameters
+    assert parameters["let_off"].unit == "m" and not parameters["let_off"].is_factor
+    spread = [p for p in parameters.values() if p.spread]
+    assert spread and all(p.spread[0] < (1 if p.is_factor else 0) < p.spread[1] for p in spread)  # type: ignore[index]
+    assert {p.certainty for p in parameters.values()} <= {"measured", "read", "second-hand", "estimate", None}
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"let_off": "1 g"}, "units: m, mm"),
+        ({"let_off": "1"}, "with its unit"),
+        ({"letoff": "1 mm"}, "nearest `let_off`"),
+        ({"body.hammer.mass": -1.0}, "out of range"),
+        ({"body.hammer.mass": float("nan")}, "finite"),
+        ({"body.hammer.mass": None}, "a number"),
+        ({"body.hammer.mass_g": -3.0}, "mass_g"),
+    ],
+)
+def test_wrong_changes(grand: erard.Instrument, change: dict[str, object], told: str) -> None:
+    with pytest.raises(erard.InputError, match=told) as raised:
+        grand.vary(change)  # type: ignore[arg-type]
+    assert raised.value.key is not None
+
+
+def test_files(tmp_path: Path, grand: erard.Instrument) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(grand.text)
+    assert erard.load(path) == grand
+    path.write_text(grand.text.replace("gravity_m_s2", "gravity_m_s3", 1))
+    with pytest.raises(erard.InputError) as raised:
+        erard.load(path)
+    error = raised.value
+    assert error.file and error.file.endswith("mine.toml") and error.line and str(error.line) in str(error)
+    with pytest.raises(FileNotFoundError):
+        erard.load(tmp_path / "none.toml")
+    with pytest.raises(erard.InputError, match="steinway-o"):
+        erard.load("steinway")
+    with pytest.raises(erard.InputError, match="1 to 88"):
+        erard.load("concert-grand:key=89")
+    assert erard.load("concert-grand:key=1") != erard.load("concert-grand:key=88")
+
+
+def test_measure_and_regulate(grand: erard.Instrument) -> None:
+    sheet = grand.measure(only=["let_off_mm", "down_weight_g"])
+    assert set(sheet) == {"let_off_mm", "down_weight_g"} and "let-off" in repr(sheet) and "<table>" in sheet._repr_html_()
+    with pytest.raises(erard.InputError, match="down_weight_g"):
+        grand.measure(only=["up"])
+    wider = grand.regulate(let_off="2.2 mm")
+    assert wider.regulation and wider.regulation["all_met"] and grand.regulation is None
+    assert wider.measure(only=["let_off_mm"])["let_off_mm"] == pytest.approx(2.2, abs=0.05)
+    # The new file's own text says it, and a number in SI units is the same goal.
+    assert erard.Instrument(wider.text) == wider == grand.regulate(let_off=2.2e-3)
+    with pytest.raises(erard.InputError, match="a length from"):
+        grand.regulate(dip="10 mm/s")
+    with pytest.raises(erard.InputError, match="is no goal"):
+        grand.regulate(leton="1 mm")
+
+
+def test_geometry_keyboard_and_comparison(grand: erard.Instrument, run: erard.Run) -> None:
+    own = grand.kinematics()
+    assert own["leverage"][0] == pytest.approx(own.summary["leverage_at_rest"], rel=1e-6)
+    with pytest.raises(erard.InputError, match="c7f-like"):
+        erard.kinematics("c8")
+    keys = erard.keyboard(keys=[40])
+    assert list(keys["note"]) == ["C4"] and keys.to_arrow().num_rows == 1
+    with pytest.raises(erard.InputError, match="1 to 88"):
+        erard.keyboard(keys=[0])
+    compared = grand.compare(run, drives=["force"], models=["action"])
+    assert compared.errors[0]["explained"] > 0.9999 and compared.verdicts
+    with pytest.raises(erard.InputError, match="force, motion or rigid"):
+        grand.compare(run, drives=["magic"])
+
+
+@pytest.mark.slow
+def test_validate(grand: erard.Instrument) -> None:
+    rows = grand.validate()
+    assert {row["verdict"] for row in rows} <= {"met", "missed", "did not happen", "cannot speak to it"}
+    assert sum(row["verdict"] == "met" for row in rows) > len(rows) // 2
