@@ -38,7 +38,8 @@ from ._run import Run
 from ._table import Table
 
 if TYPE_CHECKING:
-    from . import dataset, distributed
+    from . import dataset as dataset
+    from . import distributed as distributed
     from ._fit import Fit, Posterior, fit, sample
 
 __all__ = [

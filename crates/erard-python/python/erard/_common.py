@@ -14,7 +14,7 @@ from ._errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ._erard import Floats, Progress, Steps
+    from ._types import Floats, Progress, Steps
 
 
 class Stepping(TypedDict, total=False):

@@ -1,28 +1,31 @@
 """The extension in Rust: conversion, and nothing else. Use `erard` itself."""
 
-from collections.abc import Callable
-from typing import Any, TypeAlias, TypedDict, final
+from typing import Any, final
 
-import numpy as np
-from numpy.typing import NDArray
+from ._types import Change, Floats, Progress, Steps, Work
 
-Floats: TypeAlias = NDArray[np.float64]
-Change: TypeAlias = tuple[str, float | str]
-Progress: TypeAlias = Callable[[float], None] | None
-
-class Steps(TypedDict):
-    step: float
-    theta: float
-    solver: str
-    friction: str
-    friction_width: float
-
-class Work(TypedDict):
-    threads: int | None
-    single: bool
-    ledger: bool
-    columns: list[str]
-    every: int
+__all__ = [
+    "Action",
+    "Instrument",
+    "Reading",
+    "Recording",
+    "Stroke",
+    "builtin",
+    "compare",
+    "draw",
+    "figure",
+    "keyboard",
+    "kinematics",
+    "measure",
+    "measure_lines",
+    "play_all",
+    "press",
+    "regulate",
+    "rollout",
+    "study",
+    "unit",
+    "validate",
+]
 
 @final
 class Instrument:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     import matplotlib.figure
     from numpy.typing import NDArray
 
-    from ._erard import Steps
     from ._recording import RecordingLike
+    from ._types import Steps
 
     Array: TypeAlias = NDArray[np.float64]
 
@@ -466,8 +466,9 @@ def explained_by(disturbed: Array) -> float:
     """What the reduced chi2 should be: 1, and what a typical disturbance of the drive adds, recording by recording."""
     if disturbed.shape[1] == 0:
         return 1.0
-    squares = np.sum(disturbed**2, axis=0).reshape(-1, DISTURBED)
-    return 1.0 + float(np.sum(np.median(squares, axis=1))) / disturbed.shape[0]
+    squares: Array = np.sum(disturbed**2, axis=0).reshape(-1, DISTURBED)
+    typical = float(np.sum(np.median(squares, axis=1)))
+    return 1.0 + typical / len(disturbed)
 
 
 def left_of(scaled: Array, seen: Array, directions: Array) -> Array:

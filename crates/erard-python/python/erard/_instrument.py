@@ -21,8 +21,8 @@ from ._table import Table
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from ._erard import Change
     from ._recording import RecordingLike
+    from ._types import Change
 
     Force = Union[float, ArrayLike]
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike, NDArray
 
-    from ._erard import Steps, Work
     from ._recording import RecordingLike
+    from ._types import Steps, Work
 
     Axis = Union[float, Sequence[float], NDArray[Any]]
 

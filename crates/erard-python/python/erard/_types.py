@@ -1,0 +1,33 @@
+"""Types that the extension's stubs and the modules share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+Change: TypeAlias = tuple[str, float | str]
+Progress: TypeAlias = Callable[[float], None] | None
+
+
+class Steps(TypedDict):
+    """How to step, complete."""
+
+    step: float
+    theta: float
+    solver: str
+    friction: str
+    friction_width: float
+
+
+class Work(TypedDict):
+    """Who plays many strokes, and what is kept."""
+
+    threads: int | None
+    single: bool
+    ledger: bool
+    columns: list[str]
+    every: int
