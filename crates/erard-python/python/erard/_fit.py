@@ -32,8 +32,8 @@ COLUMNS = {"force_N": 0.02, "key_m": 10e-6, "hammer_head_m": 50e-6}
 RATE_HZ = 4000.0
 #: Strokes whose drive is disturbed by its own noise, to see what that does to the parameters.
 DISTURBED = 48
-#: Beyond so many times the misfit that noise explains, the fit begins again elsewhere.
-MISFIT = 1.05
+#: Beyond so many times the misfit that the sensors' noise explains, the fit begins again elsewhere.
+MISFIT = 1.03
 #: Two fits whose misfits differ by less have ended at the same place.
 AGREED = 1.005
 #: How long after the blow the first look lasts, s.
@@ -605,7 +605,9 @@ def fit(
     for attempt in range(1 + max(0, restarts)):
         from_here = begin
         if attempt and best is not None:
-            away = best[1] + 0.25 * (high - low) * rng.uniform(-1, 1, len(begin)) * (np.arange(len(begin)) < len(free))
+            # Not far: from elsewhere in wide bounds few come back.
+            far = 0.2 * np.minimum(high - low, 1.0) * (np.arange(len(begin)) < len(free))
+            away = best[1] + far * rng.uniform(-1, 1, len(begin))
             from_here = np.clip(away, low + margin, high - margin)
         # First what leads to the blow, which is smooth; then all of it, in steps that look past what jumps.
         problem.weights = problem.until_the_blow(from_here)
@@ -621,9 +623,8 @@ def fit(
         ends.append(left)
         if best is None or left < best[0]:
             best = (left, point, message, problem.drive_noise(point, known))
-        explained = explained_by(best[3])
-        # Two that end alike, and leave no more than noise, have found the place.
-        if sum(end < AGREED * best[0] for end in ends) >= 2 and best[0] <= MISFIT * explained:
+        # Two that end alike, and leave no more than the sensors' noise, have found the place.
+        if sum(end < AGREED * best[0] for end in ends) >= 2 and best[0] <= MISFIT:
             break
     _, point, message, disturbed = best  # type: ignore[misc]
     problem._kept = None
