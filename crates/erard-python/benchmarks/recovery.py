@@ -1,6 +1,6 @@
 """Are fits as sure of themselves as they may be? Eight parameters recovered from synthetic recordings, twenty times; coverage counted.
 
-    python benchmarks/recovery.py [--repetitions 20] [--seed 1] [--instrument concert-grand] [--json FILE]
+    python benchmarks/recovery.py [--repetitions 20] [--seed 1] [--instrument concert-grand-rigid] [--json FILE]
 
 Each time eight parameters are drawn at random; the action with them is pressed by four built-in strokes; force, key and hammer are sampled at
 4 kHz with white noise (20 mN, 10 um, 50 um: a load cell and two optical sensors), the force that then drives the model too. The fit starts from the
@@ -48,7 +48,7 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--repetitions", type=int, default=20)
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--instrument", default="concert-grand")
+    options.add_argument("--instrument", default="concert-grand-rigid")
     options.add_argument("--json", help="writes the numbers there")
     asked = options.parse_args()
     grand, rng = erard.load(asked.instrument), np.random.default_rng(asked.seed)

@@ -16,7 +16,7 @@
 import numpy as np
 import erard
 
-grand = erard.load("concert-grand")
+grand = erard.load("concert-grand-rigid")
 truth = {"body.hammer.mass": 1.06, "zone.capstan_heel.stiffness": 1.3, "body.key.friction": 0.8}
 rng = np.random.default_rng(1)
 recordings = []

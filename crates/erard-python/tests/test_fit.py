@@ -10,6 +10,11 @@ pytest.importorskip("scipy")
 NOISE = {"key_m": 1e-5, "hammer_head_m": 5e-5}
 
 
+@pytest.fixture(scope="module")
+def grand() -> erard.Instrument:
+    return erard.load("concert-grand-rigid")
+
+
 def recorded(true: erard.Instrument, seed: int = 0, stroke: str = "mf", late_s: float = 0.0) -> dict[str, np.ndarray]:
     run, rng = true.press(stroke=stroke, duration=0.12), np.random.default_rng(seed)
     found = {"time_s": run["time_s"][::5], "force_N": run["force_N"][::5]}

@@ -77,7 +77,8 @@ def test_studies(grand: erard.Instrument) -> None:
     assert study["let_off_s"][row] == pytest.approx(run.events["let_off"], abs=1e-7)
     labelled = study.to_xarray()["hammer_speed_m_per_s"]
     assert labelled.sel(force_N=8.0).values[1] == study["hammer_speed_m_per_s"][row]
-    by_path = erard.study(grand, {"body.hammer.mass_g": [10.0, 12.0]}, stroke="mf", measure=["strike_weight_g"])
+    grams = 1e3 * grand.parameters["body.hammer.mass"].value
+    by_path = erard.study(grand, {"body.hammer.mass_g": [0.95 * grams, 1.05 * grams]}, stroke="mf", measure=["strike_weight_g"])
     assert by_path["strike_weight_g"][0] < by_path["strike_weight_g"][1]
     assert pickle.loads(pickle.dumps(study)) == study
     fails = erard.study(grand, {"body.hammer.mass": [1.0, -1.0]}, force=5.0)
