@@ -84,16 +84,16 @@ def test_strokes(grand: erard.Instrument) -> None:
 
 def test_a_run_drives_again(grand: erard.Instrument, run: erard.Run, tmp_path: Path) -> None:
     """As a mapping, a data frame, a CSV and a Parquet file: the force of a run gives the run, but for the first row, which says half of the force
-    that begins there."""
+    that begins there: 25 us of the 35 ms up to the blow, a share of 7e-4 of its impulse at most."""
     path = tmp_path / "run.csv"
     run.to_pandas().to_csv(path, index=False)
     run.to_pandas().to_parquet(tmp_path / "run.parquet")
     for recorded in (run, dict(run), run.to_pandas(), run.to_polars()):
         again = grand.press(stroke=recorded, duration=0.2)
-        assert again.hammer_speed == pytest.approx(run.hammer_speed, rel=1e-5)
+        assert again.hammer_speed == pytest.approx(run.hammer_speed, rel=7e-4)
     for file in (path, str(tmp_path / "run.parquet")):
         again = grand.press(stroke=erard.Recording(file, zero=False, low_pass=None), duration=0.2)
-        assert again.hammer_speed == pytest.approx(run.hammer_speed, rel=1e-5)
+        assert again.hammer_speed == pytest.approx(run.hammer_speed, rel=7e-4)
     motion = grand.press(stroke=run, drive="rigid", duration=0.2)
     assert motion.hammer_speed == pytest.approx(run.hammer_speed, rel=0.01)
 
