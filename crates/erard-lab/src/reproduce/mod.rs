@@ -14,6 +14,7 @@ mod convergence;
 mod drives;
 mod energy;
 mod friction;
+mod gives;
 mod levers;
 mod order;
 mod outlook;
@@ -196,6 +197,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("scheme-energy", "Energy ledger", 1.5, energy::section),
         subject("scheme-solvers", "Agreement of the solvers", 1.5, solvers::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
+        subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]
 }

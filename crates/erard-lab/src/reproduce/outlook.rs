@@ -41,15 +41,15 @@ pub(super) fn section(_: &Instrument, _: &mut Progress) -> Result<Section, Repro
     row(
         "bending of the hammer shank and of the key",
         "[H]",
-        "as an option",
-        "bodies may be joined by bends (`bend = true`); the built-in instruments are rigid",
+        "yes",
+        "`erard reproduce --only what-gives`: the built-in instruments' keys and shanks are two pieces each, on hinges",
     );
     row("the string's own motion", "[T13]", "no", "the string is a felt on the ground");
     row(
         "the finger as part of a hand and an arm",
         "[T13]",
         "as an option",
-        "`Hand`: a mass that muscle moves behind the fingertip; the built-in strokes are prescribed",
+        "`press --hand`: a mass that muscle moves behind the fingertip; the built-in strokes were played by it",
     );
     row("wear, humidity, hysteresis of felt beyond its law", "-", "no", "F = k g^r + b g^2 dg/dt only");
     Ok(Section { tables: vec![table], ..Section::default() })

@@ -78,7 +78,7 @@ pub struct PressedBlow {
 
 /// What blows show. Drives that are not found are `None`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Loudness {
+pub(crate) struct Loudness {
     /// Smallest force that starts the key, N.
     pub starting_force_n: Option<f64>,
     /// Constant force of a key stroke of 20 ms, N.
@@ -104,7 +104,7 @@ pub(super) struct Loudness {
 
 /// Blows of hands.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ByHand {
+pub(crate) struct ByHand {
     /// Led so slowly that it just sounds.
     pub softest: Option<PressedBlow>,
     /// Led, at the hammer speed of pp.
@@ -227,7 +227,7 @@ fn curve(
 }
 
 /// All that the table asks about.
-pub(super) fn measure(
+pub(crate) fn measure(
     instrument: &Instrument,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Loudness, MeasureError> {

@@ -10,6 +10,7 @@ mod touches;
 mod values;
 
 pub use blows::{Drive, PressedBlow};
+pub(crate) use blows::{Loudness, measure as loudness};
 pub use published::{Published, PublishedError, Row};
 pub use values::NAMES;
 
