@@ -166,7 +166,7 @@ fn regulation() {
 #[test]
 fn dynamics() {
     let folder = Folder::for_command("kinematics", "dynamics");
-    let printed = folder.good(&["--instrument", "concert-grand", "--out", "here"]);
+    let printed = folder.good(&["--instrument", "concert-grand-rigid", "--out", "here"]);
     assert!(printed.contains("A slow press of the dynamic model has the same leverage within"), "{printed}");
     let dynamics = &summary(&folder.0.join("here"))["dynamics"];
     println!("{dynamics}");
@@ -245,7 +245,7 @@ fn bad_arguments() {
         (&["--from", "NaN"], "--from NaN: expected a number"),
         (&["--to", "inf"], "--to inf: expected a number"),
         (&["--to", "ten"], "invalid value 'ten'"),
-        (&["--from", "9"], "let off, 5.84 mm"),
+        (&["--from", "9"], "let off, 5.76 mm"),
         (&["c7f-like", "--instrument", "concert-grand"], "cannot be used with"),
         (&["concert-grand"], "`concert-grand` is an instrument: --instrument concert-grand"),
         (&["d-like"], "no built-in linkage `d-like` (built in: c7f-like, steinway-o-like)"),

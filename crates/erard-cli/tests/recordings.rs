@@ -91,7 +91,7 @@ fn a_laboratory_s_recording_in_one_command() {
         near("noise_rms", noise, 0.1);
         near("rest_until_s", REST_S, 0.05);
         let tells = told["tells_to_Hz"].as_f64().unwrap();
-        assert!((50.0..500.0).contains(&tells) && told["low_pass_Hz"] == told["tells_to_Hz"], "{channel}: {tells} Hz");
+        assert!((50.0..1000.0).contains(&tells) && told["low_pass_Hz"] == told["tells_to_Hz"], "{channel}: {tells} Hz");
     }
     for (drive, quantity) in [("force", "position"), ("motion", "force"), ("rigid", "force")] {
         let share = explained(&found, drive, "action", quantity).unwrap();

@@ -156,7 +156,7 @@ fn anything_is_varied_and_measured() {
     let said = folder.good(&[
         "study",
         "--vary",
-        "body.hammer.mass_g=8.7,9.7,-1",
+        "body.hammer.mass_g=7.7,8.7,-1",
         "--measure",
         "strike_weight_g",
         "--force-step",

@@ -8,7 +8,7 @@ use erard_workshop::kinematics::{Derived, LinkageFile, derive, json_schema, slow
 use moreau_linkage::three_lever::{Levers, Move, Regulation, ThreeLever};
 
 fn grand() -> Instrument {
-    Instrument::builtin("concert-grand").expect("built in")
+    Instrument::builtin("concert-grand-rigid").expect("built in")
 }
 
 fn derived() -> Derived {
