@@ -10,7 +10,7 @@ pytest.importorskip("scipy")
 NOISE = {"key_m": 1e-5, "hammer_head_m": 5e-5}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def grand() -> erard.Instrument:
     return erard.load("concert-grand-rigid")
 
@@ -80,7 +80,7 @@ def test_delays_are_estimated(grand: erard.Instrument) -> None:
 def test_a_motion_drives_and_the_force_is_fitted(grand: erard.Instrument) -> None:
     # Up to the punching: there micrometres of the key's position are newtons.
     run = grand.vary({"body.key.friction": 0.7}).press(stroke="p", duration=0.1)
-    rows = slice(0, int((run.events["key_bottom"] - 0.005) / 50e-6), 5)
+    rows = slice(0, int((run.events.get("key_bottom", 0.06) - 0.005) / 50e-6), 5)
     data = {column: run[column][rows] for column in ("time_s", "key_m", "force_N")}
     fitted = erard.fit(grand, data, vary=["body.key.friction"], drive="rigid", columns=["force_N"], sigma={"force_N": 0.02})
     assert fitted.x["body.key.friction"] == pytest.approx(0.7, abs=0.1)
@@ -108,7 +108,7 @@ def test_wrong_arguments(grand: erard.Instrument, run: erard.Run, arguments: dic
 
 def test_the_posterior_agrees(grand: erard.Instrument) -> None:
     pytest.importorskip("emcee")
-    fitted = erard.fit(grand, recorded(grand), vary=["body.hammer.mass"], sigma=NOISE, bounds={"body.hammer.mass": (0.5, 2)})
+    fitted = erard.fit(grand, recorded(grand), vary=["body.hammer.mass"], sigma={**NOISE, "force_N": 0.0}, bounds={"body.hammer.mass": (0.5, 2)})
     drawn = erard.sample(fitted, walkers=8, length=40, burn=20, seed=3)
     assert drawn.mean["body.hammer.mass"] == pytest.approx(fitted.x["body.hammer.mass"], abs=3 * fitted.std["body.hammer.mass"])
     assert drawn.std["body.hammer.mass"] == pytest.approx(fitted.std["body.hammer.mass"], rel=0.5)

@@ -265,7 +265,7 @@ def _repeated(t: Array, force: float, rise: float, rng: np.random.Generator) -> 
 
 def _half(t: Array, force: float, rise: float, rng: np.random.Generator) -> Array:
     # So much momentum as carries the key some way, not to let-off.
-    force, until = min(force, 4.0), rng.uniform(0.008, 0.02)
+    force, until = min(force, 3.0), rng.uniform(0.006, 0.014)
     return force * _smooth(t, 0.005, min(rise, until)) * (1 - _smooth(t, 0.005 + until, 0.01))
 
 
