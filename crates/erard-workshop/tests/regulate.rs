@@ -3,7 +3,7 @@
 #[path = "../../erard/tests/common/mod.rs"]
 mod common;
 
-use common::{Play, USUAL_STEP_S, grand};
+use common::{Play, USUAL_STEP_S, rigid_grand};
 use erard::instrument::Instrument;
 use erard_workshop::distances::{DistanceError, Protocol, measure};
 use erard_workshop::regulate::{Goal, Miss, RegulateError, Regulated, Specification, known_screw, regulate};
@@ -26,7 +26,7 @@ fn regulated(instrument: &Instrument, specification: &Specification) -> Regulate
 /// A regulated grand mis-set: let-off 5 mm or more, no drop to speak of, dip 8 mm, a spring too weak to lift the hammer, a check too far to
 /// catch it.
 fn mis_set() -> Instrument {
-    let mut instrument = regulated(&grand(), &Goal::norms()).instrument;
+    let mut instrument = regulated(&rigid_grand(), &Goal::norms()).instrument;
     turn_on(
         &mut instrument,
         &[
@@ -81,7 +81,7 @@ fn a_mis_set_action_is_put_right() {
 /// What is regulated already is left alone: one round, no screw.
 #[test]
 fn a_regulated_action_is_left_alone() {
-    let once = regulated(&grand(), &Goal::norms());
+    let once = regulated(&rigid_grand(), &Goal::norms());
     let twice = regulated(&once.instrument, &Goal::norms());
     assert!(twice.turned.iter().all(|t| (t.setting[1] - t.setting[0]).abs() < 0.02e-3), "{:?}", twice.turned);
     assert!(twice.all_met() && twice.rounds <= 2, "{:?}", twice.achieved);
@@ -92,7 +92,7 @@ fn a_regulated_action_is_left_alone() {
 /// the let-off back.
 #[test]
 fn one_goal_turns_one_screw() {
-    let mut instrument = regulated(&grand(), &Goal::norms()).instrument;
+    let mut instrument = regulated(&rigid_grand(), &Goal::norms()).instrument;
     turn_on(&mut instrument, &[("string_height", 1.0)]);
     let regulated = regulated(&instrument, &vec![(Goal::LetOff, 1.5e-3)]);
     let names: Vec<&str> = regulated.turned.iter().map(|t| t.name.as_str()).collect();
@@ -112,7 +112,7 @@ fn a_file_may_count_the_other_way() {
     );
     assert_ne!(text, lowers);
     let other = Instrument::parse(&lowers, "other.toml").unwrap();
-    let (a, b) = (regulated(&grand(), &Goal::norms()), regulated(&other, &Goal::norms()));
+    let (a, b) = (regulated(&rigid_grand(), &Goal::norms()), regulated(&other, &Goal::norms()));
     assert!(b.all_met());
     let drop = |r: &Regulated| r.turned.iter().find(|t| t.name == "drop").unwrap().clone();
     assert!((drop(&a).setting[1] + drop(&b).setting[1]).abs() < 0.02e-3, "{:?} {:?}", drop(&a), drop(&b));
@@ -123,7 +123,7 @@ fn a_file_may_count_the_other_way() {
 /// a hammer checked 15 mm below the string has no 20 mm to rise.
 #[test]
 fn what_cannot_be_met_is_said_so() {
-    let far = regulated(&grand(), &vec![(Goal::Dip, 3e-3), (Goal::Blow, 46e-3)]);
+    let far = regulated(&rigid_grand(), &vec![(Goal::Dip, 3e-3), (Goal::Blow, 46e-3)]);
     let [blow, dip] = &far.achieved[..] else { panic!("{:?}", far.achieved) };
     assert_eq!((blow.goal, &blow.miss, dip.goal), (Goal::Blow, &None, Goal::Dip));
     let Some(Miss::EndOfRange(screws)) = &dip.miss else { panic!("{dip:?}") };
@@ -133,12 +133,13 @@ fn what_cannot_be_met_is_said_so() {
 
     let mut goals = Goal::norms();
     goals.push((Goal::RepetitionRise, 20e-3));
-    let rise = regulated(&grand(), &goals);
+    let rise = regulated(&rigid_grand(), &goals);
     for achieved in &rise.achieved {
         assert_eq!(achieved.miss.is_some(), achieved.goal == Goal::RepetitionRise, "{achieved:?}");
     }
     // Without a check distance to keep, the check itself is moved for it.
-    let free = regulated(&grand(), &vec![(Goal::LetOff, 1.5e-3), (Goal::Drop, 1.5e-3), (Goal::RepetitionRise, 10e-3)]);
+    let free =
+        regulated(&rigid_grand(), &vec![(Goal::LetOff, 1.5e-3), (Goal::Drop, 1.5e-3), (Goal::RepetitionRise, 10e-3)]);
     assert!(free.all_met(), "{:?}", free.achieved);
 }
 
@@ -146,14 +147,14 @@ fn what_cannot_be_met_is_said_so() {
 #[test]
 fn screws_stay_in_their_range() {
     for goals in [vec![(Goal::Spring, 2.0)], vec![(Goal::LetOff, 20e-3)], vec![(Goal::Check, 40e-3)]] {
-        let end = regulated(&grand(), &goals);
+        let end = regulated(&rigid_grand(), &goals);
         assert!(!end.all_met(), "{:?}", end.achieved);
         for turned in &end.turned {
             let most = match known_screw(&turned.name).unwrap().range {
                 erard_workshop::regulate::Range::Length(from, to)
                 | erard_workshop::regulate::Range::Angle(from, to) => to.max(-from),
                 erard_workshop::regulate::Range::Torque(from, to) => {
-                    grand().springs[0].torque_n_m.abs() * to.max(-from)
+                    rigid_grand().springs[0].torque_n_m.abs() * to.max(-from)
                 }
             };
             assert!(turned.setting[1].abs() <= most * 1.0001, "{turned:?}");
@@ -163,11 +164,11 @@ fn screws_stay_in_their_range() {
 
 #[test]
 fn what_is_missing_is_named() {
-    let mut without = grand();
+    let mut without = rigid_grand();
     without.screws.retain(|screw| screw.name != "drop");
     let error = regulate(&without, &Goal::norms(), &Protocol::default(), &mut |_| true).unwrap_err();
     assert_eq!(error.to_string(), "the instrument has no screw for drop: it needs one called `drop`");
 
-    let stopped = regulate(&grand(), &Goal::norms(), &Protocol::default(), &mut |status| status.simulations < 5);
+    let stopped = regulate(&rigid_grand(), &Goal::norms(), &Protocol::default(), &mut |status| status.simulations < 5);
     assert!(matches!(stopped, Err(RegulateError::Measure(DistanceError::Interrupted))));
 }

@@ -65,11 +65,11 @@ impl Play {
             Play::Free => go(&|_| player::Input::Free),
             Play::Force(force) => go(&player::force(|_| force)),
             Play::Stroke(name, touch) => {
-                let series = Series::builtin(name, touch).and_then(|s| s.force).ok_or_else(|| missing(name))?;
+                let series = own(instrument, name, touch).and_then(|s| s.force).ok_or_else(|| missing(name))?;
                 go(&player::force(series.drive()))
             }
             Play::Motion(name, touch) => {
-                let series = Series::builtin(name, touch).and_then(|s| s.position).ok_or_else(|| missing(name))?;
+                let series = own(instrument, name, touch).and_then(|s| s.position).ok_or_else(|| missing(name))?;
                 go(&player::motion(series.drive()))
             }
         }
@@ -84,6 +84,11 @@ impl Play {
             Play::Motion(name, touch) => format!("{name} {}, by motion", touched(touch)),
         }
     }
+}
+
+/// The stroke that belongs to an instrument: six rigid bodies have their own.
+pub(super) fn own(instrument: &Instrument, name: &str, touch: Touch) -> Option<Series> {
+    if instrument.has_bends() { Series::builtin(name, touch) } else { Series::rigid(name, touch) }
 }
 
 fn touched(touch: Touch) -> &'static str {

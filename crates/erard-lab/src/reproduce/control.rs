@@ -10,7 +10,7 @@ use erard::instrument::Instrument;
 use erard::player;
 use erard::run::Run;
 use erard::simulation::{Setup, simulate};
-use erard::stroke::{ForceSeries, Series, Touch};
+use erard::stroke::{ForceSeries, Touch};
 
 /// Fixed steps: the first, s, and how many halvings. The last is 0.39 us.
 const STEPS: (f64, i32) = (800e-6, 12);
@@ -193,7 +193,7 @@ fn price(rungs: &[Rung], wanted: f64, error: usize, work: fn(&Rung) -> f64) -> O
 }
 
 pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
-    let force = Series::builtin("mf", Touch::Pressed)
+    let force = super::blow::own(instrument, "mf", Touch::Pressed)
         .and_then(|s| s.force)
         .ok_or_else(|| ReproduceError::Instrument("the built-in stroke mf cannot be read".into()))?;
     let mut told = |share: f64| progress(0.1 * share);

@@ -26,10 +26,27 @@ impl Touch {
     }
 }
 
-macro_rules! stroke {
-    ($nuance:literal, $touch:literal) => {
-        include_str!(concat!("../../strokes/", $nuance, "-", $touch, ".csv"))
-    };
+macro_rules! strokes {
+    ($nuance:expr, $touch:expr, $folder:literal) => {{
+        macro_rules! stroke {
+            ($name:literal) => {
+                include_str!(concat!("../../strokes/", $folder, $name, ".csv"))
+            };
+        }
+        Some(match ($nuance, $touch) {
+            ("pp", Touch::Pressed) => stroke!("pp-pressed"),
+            ("p", Touch::Pressed) => stroke!("p-pressed"),
+            ("mf", Touch::Pressed) => stroke!("mf-pressed"),
+            ("f", Touch::Pressed) => stroke!("f-pressed"),
+            ("ff", Touch::Pressed) => stroke!("ff-pressed"),
+            ("pp", Touch::Struck) => stroke!("pp-struck"),
+            ("p", Touch::Struck) => stroke!("p-struck"),
+            ("mf", Touch::Struck) => stroke!("mf-struck"),
+            ("f", Touch::Struck) => stroke!("f-struck"),
+            ("ff", Touch::Struck) => stroke!("ff-struck"),
+            _ => return None,
+        })
+    }};
 }
 
 impl Series {
@@ -41,19 +58,13 @@ impl Series {
 
     /// The text of a built-in stroke's file.
     pub fn builtin_text(nuance: &str, touch: Touch) -> Option<&'static str> {
-        Some(match (nuance, touch) {
-            ("pp", Touch::Pressed) => stroke!("pp", "pressed"),
-            ("p", Touch::Pressed) => stroke!("p", "pressed"),
-            ("mf", Touch::Pressed) => stroke!("mf", "pressed"),
-            ("f", Touch::Pressed) => stroke!("f", "pressed"),
-            ("ff", Touch::Pressed) => stroke!("ff", "pressed"),
-            ("pp", Touch::Struck) => stroke!("pp", "struck"),
-            ("p", Touch::Struck) => stroke!("p", "struck"),
-            ("mf", Touch::Struck) => stroke!("mf", "struck"),
-            ("f", Touch::Struck) => stroke!("f", "struck"),
-            ("ff", Touch::Struck) => stroke!("ff", "struck"),
-            _ => return None,
-        })
+        strokes!(nuance, touch, "")
+    }
+
+    /// The stroke that belongs to `concert-grand-rigid`: a force that is a formula, and the position that the key of six rigid bodies has under it.
+    /// The built-in strokes of before the grand bent; what was published with it stays as it was.
+    pub fn rigid(nuance: &str, touch: Touch) -> Option<Self> {
+        Series::parse(strokes!(nuance, touch, "rigid/")?, nuance).ok()
     }
 }
 
@@ -68,6 +79,8 @@ mod tests {
             for touch in [Touch::Pressed, Touch::Struck] {
                 let stroke = Series::builtin(nuance, touch).expect(nuance);
                 assert!(stroke.force.is_some() && stroke.position.is_some(), "{nuance} {touch:?}");
+                let rigid = Series::rigid(nuance, touch).expect(nuance);
+                assert!(rigid.force.is_some() && rigid.position.is_some() && rigid != stroke, "{nuance} {touch:?}");
             }
         }
         assert!(Series::builtin("mp", Touch::Pressed).is_none());

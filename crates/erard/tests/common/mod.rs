@@ -27,24 +27,9 @@ pub fn rigid_grand() -> Instrument {
     Instrument::builtin("concert-grand-rigid").expect("the built-in grand reads")
 }
 
-/// A stroke as it was when the rigid grand's digest was taken: the built-in ones may be made anew, its bits stay.
+/// The rigid grand's own stroke: the built-in ones may be made anew, its bits stay.
 pub fn frozen(nuance: &str, touch: Touch) -> Series {
-    macro_rules! stroke {
-        ($touch:literal) => {
-            match nuance {
-                "pp" => include_str!(concat!("../strokes/pp-", $touch, ".csv")),
-                "p" => include_str!(concat!("../strokes/p-", $touch, ".csv")),
-                "mf" => include_str!(concat!("../strokes/mf-", $touch, ".csv")),
-                "f" => include_str!(concat!("../strokes/f-", $touch, ".csv")),
-                _ => include_str!(concat!("../strokes/ff-", $touch, ".csv")),
-            }
-        };
-    }
-    let text = match touch {
-        Touch::Pressed => stroke!("pressed"),
-        Touch::Struck => stroke!("struck"),
-    };
-    Series::parse(text, nuance).expect("it reads")
+    Series::rigid(nuance, touch).expect("it reads")
 }
 
 /// Index of a body.
