@@ -30,7 +30,7 @@ Screws are turned from where the file has them (mm, degrees or N mm); `body.hamm
 `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and `zone.check.friction` are multiplied by the values;
 `force` is a constant force from the start on. `key=1..88` plays the keys of a keyboard (--instrument names it). Any number of the file is
 varied by its path, in the file's unit: `body.hammer.mass_g=10..12:5`, `zone.capstan_heel.disc.center_mm.x=140,145`. Beside keys, or on one key (--instrument concert-grand:key=88), a
-keyboard's own gradings are varied: `grading.hammer head=0..1.5:4` by how much of it there is, `grading.hammer head.88=-3g,-2g` at a point. A name that does not exist is answered with all that do. Of several --vary
+keyboard's own gradings are varied: `grading.hammer head=0..1:5` by how much of it there is, `grading.hammer head.88=-3g,-2g` at a point. A name that does not exist is answered with all that do. Of several --vary
 every combination is played, the last one fastest.
 
 Strokes that are alike but for numbers are simulated side by side in the lanes of the processor's vectors, and on all its
