@@ -81,6 +81,31 @@ const run = async (path) => {
     await page.click('#link');
     expect(path, page.url().includes('#t=') && page.url().includes('shown=0.02,0.08'), `the address holds the page: ${page.url()}`);
   });
+  // two actions side by side: one view each, the second moved by its length, and back again
+  await visit(path, '#view=60,-200,250,180&beside=1', desk, async (page) => {
+    const state = () => page.evaluate(() => ({
+      box: document.getElementById('action').getAttribute('viewBox').split(' ').map(Number),
+      moved: [...document.querySelectorAll('#action [data-action]')].map((group) => group.getAttribute('transform')),
+      cut: [...document.querySelectorAll('#action [data-action]')].map((group) => group.hasAttribute('clip-path')),
+      one: !document.getElementById('beside'),
+    }));
+    const apart = await state();
+    if (apart.one) return;
+    const wider = apart.box[2] > 500 || apart.box[3] > 360;
+    expect(path, wider && apart.cut.every(Boolean) && /translate\((25\d|0\.000 18)/.test(apart.moved[1]), `side by side: ${JSON.stringify(apart)}`);
+    await page.click('#beside');
+    const over = await state();
+    expect(path, over.box.join() === '60,-200,250,180' && !over.cut.some(Boolean) && over.moved[1] === 'translate(0.000 0.000)', `and back: ${JSON.stringify(over)}`);
+  });
+  // the forces of the pins can be switched off, and those of the contacts with them
+  await visit(path, '#t=0.04', desk, async (page) => {
+    const shown = (kind) => page.evaluate((kind) => [...document.querySelectorAll(`#forces .${kind}`)].filter((e) => e.style.display !== 'none').length, kind);
+    if (!(await page.$('#pin-forces'))) return expect(path, (await shown('pin')) === 0, 'pins without a record');
+    expect(path, (await shown('pin')) > 2, `${await shown('pin')} pins`);
+    const contacts = await shown('contact');
+    await page.click('#pin-forces');
+    expect(path, (await shown('pin')) === 0 && (await shown('contact')) === contacts, 'the pins are switched off alone');
+  });
   // two fingers, apart: the picture grows
   await visit(path, '#view=whole', { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, async (page) => {
     const wide = () => page.evaluate(() => +document.getElementById('action').getAttribute('viewBox').split(' ')[2]);

@@ -9,6 +9,7 @@ use serde_json::{Map, Number, Value};
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs::shown;
+use crate::output::is_beside_a_table;
 use crate::say;
 
 /// What there is to answer with.
@@ -44,7 +45,9 @@ pub fn offer(name: &str, bytes: &[u8]) {
     }
     let mut answer = answer();
     let answer = answer.get_or_insert_default();
-    if name.ends_with(".json") && answer.json.is_none() {
+    if is_beside_a_table(name) {
+        // It tells of the table, and is none of its own.
+    } else if name.ends_with(".json") && answer.json.is_none() {
         answer.json = String::from_utf8(bytes.to_vec()).ok();
     } else if name.ends_with(".csv") && answer.table.is_none() {
         answer.table = Some(bytes.to_vec());

@@ -1,5 +1,7 @@
 //! What `erard keyboard` makes of the keys that it has weighed: text, table, figure.
 
+pub mod pair;
+
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -63,11 +65,17 @@ pub fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Ve
         .collect()
 }
 
+/// Where the sample notes stand among the keys that were weighed.
+fn samples(weighed: &[WeighedKey]) -> Vec<usize> {
+    let nearest = |key: &usize| (0..weighed.len()).min_by_key(|&at| weighed[at].key.abs_diff(*key));
+    let mut samples: Vec<usize> = SAMPLES.iter().filter_map(nearest).collect();
+    samples.dedup();
+    samples
+}
+
 /// Sample notes as text, grams to a tenth.
 pub fn text(weighed: &[WeighedKey]) -> String {
-    let mut samples: Vec<&WeighedKey> =
-        SAMPLES.iter().filter_map(|&key| weighed.iter().min_by_key(|w| w.key.abs_diff(key))).collect();
-    samples.dedup_by_key(|w| w.key);
+    let samples: Vec<&WeighedKey> = samples(weighed).into_iter().map(|at| &weighed[at]).collect();
     let mut out = String::new();
     let mut row = |name: &str, unit: &str, cells: Vec<String>| {
         let cells: String = cells.iter().map(|cell| format!("{cell:>8}")).collect();

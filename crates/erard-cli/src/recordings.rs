@@ -48,6 +48,13 @@ pub struct RecordingOptions {
     order: usize,
 }
 
+impl RecordingOptions {
+    /// The same with other titles, where they are given.
+    pub fn with_columns(&self, columns: Option<&Columns>) -> Self {
+        RecordingOptions { columns: columns.or(self.columns.as_ref()).cloned(), ..self.clone() }
+    }
+}
+
 /// Whose position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum PositionName {

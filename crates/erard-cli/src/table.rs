@@ -12,6 +12,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
+use serde_json::{Value, json};
 
 use crate::identity;
 
@@ -119,6 +120,27 @@ type ParquetColumn<'a> = (String, Cow<'a, [f64]>, Vec<i16>);
 
 /// Columns that count: whole numbers.
 const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
+
+/// What a CSV cannot say of itself, in the W3C's vocabulary for tables on the web (CSVW): the units of its columns. What made it is added where it
+/// is written.
+pub fn metadata<'a>(name: &str, titles: impl Iterator<Item = &'a str>) -> String {
+    let column = |title: &str| {
+        let mut column = json!({"titles": title});
+        let unit = column_unit(title);
+        if unit != "1" {
+            column["datatype"] = "number".into();
+            column["schema:unitText"] = unit.into();
+        }
+        column
+    };
+    let columns: Vec<Value> = titles.map(column).collect();
+    let metadata = json!({
+        "@context": "http://www.w3.org/ns/csvw",
+        "url": name,
+        "tableSchema": {"columns": columns},
+    });
+    format!("{metadata:#}\n")
+}
 
 /// One row group, compressed by Zstandard: doubles, and whole numbers for what counts. Its metadata hold what made it (`made_by`) and every
 /// column's unit (`units`), as JSON.

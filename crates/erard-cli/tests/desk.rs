@@ -180,3 +180,38 @@ fn an_empty_folder_is_enough_for_the_readme() {
     }
     assert!(played > 20, "{played} lines");
 }
+
+/// A number that was changed under its note is marked in the pictures, too: of a pose, of a run, and of two; elsewhere nothing is.
+#[test]
+fn notes_that_became_untrue_are_marked_in_pictures() {
+    let folder = Folder::new("desk-changed");
+    let name = "zone.capstan_heel.disc.center_mm";
+    let text = erard::instrument::Instrument::builtin_text("concert-grand").unwrap();
+    let found = erard::instrument::numbers_at(text, name).unwrap();
+    folder.file("moved.toml", &erard::instrument::with_numbers(text, &[(name, 0, found[0] - 10.0)]).unwrap());
+    folder.file("same.toml", text);
+    for (instrument, marked) in [("moved.toml", true), ("same.toml", false), ("concert-grand", false)] {
+        let given = ["--instrument", instrument, "--out", "it"];
+        folder.good(&[&["draw"][..], &given].concat());
+        folder.good(&[&["press", "--duration", "0.05", "--force"][..], &given].concat());
+        for file in ["it/action.svg", "it/run.html"] {
+            let picture = folder.read(file);
+            assert_eq!(picture.contains("<circle class=\"mark\""), marked, "{instrument} {file}");
+            assert_eq!(picture.contains(name), marked, "{instrument} {file}");
+        }
+    }
+    folder.good(&[
+        "press",
+        "--duration",
+        "0.05",
+        "--instrument",
+        "same.toml",
+        "--instrument",
+        "moved.toml",
+        "--out",
+        "two",
+    ]);
+    let page = folder.read("two/run.html");
+    assert_eq!(page.matches("<circle class=\"mark\"").count(), 1);
+    assert!(page.contains("id=\"beside\""), "side by side is offered");
+}

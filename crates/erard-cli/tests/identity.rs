@@ -139,6 +139,50 @@ fn every_command_s_results() {
     }
 }
 
+/// A CSV's bytes are its table and nothing else; what made it, and its columns' units, stand beside it.
+#[cfg(target_os = "linux")]
+#[test]
+fn tables_have_their_metadata_beside_them() {
+    let folder = Folder::new("identity-tables");
+    folder.good(&["press", "--duration", "0.05", "--reactions", "--out", "run"]);
+    for (arguments, table) in [
+        (&["press", "--duration", "0.05", "--reactions"][..], "run.csv"),
+        (&["kinematics", "--instrument", "concert-grand", "--steps", "20"], "kinematics.csv"),
+        (&["study", "--vary", "let_off=-0.2..0.2:2", "--duration", "0.1"], "study.csv"),
+        (&["compare", "run/run.csv", "--no-pictures"], "compare.csv"),
+        (&["keyboard", "--every", "87"], "keyboard.csv"),
+        (&["keyboard", "concert-grand", "concert-grand", "--every", "87"], "difference.csv"),
+        (&["press", "--duration", "0.05", "--against", "f"], "run-2.csv"),
+    ] {
+        folder.good(&[arguments, &["--out", "out", "--force"]].concat());
+        let metadata = json(&folder, &format!("out/{table}-metadata.json"));
+        assert_eq!((&metadata["@context"], &metadata["url"]), (&"http://www.w3.org/ns/csvw".into(), &table.into()));
+        assert!(metadata["made_by"]["command"].as_str().unwrap().starts_with(&format!("erard {}", arguments[0])));
+        assert!(metadata["made_by"]["sources"].as_array().unwrap().iter().all(|source| source["sha256"].is_string()));
+        let text = folder.read(&format!("out/{table}"));
+        let columns = metadata["tableSchema"]["columns"].as_array().unwrap();
+        let titles: Vec<&str> = columns.iter().map(|column| column["titles"].as_str().unwrap()).collect();
+        assert_eq!(text.lines().next().unwrap().split(',').collect::<Vec<_>>(), titles, "{table}");
+    }
+    let metadata = json(&folder, "run/run.csv-metadata.json");
+    let unit = |title: &str| {
+        let columns = metadata["tableSchema"]["columns"].as_array().unwrap();
+        columns.iter().find(|column| column["titles"] == title).unwrap()["schema:unitText"].clone()
+    };
+    for (title, wanted) in [("time_s", "s"), ("key_m", "m"), ("hammer_rad_per_s2", "rad/s2"), ("key_pin_x_N", "N")] {
+        assert_eq!(unit(title), wanted, "{title}");
+    }
+    // A table that is no longer made takes its metadata along, and what it stands beside is a result like any other.
+    folder.good(&["press", "--duration", "0.05", "--out", "out", "--force"]);
+    assert!(
+        !folder.0.join("out/run-2.csv-metadata.json").exists() && folder.0.join("out/run.csv-metadata.json").exists()
+    );
+    fs::create_dir(folder.0.join("theirs")).unwrap();
+    folder.file("theirs/run.csv-metadata.json", "{}");
+    assert!(folder.bad(&["press", "--out", "theirs"]).contains("run.csv-metadata.json"));
+    assert!(folder.good(&["check", "run/run.csv-metadata.json"]).contains("erard press --duration 0.05"));
+}
+
 /// What is counted is whole.
 #[test]
 fn counts_are_integers() {

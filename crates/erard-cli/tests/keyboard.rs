@@ -115,3 +115,49 @@ fn interrupted_it_leaves_nothing() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(folder.names(), before);
 }
+
+/// Two keyboards: both tables as each would be alone, the second less the first, both in one figure, and a page with a row for every key.
+#[test]
+fn two_keyboards_beside_each_other() {
+    let folder = with_mine("pair");
+    let said = folder.good(&["keyboard", "concert-grand", "mine.toml", "--every", "87", "--out", "both"]);
+    assert!(said.contains("1: Concert grand\n2: Mine\n") && said.contains("2 - 1"), "{said}");
+    for (keyboard, number) in [("concert-grand", 1), ("mine.toml", 2)] {
+        folder.good(&["keyboard", keyboard, "--every", "87", "--out", "alone"]);
+        assert_eq!(folder.read("alone/keyboard.csv"), folder.read(&format!("both/keyboard-{number}.csv")));
+    }
+    let cells = |name: &str| -> Vec<Vec<String>> {
+        folder.read(name).lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let [first, second, difference] =
+        ["both/keyboard-1.csv", "both/keyboard-2.csv", "both/difference.csv"].map(|name| cells(name));
+    let all: serde_json::Value = serde_json::from_str(&folder.read("both/keyboard.json")).unwrap();
+    assert_eq!(all["names"], serde_json::json!(["Concert grand", "Mine"]));
+    assert_eq!(difference.len(), 3);
+    let mut differ = 0;
+    for row in 1..3 {
+        assert_eq!(difference[row][..2], first[row][..2]);
+        for column in 2..difference[0].len() {
+            assert_eq!(difference[0][column], first[0][column]);
+            let number = |table: &[Vec<String>]| table[row][column].parse::<f64>().unwrap();
+            let expected = number(&second) - number(&first);
+            assert!((number(&difference) - expected).abs() <= 1e-9, "{row} {column}");
+            assert_eq!(all["difference"][&difference[0][column]][row - 1].as_f64(), Some(number(&difference)));
+            differ += usize::from(expected.abs() > 0.1);
+        }
+    }
+    assert!(differ > 4, "these keyboards differ: {difference:?}");
+    let page = folder.read("both/keyboard.html");
+    assert_eq!(page.matches("<tr>").count(), 4, "two rows of headings and one for every key");
+    assert!(page.contains(">Mine<") && page.contains("data:image/svg+xml;base64,"));
+    let svg = folder.read("both/keyboard.svg");
+    assert!(svg.contains("Concert grand beside Mine") && svg.contains("front weight (g)"));
+    for one in [["--key", "3"], ["--weigh", "both/keyboard-1.csv"]] {
+        assert!(folder.bad(&[&["keyboard", "concert-grand", "mine.toml"][..], &one].concat()).contains("one keyboard"));
+    }
+    // The same one twice differs in nothing.
+    folder.good(&["keyboard", "mine.toml", "mine.toml", "--every", "87", "--out", "same"]);
+    let same = cells("same/difference.csv");
+    assert!(same[1..].iter().all(|row| row[2..].iter().all(|cell| cell == "0")), "{same:?}");
+    assert!(folder.read("same/keyboard.html").contains("Mine, second"));
+}

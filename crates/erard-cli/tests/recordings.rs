@@ -238,3 +238,32 @@ fn what_cannot_be_read() {
     let said = folder.bad(&["check", "x.csv", "--columns", "weight=x"]);
     assert!(said.contains("--columns") && said.contains("Displacement (mm)"), "{said}");
 }
+
+/// What is said of columns belongs to the second stroke where that alone is a file, to both where both are, and each can have its own.
+#[test]
+fn a_second_stroke_has_columns_too() {
+    let folder = Folder::new("recordings-against");
+    folder.file("a.csv", "when (ms),push (gf)\n0,0\n40,500\n200,500\n");
+    folder.file("b.csv", "t (ms),weight (gf)\n0,0\n30,400\n200,400\n");
+    let titles = |time: &str, force: &str| format!("time={time},force={force}");
+    let (a, b) = (titles("when (ms)", "push (gf)"), titles("t (ms)", "weight (gf)"));
+    let strokes = |arguments: &[&str]| -> serde_json::Value {
+        folder.good(&[&["press", "--duration", "0.1", "--out", "out"], arguments].concat());
+        serde_json::from_str(&folder.read("out/summary.json")).unwrap()
+    };
+    let peak = |both: &serde_json::Value, run: usize| both["runs"][run]["peak_force_N"].as_f64().unwrap();
+    // 500 and 400 gram-forces.
+    let newtons = [4.903_325, 3.922_66];
+    let found = strokes(&["--stroke", "mf", "--against", "b.csv", "--columns", &b]);
+    assert!((peak(&found, 1) - newtons[1]).abs() < 1e-6, "{}", peak(&found, 1));
+    let found = strokes(&["a.csv", "--columns", &a, "--against", "b.csv", "--against-columns", &b]);
+    for (run, newtons) in newtons.into_iter().enumerate() {
+        assert!((peak(&found, run) - newtons).abs() < 1e-6, "{run}");
+    }
+    let found = strokes(&["a.csv", "--columns", &a, "--against", "a.csv"]);
+    assert!((peak(&found, 1) - newtons[0]).abs() < 1e-6);
+    // Options of recordings without a recording are refused as before.
+    assert!(
+        folder.bad(&["press", "--against", "f", "--columns", &a, "--out", "none"]).contains("belong to a stroke file")
+    );
+}

@@ -110,7 +110,33 @@ fn a_study_has_a_column_for_it() {
     assert!(said.contains("back_check_angle") && said.contains("at most 90 degrees either way"), "{said}");
 }
 
-/// A hammer that has nearly no mass in the treble: it flies at a hundred metres a second, and nobody calls that sound.
+/// One key of 88 whose parts weigh a hundred-thousandth: its hammer meets the string with more than 180 m/s, once "all 88 keys are sound".
+#[test]
+fn a_key_at_180_metres_a_second() {
+    let folder = Folder::new("trust-fast");
+    let base = erard::instrument::Instrument::builtin("steinway-o").unwrap();
+    let numbers: Vec<String> = base
+        .bodies
+        .iter()
+        .flat_map(|body| ["mass_g", "inertia_kg_m2"].map(|key| format!("\"body.{}.{key}\"", body.name)))
+        .collect();
+    folder.file(
+        "fast.toml",
+        &format!(
+            "format = \"erard-keyboard/1\"\nname = \"Fast\"\ninstrument = \"steinway-o\"\ninstrument_key = 40\n[[factor]]\n\
+             name = \"light\"\nnumbers = [{}]\nfactor = [{{ key = 87, value = 1 }}, {{ key = 88, value = 1e-5 }}]\n",
+            numbers.join(", ")
+        ),
+    );
+    let output = folder.erard(&["check", "fast.toml"]);
+    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && told.contains("1 of the 88 keys are not to be trusted"), "{told}");
+    let blow = said.lines().find(|line| line.contains("the hammer meets the string with")).unwrap();
+    let speed = blow.split("meets the string with ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!(speed.parse::<f64>().unwrap() >= 180.0 && blow.contains("key 88"), "{blow}");
+}
+
+/// Springs and felts that are absurd in the treble, and nobody calls that sound.
 #[test]
 fn a_keyboard_with_an_absurd_key_is_not_sound() {
     let folder = Folder::new("trust-keyboard");

@@ -86,6 +86,5 @@ fn main() {
     worst("most unconverged steps", &fates, |f| f.unconverged as f64);
     worst("largest energy residual", &fates, |f| f.residual);
     worst("largest energy gain", &fates, |f| f.gain);
-    worst("largest energy gain that turning does not explain", &fates, |f| f.unexplained);
     worst("longest settling, s", &fates, |f| f.settling_s);
 }

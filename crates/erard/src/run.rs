@@ -70,7 +70,11 @@ impl Run {
 }
 
 /// What the endings of columns' names mean, the longer before the shorter.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 18] = [
+    ("_rad_per_s2", "rad/s2"),
+    ("_degrees", "deg"),
+    ("_kg", "kg"),
+    ("_ms", "ms"),
     ("_rad_per_s", "rad/s"),
     ("_m_per_s", "m/s"),
     ("_N_mm", "N mm"),

@@ -1,17 +1,19 @@
 //! `erard draw`.
 
 use clap::{Args, ValueEnum};
+use erard::player::ReactionRecorder;
 use erard::run::{Events, Run};
 use erard::simulation::Setup;
 use moreau::Settings;
 
-use super::options::{InstrumentOption, StrokeOptions};
+use super::options::{InstrumentOption, Noted, StrokeOptions};
 use super::out::OutOptions;
-use super::press::play;
+use super::press::play_observed;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::inside::Inside;
 use crate::say;
-use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
+use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_svg};
 use erard_figures::figure::png_from_svg;
 
 /// Draws the action in one pose, as SVG and PNG.
@@ -31,6 +33,9 @@ pub struct Draw {
     /// Show contact forces as arrows
     #[arg(long)]
     forces: bool,
+    /// Show what the pins do to the parts that turn about them as arrows
+    #[arg(long)]
+    reactions: bool,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -97,7 +102,7 @@ impl Draw {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let stroke = self.stroke.load()?;
-        let instrument = self.instrument.load()?;
+        let Noted { instrument, changed } = self.instrument.load_noted()?;
         let setup = Setup {
             settings: Settings::new(STEP_S),
             start_s: stroke.start_s,
@@ -110,11 +115,18 @@ impl Draw {
             ledger: true,
         };
         let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
-        let run = play(&instrument, &stroke, &setup)?;
+        let reactions = self.reactions.then(|| ReactionRecorder::new(&instrument));
+        let mut inside = Inside { reactions, losses: None };
+        let run = play_observed(&instrument, &stroke, &setup, &mut inside)?;
         let row = self.row(&run)?;
+        let mut arrows = if self.forces { forces_at(&instrument, &run, row) } else { Vec::new() };
+        if let Some(recorder) = inside.reactions {
+            arrows.extend(pins_at(&instrument, &run, &recorder.into_series(), row));
+        }
         let options = PoseOptions {
             labels: self.labels,
-            arrows: if self.forces { forces_at(&instrument, &run, row) } else { Vec::new() },
+            arrows,
+            changed,
             caption: Some(if row == 0 {
                 format!("{}, at rest", run.instrument)
             } else {

@@ -10,7 +10,7 @@ use super::out::OutOptions;
 use super::weigh::WeighOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::keyboard::{doubts, figure_svg, text, write_csv};
+use crate::keyboard::{doubts, figure_svg, pair, text, write_csv};
 use crate::progress::Progress;
 use crate::say;
 use crate::say::verbatim;
@@ -24,6 +24,8 @@ weights are measured, key by key, in a slow loop with the dampers lifted. Every 
 instrument: erard measure concert-grand:key=1 concert-grand:key=88. Every key is pressed once with a mezzo forte, too: the
 hammer's speed, and whether the press can be trusted, are columns of the table.
 
+Of two keyboards it writes keyboard-1.csv and keyboard-2.csv, difference.csv (the second less the first), keyboard.json with all three,
+keyboard.svg and keyboard.png with both in every panel, and keyboard.html: the figure, and a row for every key.
 
 With --weigh it works on a piano's own keys: writes weigh.html (the work list, to be printed), weigh.csv and weigh.json, and weigh.svg and
 weigh.png. From BW + FW = KR WW + R SW (Stanwood 1996) come each key's ratio, friction and inertia; strike weights and ratios are smoothed
@@ -34,9 +36,9 @@ of keys is checked in the dynamic model.";
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub struct Keyboard {
-    /// Keyboard: a TOML file, or the name of a built-in one
-    #[arg(value_name = "KEYBOARD", default_value = "concert-grand")]
-    keyboard: String,
+    /// Keyboard: a TOML file, or the name of a built-in one. Of two, the second is laid beside the first
+    #[arg(id = "keyboard", value_name = "KEYBOARD", default_value = "concert-grand", num_args = 1..=2)]
+    keyboards: Vec<String>,
     /// Weigh every so many keys, from the first to the last
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), allow_negative_numbers = true, conflicts_with = "key")]
     every: u8,
@@ -52,7 +54,11 @@ pub struct Keyboard {
 impl Keyboard {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
-        let keyboard = load_keyboard(&self.keyboard)?;
+        if let [first, second] = &self.keyboards[..] {
+            return self.pair([first, second]);
+        }
+        let [keyboard] = &self.keyboards[..] else { return Err(Failure::Internal("no keyboard".into())) };
+        let keyboard = load_keyboard(keyboard)?;
         if let Some(key) = self.key {
             let one = KeyboardKey { keyboard, key: usize::from(key) };
             verbatim(&format!("{}\n", one.text()?.trim_end_matches('\n')));
@@ -61,12 +67,7 @@ impl Keyboard {
         if let Some(path) = self.weigh.asked() {
             return self.weigh.run(path, &keyboard, &self.out);
         }
-        let mut numbers: Vec<usize> = (1..=KEYS).step_by(usize::from(self.every)).collect();
-        if numbers.last() != Some(&KEYS) {
-            numbers.push(KEYS);
-        }
-        let keys: Vec<(usize, Instrument)> =
-            numbers.into_iter().map(|key| Ok((key, keyboard.key(key)?))).collect::<Result<_, Failure>>()?;
+        let keys = self.keys(&keyboard)?;
         let mut output = self.out.prepare("keyboard", &["keyboard.csv", "keyboard.svg", "keyboard.png"])?;
         let mut progress = Progress::new("weighing");
         let weighed = weigh(&keys, &mut |share| progress.tell(share))
@@ -83,6 +84,52 @@ impl Keyboard {
         say!("{}", text(&weighed).trim_end_matches('\n'));
         for doubt in doubts(weighed.iter().map(|one| (one.key, &one.tried))) {
             tell!("warning: {doubt}");
+        }
+        say!();
+        for path in written {
+            say!("{}", shown(&path));
+        }
+        Ok(())
+    }
+
+    /// The keys that are weighed, with their numbers.
+    fn keys(&self, keyboard: &erard::keyboard::Keyboard) -> Result<Vec<(usize, Instrument)>, Failure> {
+        let mut numbers: Vec<usize> = (1..=KEYS).step_by(usize::from(self.every)).collect();
+        if numbers.last() != Some(&KEYS) {
+            numbers.push(KEYS);
+        }
+        numbers.into_iter().map(|key| Ok((key, keyboard.key(key)?))).collect()
+    }
+
+    /// Two keyboards beside each other.
+    fn pair(&self, asked: [&String; 2]) -> Result<(), Failure> {
+        if self.key.is_some() || self.weigh.asked().is_some() {
+            return Err(Failure::Usage("--key and --weigh take one keyboard; two are laid beside each other".into()));
+        }
+        let keyboards = [load_keyboard(asked[0])?, load_keyboard(asked[1])?];
+        let keys = [self.keys(&keyboards[0])?, self.keys(&keyboards[1])?];
+        let mut output = self.out.prepare("keyboard", &pair::FILES)?;
+        let mut progress = Progress::new("weighing");
+        let mut weighed = |which: usize| {
+            let mut tell = |share: f64| progress.tell(0.5 * (which as f64 + share));
+            weigh(&keys[which], &mut tell)
+                .map_err(|error| Failure::Measure { label: keyboards[which].name.clone(), error })
+        };
+        let weighed = [weighed(0)?, weighed(1)?];
+        drop(progress);
+        let mut names = pair::names([&keyboards[0].name, &keyboards[1].name]).into_iter();
+        let sides = weighed.map(|weighed| pair::Side { name: names.next().unwrap_or_default(), weighed });
+        pair::write(&sides, &mut output)?;
+        let written = output.commit()?;
+        say!("1: {}", sides[0].name);
+        say!("2: {}", sides[1].name);
+        say!("88 keys each, {} of them weighed", sides[0].weighed.len());
+        say!();
+        say!("{}", pair::text(&sides).trim_end_matches('\n'));
+        for side in &sides {
+            for doubt in doubts(side.weighed.iter().map(|one| (one.key, &one.tried))) {
+                tell!("warning: {}: {doubt}", side.name);
+            }
         }
         say!();
         for path in written {

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use erard::asked::{Asked, KEY};
-use erard::instrument::{Instrument, utf8};
+use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::simulation::{Setup, SimulationError};
 pub use erard::stroke::Stroke;
-use erard::stroke::{DrivingError, Prescribed, Series, Touch};
+use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
 use erard_workshop::measure::norms::{Line, lines};
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -18,6 +18,7 @@ use crate::identity;
 use crate::inputs;
 use crate::recordings::{Ready, RecordingOptions, told};
 use crate::tell;
+use erard_figures::drawing::ChangedNote;
 
 /// Which instrument.
 #[derive(Debug, Args)]
@@ -70,10 +71,30 @@ impl InstrumentOption {
         self.reduced(load_instrument(&self.instrument)?)
     }
 
+    /// The same, with what its pictures mark as changed.
+    pub fn load_noted(&self) -> Result<Noted, Failure> {
+        let Some(path) = instrument_path(&self.instrument) else {
+            return Ok(Noted { instrument: self.load()?, changed: Vec::new() });
+        };
+        let InstrumentFile { instrument, provenance, .. } = load_file(path)?.0;
+        let instrument = self.reduced(instrument)?;
+        let changed = ChangedNote::all(&instrument, &provenance.outlived_notes());
+        Ok(Noted { instrument, changed })
+    }
+
     /// A full instrument, reduced to the model that was asked for.
     pub fn reduced(&self, full: Instrument) -> Result<Instrument, Failure> {
         self.model.reduce(full)
     }
+}
+
+/// An instrument, and the numbers of its file whose notes speak of what they were.
+#[derive(Debug)]
+pub struct Noted {
+    /// The instrument.
+    pub instrument: Instrument,
+    /// The numbers; none in a built-in instrument, nor in a key of a keyboard, whose notes are written with its numbers.
+    pub changed: Vec<ChangedNote>,
 }
 
 /// One instrument, or two to be laid beside each other.
@@ -90,14 +111,14 @@ pub struct InstrumentsOption {
 
 impl InstrumentsOption {
     /// Loads the instrument, or both, reduced to the model that was asked for.
-    pub fn load(&self) -> Result<Vec<Instrument>, Failure> {
+    pub fn load(&self) -> Result<Vec<Noted>, Failure> {
         if self.instruments.len() > 2 {
             return Err(Failure::Usage(format!(
                 "--instrument is given {} times; expected one instrument, or two to be laid beside each other",
                 self.instruments.len()
             )));
         }
-        let one = |name: &String| InstrumentOption { instrument: name.clone(), model: self.model }.load();
+        let one = |name: &String| InstrumentOption { instrument: name.clone(), model: self.model }.load_noted();
         self.instruments.iter().map(one).collect()
     }
 }
@@ -108,21 +129,21 @@ pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
         return one.instrument();
     }
     match instrument_path(asked) {
-        Some(path) => Ok(load_file(path)?.0),
+        Some(path) => Ok(load_file(path)?.0.instrument),
         None => Ok(builtin_instrument(asked)?.0),
     }
 }
 
-/// An instrument and the text that it was read from.
-fn load_file(path: &Path) -> Result<(Instrument, String), Failure> {
+/// An instrument file and its text.
+fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
     let (name, bytes) = inputs::bytes(path)?;
     let text = utf8(&bytes, &name)?;
     if is_keyboard(text) {
         return Err(Failure::Usage(format!("{name}: this is a keyboard; name one of its keys, as in {name}{KEY}40")));
     }
-    let instrument = Instrument::parse(text, &name)?;
-    identity::used("instrument", &instrument.name, Some(&name), &bytes);
-    Ok((instrument, text.to_owned()))
+    let file = InstrumentFile::parse(text, &name)?;
+    identity::used("instrument", &file.instrument.name, Some(&name), &bytes);
+    Ok((file, text.to_owned()))
 }
 
 /// The same, with the text it was read from.
@@ -134,7 +155,8 @@ pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Fai
         let (instrument, text) = builtin_instrument(asked)?;
         return Ok((instrument, text.to_owned()));
     };
-    load_file(path)
+    let (file, text) = load_file(path)?;
+    Ok((file.instrument, text))
 }
 
 /// The path of an instrument file; `None` where a name is meant.
@@ -165,7 +187,7 @@ pub struct KeyboardKey {
 
 impl KeyboardKey {
     /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a keyboard.
-    fn asked(asked: &str) -> Result<Option<Self>, Failure> {
+    pub fn asked(asked: &str) -> Result<Option<Self>, Failure> {
         match Asked::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
             Asked::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
             _ => Ok(None),
@@ -304,7 +326,8 @@ impl From<DriveName> for Prescribed {
 
 impl StrokeOptions {
     /// The same touch and drive with another stroke: `pp` to `ff`, a constant force such as `3N`, or a file.
-    pub fn with(&self, other: &str) -> Self {
+    /// Of a file, `columns` are the titles, where they are given.
+    pub fn with(&self, other: &str, columns: Option<&Columns>) -> Self {
         let force = other.strip_suffix('N').and_then(|number| number.trim_end().parse().ok());
         let is_builtin = ["pp", "p", "mf", "f", "ff"].contains(&other);
         let is_file = force.is_none() && !is_builtin;
@@ -315,8 +338,15 @@ impl StrokeOptions {
             force_step: force,
             drive: self.drive,
             // They are a file's.
-            recording: if is_file { self.recording.clone() } else { RecordingOptions::none() },
+            recording: if is_file { self.recording.with_columns(columns) } else { RecordingOptions::none() },
         }
+    }
+
+    /// The first of two strokes: what is said of recordings belongs to the other where that alone is a file.
+    pub fn beside(&self, other: &Self) -> Self {
+        let own = self.file.is_some() || other.file.is_none();
+        let recording = if own { self.recording.clone() } else { RecordingOptions::none() };
+        StrokeOptions { file: self.file.clone(), stroke: self.stroke.clone(), recording, ..*self }
     }
 
     /// A constant force that is given otherwise: any stroke that is asked for contradicts it.

@@ -7,9 +7,9 @@ use erard::instrument::Instrument;
 use erard::player::{Hand, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::simulation::{Setup, simulate_hand, simulate_observed};
-use erard::stroke::Prescribed;
+use erard::stroke::{Columns, Prescribed};
 
-use super::options::{InstrumentsOption, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::failure::Failure;
@@ -22,7 +22,7 @@ use crate::summary::Summary;
 use crate::table;
 use crate::tell;
 use erard_figures::figure::{png_from_svg, run_svg};
-use erard_figures::page::page_html;
+use erard_figures::page::{Shown, page_html};
 
 /// Simulates one key press and shows what happened.
 #[derive(Debug, Args)]
@@ -32,6 +32,10 @@ pub struct Press {
     /// A second stroke, to be laid beside the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
     #[arg(long, value_name = "STROKE")]
     against: Option<String>,
+    /// The columns of the second stroke's file, as --columns those of the first [default: what --columns says; that belongs to the second
+    /// where the first is no file]
+    #[arg(long, value_name = "NAME=TITLE,..", requires = "against")]
+    against_columns: Option<Columns>,
     #[command(flatten)]
     instrument: InstrumentsOption,
     #[command(flatten)]
@@ -47,10 +51,10 @@ pub struct Press {
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Record what the pins carry (both components) and how the parts accelerate, too: more columns, and reactions.svg and reactions.png
-    #[arg(long, conflicts_with = "tolerance")]
+    #[arg(long)]
     reactions: bool,
     /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
-    #[arg(long, conflicts_with = "tolerance")]
+    #[arg(long)]
     losses: bool,
     /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle leads it along
     /// the stroke's motion; the force at the key is then what comes of it [default: 200]
@@ -79,7 +83,8 @@ impl Press {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
-        let stroke = self.stroke.load()?;
+        let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
+        let stroke = against.as_ref().map_or_else(|| self.stroke.load(), |other| self.stroke.beside(other).load())?;
         let instruments = self.instrument.load()?;
         let setup = |stroke: &Stroke| Setup {
             settings,
@@ -90,9 +95,11 @@ impl Press {
             ledger: true,
         };
         if self.against.is_some() || instruments.len() == 2 {
-            return self.pair(&instruments, stroke, setup);
+            return self.pair(&instruments, stroke, against, setup);
         }
-        let [instrument] = &instruments[..] else { return Err(Failure::Internal("no instrument".into())) };
+        let [Noted { instrument, changed }] = &instruments[..] else {
+            return Err(Failure::Internal("no instrument".into()));
+        };
         let setup = setup(&stroke);
         check(&setup)?;
         let mut output =
@@ -114,8 +121,9 @@ impl Press {
 
         let svg = run_svg(&run, &stroke.title);
         let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
-        let page = page_html(instrument, &run, &stroke.title, &summary.lines());
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
+        let shown_run = Shown { pins: &pins, changed, ..Shown::new(instrument, &run) };
+        let page = page_html(&shown_run, &stroke.title, &summary.lines());
         let more = inside::columns(&pins);
         output.stage("run.csv", |w| table::write_csv(&run, &more, w))?;
         output.stage("run.parquet", |w| table::write_parquet(&run, &more, w))?;
@@ -168,17 +176,18 @@ impl Press {
     /// Two instruments under one stroke, or one under two.
     fn pair(
         &self,
-        instruments: &[Instrument],
+        instruments: &[Noted],
         stroke: Stroke,
+        against: Option<StrokeOptions>,
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
-        let strokes = match (&self.against, instruments) {
+        let strokes = match (against, instruments) {
             (Some(_), [_, _]) => {
                 return Err(Failure::Usage(
                     "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
                 ));
             }
-            (Some(other), _) => vec![stroke, self.stroke.with(other).load()?],
+            (Some(other), _) => vec![stroke, other.load()?],
             (None, _) => vec![stroke],
         };
         if self.reactions || self.losses {
@@ -193,7 +202,7 @@ impl Press {
         let mut played = Vec::new();
         for index in 0..2 {
             let at = |count: usize| index.min(count - 1);
-            let (instrument, stroke, setup) =
+            let (Noted { instrument, changed }, stroke, setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
             let hand = self.hand()?;
@@ -204,7 +213,7 @@ impl Press {
             let drive = if hand.is_some() { "hand" } else { stroke.drive.name() };
             let names = [self.instrument.model.name(), drive, self.step.solver_name()];
             let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
-            played.push(Played { instrument, stroke: stroke.title.clone(), run, summary });
+            played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
         let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
         press_pair::write(&played, &mut output)?;
@@ -244,7 +253,8 @@ fn play_by_hand(instrument: &Instrument, hand: &Hand, stroke: &Stroke, setup: &S
     Ok(simulate_hand(instrument, hand, inputs.as_ref(), setup, &mut |share| progress.tell(share))?)
 }
 
-fn play_observed(
+/// A stroke simulated with something else that looks on.
+pub fn play_observed(
     instrument: &Instrument,
     stroke: &Stroke,
     setup: &Setup,

@@ -2,6 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::run::Run;
+use erard_figures::drawing::ChangedNote;
 use erard_figures::figure::{pair_svg, png_from_svg};
 use erard_figures::page::{Shown, SummaryTable, pair_html};
 use serde_json::{Map, Value, json};
@@ -21,6 +22,8 @@ pub const FILES: [&str; 8] =
 pub struct Played<'a> {
     /// What was played on.
     pub instrument: &'a Instrument,
+    /// Numbers of its file whose notes speak of what they were.
+    pub changed: &'a [ChangedNote],
     /// What was played.
     pub stroke: String,
     /// The run.
@@ -120,8 +123,8 @@ pub fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failur
     output.stage("run.png", |w| w.write_all(&png))?;
     let shown = [0, 1].map(|index| Shown {
         name: names[index].clone(),
-        instrument: played[index].instrument,
-        run: &played[index].run,
+        changed: played[index].changed,
+        ..Shown::new(played[index].instrument, &played[index].run)
     });
     let table = SummaryTable {
         heads: names.iter().cloned().chain(["difference".to_owned()]).collect(),

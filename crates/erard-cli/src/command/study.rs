@@ -10,8 +10,8 @@ use erard_workshop::measure::norms::Line;
 use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
 
 use super::options::{
-    InstrumentOption, Model, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text, load_keyboard,
-    measured_lines,
+    InstrumentOption, KeyboardKey, Model, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text,
+    load_keyboard, measured_lines,
 };
 use super::out::OutOptions;
 use crate::failure::Failure;
@@ -19,7 +19,7 @@ use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::chart_svg;
 use crate::say;
-use crate::study::{Axis, Row, Source, Target, chart, columns, doubts, lines};
+use crate::study::{Axis, GRADING, Row, Source, Target, chart, columns, doubts, lines};
 use crate::table;
 use crate::tell;
 use erard_figures::figure::png_from_svg;
@@ -29,7 +29,8 @@ const AFTER: &str = "\
 Screws are turned from where the file has them (mm, degrees or N mm); `body.hammer.mass`, `body.key.friction`,
 `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and `zone.check.friction` are multiplied by the values;
 `force` is a constant force from the start on. `key=1..88` plays the keys of a keyboard (--instrument names it). Any number of the file is
-varied by its path, in the file's unit: `body.hammer.mass_g=10..12:5`, `zone.capstan_heel.disc.center_mm.x=140,145`. A name that does not exist is answered with all that do. Of several --vary
+varied by its path, in the file's unit: `body.hammer.mass_g=10..12:5`, `zone.capstan_heel.disc.center_mm.x=140,145`. Beside keys, or on one key (--instrument concert-grand:key=88), a
+keyboard's own gradings are varied: `grading.hammer head=0..1:5` by how much of it there is, `grading.hammer head.88=-3g,-2g` at a point. A name that does not exist is answered with all that do. Of several --vary
 every combination is played, the last one fastest.
 
 Strokes that are alike but for numbers are simulated side by side in the lanes of the processor's vectors, and on all its
@@ -131,13 +132,22 @@ impl Study {
     /// What is varied: a keyboard where keys are, else an instrument.
     fn source(&self) -> Result<(Instrument, Source), Failure> {
         let asked = self.instrument.asked();
-        if self.vary.iter().any(|text| text.split('=').next().is_some_and(|name| name.trim() == "key")) {
+        let varies = |is_it: &dyn Fn(&str) -> bool| {
+            self.vary.iter().any(|text| text.split('=').next().is_some_and(|name| is_it(name.trim())))
+        };
+        if varies(&|name| name == "key") {
             let keyboard = load_keyboard(asked)?;
             let instrument = self.instrument.reduced(keyboard.key(keyboard.base_key)?)?;
             return Ok((
                 Instrument { name: keyboard.name.clone(), ..instrument },
-                Source::Keyboard(Box::new(keyboard)),
+                Source::Keyboard(Box::new(keyboard), None),
             ));
+        }
+        if varies(&|name| name.starts_with(GRADING))
+            && let Some(KeyboardKey { keyboard, key }) = KeyboardKey::asked(asked)?
+        {
+            let instrument = self.instrument.reduced(keyboard.key(key)?)?;
+            return Ok((instrument, Source::Keyboard(Box::new(keyboard), Some(key))));
         }
         let (instrument, text) = load_instrument_and_text(asked)?;
         Ok((self.instrument.reduced(instrument)?, Source::Text(text)))

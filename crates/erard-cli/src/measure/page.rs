@@ -1,5 +1,6 @@
 //! The sheets as one page that opens from disk and prints well: nothing is fetched, and there is no script.
 
+use erard_figures::drawing::at_night;
 use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::norms::{GROUPS, Line};
 use erard_workshop::measure::range::MIDI_MAP;
@@ -40,7 +41,8 @@ pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn], headed
                     }
                     @for one in measured { (flags(one, measured.len() > 1)) }
                     h2 { "Pictures" }
-                    @for drawn in drawings.iter().chain(figures) { (picture(drawn)) }
+                    @for drawn in drawings { (picture(drawn, None, &at_night(&drawn.svg))) }
+                    @for drawn in figures { (picture(drawn, Some("plot"), &drawn.svg)) }
                     (table(measured, lengths))
                     @for one in measured { (timing(one, measured.len() > 1)) }
                 }
@@ -122,10 +124,10 @@ fn row(line: &Line, measured: &[Measured], lengths: Lengths) -> Markup {
 }
 
 /// A picture as data: in a document of its own its names cannot clash with another's.
-fn picture(drawn: &Drawn) -> Markup {
-    let data = STANDARD.encode(drawn.svg.as_bytes());
+fn picture(drawn: &Drawn, class: Option<&str>, svg: &str) -> Markup {
+    let data = STANDARD.encode(svg.as_bytes());
     html! {
-        figure {
+        figure class=[class] {
             img alt=(drawn.alt) src={ "data:image/svg+xml;base64," (data) };
             figcaption { (drawn.alt) }
         }

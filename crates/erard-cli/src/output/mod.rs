@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
-use crate::{answer, identity};
+use crate::{answer, identity, table};
 pub use mark::Mark;
 use stage::Stage;
 pub use stage::clear as clear_stages;
@@ -63,7 +63,8 @@ impl Output {
             return Err(refused(std::io::Error::other("this is a file")));
         }
         let place = Place { folder, command, force };
-        place.check(&certain.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())?;
+        let tables = certain.iter().filter(|name| name.ends_with(TABLE)).map(|name| beside(name));
+        place.check(&certain.iter().map(|name| (*name).to_owned()).chain(tables).collect::<Vec<_>>())?;
         let stage = if place.is_whole() || !folder.exists() {
             // Where nothing can be made beside the folder, there may be room within it.
             match Stage::beside(folder) {
@@ -76,7 +77,8 @@ impl Output {
         Ok(Output { folder: folder.to_path_buf(), command, force, names: Vec::new(), stage: stage.map_err(refused)? })
     }
 
-    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that ([`identity::stamped`]).
+    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that ([`identity::stamped`]). A CSV cannot:
+    /// what made it, and the units of its columns, stand beside it.
     ///
     /// # Errors
     /// [`Failure::Write`].
@@ -85,6 +87,18 @@ impl Output {
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<(), Failure> {
+        self.put(name, write)?;
+        if !name.ends_with(TABLE) {
+            return Ok(());
+        }
+        let titles =
+            csv::Reader::from_path(self.stage.results().join(name)).and_then(|mut table| table.headers().cloned());
+        let titles = titles.map_err(|error| Failure::write(&self.folder.join(name), std::io::Error::other(error)))?;
+        let metadata = table::metadata(name, titles.iter());
+        self.put(&beside(name), |w| w.write_all(metadata.as_bytes()))
+    }
+
+    fn put(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), Failure> {
         let refused = |source| Failure::write(&self.folder.join(name), source);
         let file = fs::File::create_new(self.stage.results().join(name)).map_err(refused)?;
         let mut writer = std::io::BufWriter::new(file);
@@ -103,7 +117,7 @@ impl Output {
         Ok(())
     }
 
-    /// Gives all files their names; returns them.
+    /// Gives all files their names; returns those that were asked for: what stands beside a table is not named to people.
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Usage`] where something has come to stand in the way. Either leaves the folder as it was.
@@ -135,10 +149,26 @@ impl Output {
                 .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
         }
         self.stage.keep_parents();
-        let written: Vec<PathBuf> = self.names.iter().map(|name| folder.join(name)).collect();
-        answer::written(&written);
-        Ok(written)
+        let written =
+            |names: &mut dyn Iterator<Item = &String>| names.map(|name| folder.join(name)).collect::<Vec<_>>();
+        answer::written(&written(&mut self.names.iter()));
+        Ok(written(&mut self.names.iter().filter(|name| !is_beside_a_table(name))))
     }
+}
+
+/// How the name of a table in text ends, and what is put behind it for its metadata: where the W3C's "Metadata Vocabulary for Tabular Data" has
+/// programs look for them.
+const TABLE: &str = ".csv";
+const METADATA: &str = "-metadata.json";
+
+/// Name of the metadata of a table.
+fn beside(table: &str) -> String {
+    format!("{table}{METADATA}")
+}
+
+/// Whether a name is that of a table's metadata.
+pub fn is_beside_a_table(name: &str) -> bool {
+    name.strip_suffix(METADATA).is_some_and(|table| table.ends_with(TABLE))
 }
 
 /// A folder and who wants to write into it.

@@ -6,4 +6,4 @@ mod vary;
 
 pub use figure::chart;
 pub use table::{Row, columns, doubts, lines};
-pub use vary::{Axis, Source, Target};
+pub use vary::{Axis, GRADING, Source, Target};

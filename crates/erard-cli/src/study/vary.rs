@@ -1,7 +1,7 @@
 //! `--vary let_off=-1mm..1mm:41`: what is varied, from where to where, in how many steps.
 
 use erard::instrument::{Instrument, numbers_at, with_numbers};
-use erard::keyboard::{KEYS, Keyboard};
+use erard::keyboard::{Between, Graded, KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::regulate::screw_unit;
 use erard_workshop::study::Parameter;
@@ -17,6 +17,8 @@ pub enum Target {
     Key,
     /// A number of the instrument's file: its path, and which of the numbers there.
     Number(String, usize),
+    /// A grading of the keyboard's file: its place there, and which of its points; `None`: the whole, times a factor.
+    Grading(usize, Option<usize>),
 }
 
 /// What is varied, as it was read.
@@ -24,8 +26,8 @@ pub enum Target {
 pub enum Source {
     /// An instrument's text.
     Text(String),
-    /// A keyboard, whose keys are varied.
-    Keyboard(Box<Keyboard>),
+    /// A keyboard, and the key that is played where keys are not varied (`None`: its own instrument's).
+    Keyboard(Box<Keyboard>, Option<usize>),
 }
 
 impl Source {
@@ -33,7 +35,31 @@ impl Source {
     fn text(&self, key: Option<usize>) -> String {
         match self {
             Source::Text(text) => text.clone(),
-            Source::Keyboard(keyboard) => keyboard.key_text(key.unwrap_or(keyboard.base_key)),
+            Source::Keyboard(keyboard, own) => keyboard.key_text(key.or(*own).unwrap_or(keyboard.base_key)),
+        }
+    }
+
+    /// The text with the keyboard's gradings varied.
+    fn graded(&self, key: Option<usize>, gradings: &[(usize, Option<usize>, f64)]) -> String {
+        match self {
+            Source::Keyboard(keyboard, own) if !gradings.is_empty() => {
+                let mut keyboard = keyboard.clone();
+                for &(index, point, value) in gradings {
+                    let curve = &mut keyboard.gradings[index].curve;
+                    let between = curve.between;
+                    for (at, one) in curve.points.iter_mut().enumerate() {
+                        match (point, between) {
+                            (Some(point), _) if point == at => one.value = value,
+                            (Some(_), _) => {}
+                            // Times a factor is what it differs by: a mass or a way from 0, a ratio by its logarithm from 1.
+                            (None, Between::Linear) => one.value *= value,
+                            (None, Between::Logarithmic) => one.value = one.value.powf(value),
+                        }
+                    }
+                }
+                keyboard.key_text(key.or(*own).unwrap_or(keyboard.base_key))
+            }
+            _ => self.text(key),
         }
     }
 
@@ -50,15 +76,21 @@ impl Source {
                 _ => None,
             })
             .collect();
-        if key.is_none() && changes.is_empty() {
+        let gradings: Vec<(usize, Option<usize>, f64)> = each()
+            .filter_map(|(axis, &i)| match axis.target {
+                Target::Grading(index, point) => Some((index, point, axis.shown[i])),
+                _ => None,
+            })
+            .collect();
+        if key.is_none() && changes.is_empty() && gradings.is_empty() {
             return None;
         }
         let name = match key {
             Some(key) => format!("key {key}"),
             None => "the varied instrument".to_owned(),
         };
-        let text =
-            with_numbers(&self.text(key), &changes).ok_or_else(|| "a number that is varied is not there".to_owned());
+        let text = with_numbers(&self.graded(key, &gradings), &changes)
+            .ok_or_else(|| "a number that is varied is not there".to_owned());
         Some(text.and_then(|text| Instrument::parse(&text, &name).map_err(|error| error.to_string())))
     }
 }
@@ -83,6 +115,8 @@ const FORCE: &str = "force";
 /// Most degrees that a screw turns a curve.
 const MOST_TURNED_DEG: f64 = 90.0;
 const KEY: &str = "key";
+/// What the name of a grading of a keyboard begins with.
+pub const GRADING: &str = "grading.";
 /// Most values of one axis.
 const MOST: usize = 100_000;
 
@@ -101,6 +135,9 @@ impl Axis {
         }
         let (target, per_si, unit, suffixes): (Target, f64, &str, &[&str]) = if name == FORCE {
             (Target::Force, 1.0, "N", &["N"])
+        } else if let Some(grading) = name.strip_prefix(GRADING) {
+            let (target, unit) = grading_of(grading, source)?;
+            (target, 1.0, unit, if unit == "g" { &["g"] } else { &["mm"] })
         } else if let Some(number) = number_of(name, source) {
             (number, 1.0, "", &[])
         } else {
@@ -108,7 +145,7 @@ impl Axis {
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
                 let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
                 return Err(format!(
-                    "`{name}` is nothing that can be varied here; expected {FORCE}, {}, {KEY} (of a keyboard), or the path of a number in \
+                    "`{name}` is nothing that can be varied here; expected {FORCE}, {}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in \
                      the file, as in `body.hammer.mass_g` or `zone.string.disc.center_mm.x`",
                     known.join(", ")
                 ));
@@ -219,7 +256,7 @@ impl Axis {
         match &self.target {
             Target::Force => shown.abs() <= MAX_FORCE_N,
             // The reader of the file knows what can be.
-            Target::Key | Target::Number(..) => true,
+            Target::Key | Target::Number(..) | Target::Grading(..) => true,
             Target::Parameter(parameter) => {
                 let [least, most] = parameter.range();
                 (least * self.per_si..=most * self.per_si).contains(&shown)
@@ -230,12 +267,51 @@ impl Axis {
     fn allowed(&self) -> String {
         match &self.target {
             Target::Force => format!("at most {MAX_FORCE_N} N"),
-            Target::Key | Target::Number(..) => "a number".into(),
+            Target::Key | Target::Number(..) | Target::Grading(..) => "a number".into(),
             Target::Parameter(parameter) if parameter.is_factor() => "a factor from 0.001 to 1000".into(),
             Target::Parameter(_) if self.unit == "degrees" => format!("at most {MOST_TURNED_DEG} degrees either way"),
             Target::Parameter(_) => format!("at most {} {}", 0.1 * self.per_si, self.unit),
         }
     }
+}
+
+/// A grading of a keyboard by its name: the whole; with `.` and the number of a key behind it, its point there.
+fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), String> {
+    let Source::Keyboard(keyboard, _) = source else {
+        return Err(format!(
+            "`{GRADING}{name}`: gradings belong to a keyboard; expected one as the instrument, with {KEY} varied or as in `concert-grand:key=88`"
+        ));
+    };
+    let place = |name: &str| keyboard.gradings.iter().position(|grading| grading.name == name);
+    if let Some(index) = place(name) {
+        return Ok((Target::Grading(index, None), ""));
+    }
+    let point = name.rsplit_once('.').and_then(|(grading, key)| Some((place(grading)?, key)));
+    let Some((index, key)) = point else {
+        let known: Vec<&str> = keyboard.gradings.iter().map(|grading| grading.name.as_str()).collect();
+        return Err(format!(
+            "`{GRADING}{name}`: the keyboard grades nothing of that name; expected one of `{}`, and behind it `.` and a key for one point",
+            known.join("`, `")
+        ));
+    };
+    let grading = &keyboard.gradings[index];
+    let keys = || grading.curve.points.iter().map(|point| point.key);
+    let at = keys().position(|own| own.to_string() == key && own != keyboard.base_key);
+    let Some(at) = at else {
+        let known: Vec<String> = keys().filter(|key| *key != keyboard.base_key).map(|key| key.to_string()).collect();
+        return Err(format!(
+            "`{GRADING}{name}`: `{}` has no point at key `{key}` that can be varied; expected one of {} (key {} is the instrument's own)",
+            grading.name,
+            known.join(", "),
+            keyboard.base_key
+        ));
+    };
+    let unit = match grading.graded {
+        Graded::AddedMass { .. } => "g",
+        Graded::Factor { .. } => "",
+        Graded::Shift { .. } => "mm",
+    };
+    Ok((Target::Grading(index, Some(at)), unit))
 }
 
 /// A number of the file by its path; of two (a point), by `.x` or `.y` behind it.
@@ -261,7 +337,7 @@ mod tests {
     /// Keys, numbers of the file and coordinates are read, and make the instruments that they say.
     #[test]
     fn keys_and_numbers_are_varied() {
-        let keyboard = Source::Keyboard(Box::new(Keyboard::builtin("concert-grand").unwrap()));
+        let keyboard = Source::Keyboard(Box::new(Keyboard::builtin("concert-grand").unwrap()), None);
         let keys = Axis::parse("key=1..88:4", &grand(), &keyboard).unwrap();
         assert_eq!((keys.shown.as_slice(), keys.column().as_str()), (&[1.0, 30.0, 59.0, 88.0][..], "key"));
         assert_eq!(Axis::parse("key=1..88", &grand(), &keyboard).unwrap().shown.len(), 88);
@@ -279,6 +355,44 @@ mod tests {
         // What cannot be is said by the reader of such a file.
         let axes = [Axis::parse("body.hammer.mass_g=-3,1", &grand(), &read()).unwrap()];
         assert!(read().instrument(&axes, &[0]).unwrap().unwrap_err().contains("mass_g"));
+    }
+
+    /// A grading as a whole and at one of its points makes the keys that it says; a keyboard's own key stays its instrument.
+    #[test]
+    fn gradings_are_varied() {
+        let keyboard = Keyboard::builtin("concert-grand").unwrap();
+        let index = keyboard
+            .gradings
+            .iter()
+            .position(|g| matches!(g.graded, Graded::AddedMass { ref body, .. } if body == "hammer"));
+        let grading = keyboard.gradings[index.unwrap()].clone();
+        let last = grading.curve.points.last().unwrap().clone();
+        let mass = |instrument: &Instrument| {
+            instrument.bodies.iter().find(|body| body.name == "hammer").unwrap().mass_kg * 1e3
+        };
+        let source = Source::Keyboard(Box::new(keyboard.clone()), Some(last.key));
+        let own = mass(&keyboard.key(keyboard.base_key).unwrap());
+        let whole = Axis::parse(&format!("grading.{}=0,0.5,1", grading.name), &grand(), &source).unwrap();
+        assert_eq!(whole.column(), format!("grading.{}_factor", grading.name));
+        let axes = [whole];
+        for (i, factor) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let key = source.instrument(&axes, &[i]).unwrap().unwrap();
+            assert!((mass(&key) - own - factor * last.value).abs() < 1e-5, "{factor}: {}", mass(&key));
+        }
+        let point = Axis::parse(&format!("grading.{}.{}=-1g,-2", grading.name, last.key), &grand(), &source).unwrap();
+        assert_eq!(point.column(), format!("grading.{}.{}_g", grading.name, last.key));
+        let axes = [Axis::parse(&format!("key={},{}", keyboard.base_key, last.key), &grand(), &source).unwrap(), point];
+        assert!((mass(&source.instrument(&axes, &[1, 1]).unwrap().unwrap()) - own + 2.0).abs() < 1e-5);
+        assert!((mass(&source.instrument(&axes, &[0, 1]).unwrap().unwrap()) - own).abs() < 1e-9);
+        for (wrong, source, told) in [
+            ("grading.nothing=1,2", &source, "grades nothing of that name"),
+            (&format!("grading.{}.2=1,2", grading.name)[..], &source, "no point at key `2`"),
+            (&format!("grading.{}.{}=1,2", grading.name, keyboard.base_key), &source, "the instrument's own"),
+            (&format!("grading.{}=1,2", grading.name), &read(), "gradings belong to a keyboard"),
+        ] {
+            let error = Axis::parse(wrong, &grand(), source).unwrap_err();
+            assert!(error.contains(told), "{wrong}: {error}");
+        }
     }
 
     fn grand() -> Instrument {

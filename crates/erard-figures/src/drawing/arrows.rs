@@ -13,6 +13,8 @@ pub enum ArrowKind {
     Contact,
     /// The finger's.
     Finger,
+    /// What a pin does to the body that turns about it.
+    Pin,
 }
 
 impl ArrowKind {
@@ -21,6 +23,7 @@ impl ArrowKind {
         match self {
             ArrowKind::Contact => "contact",
             ArrowKind::Finger => "touch",
+            ArrowKind::Pin => "pin",
         }
     }
 }

@@ -4,6 +4,7 @@ use super::arrows::{Arrow, ArrowKind};
 use super::pose::placements;
 use erard::grand::KEY_DOWN;
 use erard::instrument::Instrument;
+use erard::player::PinSeries;
 use erard::run::Run;
 
 /// Which way a zone's arrow points: +1 along the normal (the push on side A), -1 against it (the push on side B).
@@ -41,6 +42,24 @@ pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Arrow>
         Some(Arrow { kind: ArrowKind::Contact, point_m: [x, y], direction: [sign * nx, sign * ny], force_n })
     });
     finger.into_iter().chain(contacts).collect()
+}
+
+/// What the pins do to the bodies that turn about them, in one frame of a run.
+pub fn pins_at(instrument: &Instrument, run: &Run, pins: &[PinSeries], frame: usize) -> Vec<Arrow> {
+    let placed = placements(instrument, &angles_at(run, frame));
+    let unseen = super::drawing(instrument).unseen;
+    let arrow = |(body, pin): (usize, &PinSeries)| {
+        let [x, y] = [*pin.pin_x_n.get(frame)?, *pin.pin_y_n.get(frame)?];
+        let force_n = x.hypot(y);
+        let is_seen = body < placed.len() && !unseen.contains(&body) && force_n.is_finite() && force_n > 0.0;
+        is_seen.then(|| Arrow {
+            kind: ArrowKind::Pin,
+            point_m: placed[body].pivot_m,
+            direction: [x / force_n, y / force_n],
+            force_n,
+        })
+    };
+    pins.iter().enumerate().filter_map(arrow).collect()
 }
 
 /// The absolute angles of all bodies in one frame of a run, in the instrument's order.

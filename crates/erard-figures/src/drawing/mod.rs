@@ -5,6 +5,7 @@
 
 mod anchor;
 mod arrows;
+mod changed;
 mod fallback;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -18,7 +19,8 @@ mod piece;
 mod pose;
 
 pub use arrows::{Arrow, ArrowKind, arrows};
-pub use force::{ARROW, ArrowLaw, angles_at, arrow_sign, force_label, forces_at};
+pub use changed::{ChangedNote, changed_marks};
+pub use force::{ARROW, ArrowLaw, angles_at, arrow_sign, force_label, forces_at, pins_at};
 pub(crate) use labels::named_points;
 pub use material::{Finish, Paint, gradients, paint};
 pub use outline::{path, transform};
@@ -42,13 +44,15 @@ pub struct PoseOptions {
     pub labels: bool,
     /// Forces to draw.
     pub arrows: Vec<Arrow>,
+    /// Numbers whose notes speak of what they were: marked, and told below the picture.
+    pub changed: Vec<ChangedNote>,
     /// A line below the picture, e.g. the instrument's name and the time.
     pub caption: Option<String>,
 }
 
 impl Default for PoseOptions {
     fn default() -> Self {
-        Self { size_px: 1400.0, labels: false, arrows: Vec::new(), caption: None }
+        Self { size_px: 1400.0, labels: false, arrows: Vec::new(), changed: Vec::new(), caption: None }
     }
 }
 
@@ -107,6 +111,11 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
     if options.caption.is_some() {
         bottom += 12.0;
     }
+    let told = changed::lines(&options.changed, right - left - 12.0);
+    let told_y = bottom + changed::SIZE;
+    if !told.is_empty() {
+        bottom += changed::LINE * told.len() as f64 + 5.0;
+    }
     let (width, height) = (right - left, bottom - top);
     let pixels = options.size_px / width.max(height);
     let mut out = format!(
@@ -127,6 +136,7 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
         number(height),
     );
     out.push_str(&shapes(&drawing, &placed));
+    out.push_str(&changed_marks(instrument, &options.changed, &placed));
     out.push_str(&arrows(&options.arrows));
     if options.labels {
         out.push_str(&labels::labels(&drawing.pieces, &placed, bounds));
@@ -140,9 +150,28 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
             escape(caption)
         );
     }
+    for (index, line) in told.iter().enumerate() {
+        let _ = write!(
+            out,
+            "<text class=\"changed-note\" x=\"{}\" y=\"{}\">{}</text>",
+            number(left + 6.0),
+            number(told_y + changed::LINE * index as f64),
+            escape(line)
+        );
+    }
     out.push_str("</svg>\n");
     out
 }
+
+/// A picture for a page that may be dark: where the page is, its paper is dark and its words are light, as in the page of a run; the parts keep
+/// their colours.
+#[must_use]
+pub fn at_night(svg: &str) -> String {
+    svg.replacen("</style>", &format!("{NIGHT}</style>"), 1)
+}
+
+const NIGHT: &str = "@media (prefers-color-scheme:dark){.paper{fill:#26272b}.label,.caption{fill:#e9e6e0}.leader{stroke:#a8a39a}\
+.leader-end{fill:#a8a39a}.newton{fill:#fff;stroke:#1b1214}.changed-note{fill:#ff8a7d}}";
 
 /// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with `data-point` it follows
 /// that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without turning, with `data-guided` up and down only.
@@ -175,7 +204,7 @@ pub fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
     out
 }
 
-fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
+pub(super) fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
     let Some(body) = carrier.body() else { return String::new() };
     let mut out = format!(" data-body=\"{body}\"");
     if let Carrier::Point { point_m, drawn_m, is_guided, .. } = carrier {

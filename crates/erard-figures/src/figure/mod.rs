@@ -20,7 +20,7 @@ mod ticks;
 pub use axis::Scale;
 pub use decimate::decimate;
 pub(crate) use pair::paired_zones;
-pub use pair::{pair_figure, pair_svg};
+pub use pair::{COINCIDE, pair_figure, pair_svg};
 #[cfg(feature = "png")]
 pub use png::{PngError, png_from_svg};
 pub use run::{events, instants, run_figure, run_svg, windows};

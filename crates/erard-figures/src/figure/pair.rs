@@ -7,7 +7,7 @@ use erard::run::Run;
 use std::borrow::Cow;
 
 /// Two curves whose largest difference is below this share of what they span are taken to coincide.
-const COINCIDE: f64 = 0.1;
+pub const COINCIDE: f64 = 0.1;
 /// How a curve of the first and of the second run is drawn.
 const DASHES: [Dash; 2] = [Dash::Solid, Dash::Dashed];
 

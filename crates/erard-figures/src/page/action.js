@@ -14,6 +14,7 @@ const pair = (text) => text.split(" ").map(Number);
 data.actions.forEach((action, index) => {
   action.group = picture.querySelector(`[data-action="${index}"]`);
   action.pieces = [...action.group.querySelectorAll(".parts > path")];
+  action.layers = { forces: element("g", {}, $("forces")), numbers: element("g", {}, $("numbers")) };
   action.moving = [...action.group.querySelectorAll("[data-body]")].map((element) => {
     const { body, point, drawn, guided } = element.dataset;
     return { element, body: +body, point: point && pair(point), drawn: drawn && pair(drawn), guided: guided !== undefined };
@@ -49,9 +50,9 @@ const pose = (where) => {
 // class is its kind, and `at` says where it acts, which way and how much, or nothing).
 const arrows = [];
 const arrow = (action, kind, at) => {
-  const group = $("forces"), tint = data.actions.length > 1 ? ` a${action}` : "";
-  const path = element("path", { class: `arrow ${kind}${tint}` }, group);
-  const text = element("text", { class: `newton ${kind}${tint}`, "text-anchor": "middle" }, $("numbers"));
+  const { forces, numbers } = data.actions[action].layers, tint = data.actions.length > 1 ? ` a${action}` : "";
+  const path = element("path", { class: `arrow ${kind}${tint}` }, forces);
+  const text = element("text", { class: `newton ${kind}${tint}`, "text-anchor": "middle" }, numbers);
   arrows.push({ action: data.actions[action], path, text, at });
 };
 data.actions.forEach((action, index) => {
@@ -74,6 +75,20 @@ data.actions.forEach((action, index) => {
     });
   });
 });
+
+// What a pin does to the body that turns about it.
+const pinForces = $("pin-forces");
+data.actions.forEach((action, index) => {
+  for (const { body, x, y } of action.pins) {
+    arrow(index, "pin", (where) => {
+      const along = mix(x, where), up = mix(y, where), force = Math.hypot(along, up);
+      if (!pinForces.checked || !(force > 0)) return null;
+      const on = action.placed[body];
+      return { x: on.x, y: on.y, ux: along / force, uy: -up / force, force };
+    });
+  }
+});
+pinForces?.addEventListener("change", () => show());
 
 // Whether a line, with some room, crosses a box [left, top, right, bottom]: Liang and Barsky's clipping.
 const crosses = ([from, to], box, room) => {
@@ -111,6 +126,9 @@ const freePlace = ([from, tip], wide, tall, shafts, taken) => {
 const push = (where) => {
   const law = data.arrow, on = $("arrows").checked;
   const shown = [];
+  // Side by side, an action's numbers keep clear of its own arrows only.
+  const together = isBeside() ? data.actions.map(() => ({ shafts: [], taken: [] })) : [{ shafts: [], taken: [] }];
+  const of = (action) => together[Math.min(data.actions.indexOf(action), together.length - 1)];
   for (const { action, path, text, at } of arrows) {
     const force = on && !action.group.hasAttribute("hidden") ? at(where) : null;
     const visible = force !== null && force.force >= law.drawn;
@@ -122,10 +140,12 @@ const push = (where) => {
     const neck = length - 4, half = 1.9;
     const point = (along, across) => `${(x + ux * along - uy * across).toFixed(2)} ${(y + uy * along + ux * across).toFixed(2)}`;
     path.setAttribute("d", `M${point(0, 0)}L${point(neck, 0)}M${point(length, 0)}L${point(neck, half)}L${point(neck, -half)}Z`);
-    shown.push({ text, force: force.force, shaft: [[x, y], [x + ux * length, y + uy * length]] });
+    const shaft = [[x, y], [x + ux * length, y + uy * length]];
+    of(action).shafts.push(shaft);
+    shown.push({ action, text, force: force.force, shaft });
   }
-  const shafts = shown.map(({ shaft }) => shaft), taken = [];
-  for (const { text, force, shaft } of shown) {
+  for (const { action, text, force, shaft } of shown) {
+    const { shafts, taken } = of(action);
     if (force < law.labelled) continue;
     const label = newtons(force);
     const place = freePlace(shaft, 7.6 * label.length * pixel, 13 * pixel, shafts, taken);
@@ -148,14 +168,50 @@ data.actions.forEach((action, index) => {
   });
 });
 
-// The view: [left, top, width, height] in millimetres of the picture.
+// The view: [left, top, width, height] in millimetres of the picture. Two actions side by side are seen in the same view each, in halves of
+// the picture: the second, with all that belongs to it, is moved aside or below, as the picture has room, and both are cut at its edges.
 const box = (view) => [view[0], view[1], view[2] - view[0], view[3] - view[1]];
 let view = box(data.views.whole);
+const sideBySide = $("beside");
+const isBeside = () => sideBySide !== null && sideBySide.checked;
+const cut = element("rect", {}, element("clipPath", { id: "half" }, picture.querySelector("defs")));
+const titles = sideBySide ? data.actions.map(({ name }, index) => {
+  const title = element("text", { class: `whose newton a${index}` }, picture);
+  title.textContent = name;
+  return title;
+}) : [];
+let apart = [0, 0];
+const halve = () => {
+  const [left, top, wide, tall] = view, beside = isBeside(), frame = picture.getBoundingClientRect();
+  const across = Math.min(frame.width / (2 * wide), frame.height / tall), down = Math.min(frame.width / wide, frame.height / (2 * tall));
+  apart = !beside ? [0, 0] : across >= down ? [1.03 * wide, 0] : [0, 1.03 * tall];
+  picture.setAttribute("viewBox", [left, top, wide + apart[0], tall + apart[1]].map((v) => v.toFixed(3)).join(" "));
+  picture.classList.toggle("beside", beside);
+  const edges = { x: left, y: top, width: wide, height: tall };
+  for (const [name, value] of Object.entries(edges)) cut.setAttribute(name, value.toFixed(3));
+  data.actions.forEach(({ group, layers }, index) => {
+    for (const layer of [group, layers.forces, layers.numbers]) {
+      if (index > 0) layer.setAttribute("transform", `translate(${apart[0].toFixed(3)} ${apart[1].toFixed(3)})`);
+      if (beside) layer.setAttribute("clip-path", "url(#half)");
+      else layer.removeAttribute("clip-path");
+    }
+  });
+  // A clip-path that cuts at the first action's edges cuts its names, too.
+  if (beside) $("names").setAttribute("clip-path", "url(#half)");
+  else $("names").removeAttribute("clip-path");
+  measure();
+  titles.forEach((title, index) => {
+    title.style.display = beside ? "" : "none";
+    title.setAttribute("x", (left + index * apart[0] + 4 * pixel).toFixed(2));
+    title.setAttribute("y", (top + index * apart[1] + 15 * pixel).toFixed(2));
+  });
+};
+sideBySide?.addEventListener("change", () => look(view));
 const look = (to) => {
   const widest = 3 * box(data.views.whole)[2];
   if (!(to[2] > 5 && to[2] < widest)) return;
   view = to;
-  picture.setAttribute("viewBox", view.map((v) => v.toFixed(3)).join(" "));
+  halve();
   measure();
   show();
   remember();
@@ -171,13 +227,17 @@ const measure = () => {
 const zoom = (factor, x, y) =>
   look([x + (view[0] - x) * factor, y + (view[1] - y) * factor, view[2] * factor, view[3] * factor]);
 const zoomMiddle = (factor) => zoom(factor, view[0] + view[2] / 2, view[1] + view[3] / 2);
-const inPicture = (event) => {
+// Where the mouse or a finger is, in the view of the half that it is in, or was put down in.
+const halfOf = ([x, y]) => (isBeside() && (apart[0] ? x > view[0] + 1.015 * view[2] : y > view[1] + 1.015 * view[3]) ? 1 : 0);
+const inPicture = (event, half) => {
   const matrix = picture.getScreenCTM().inverse();
-  return [matrix.a * event.clientX + matrix.e, matrix.d * event.clientY + matrix.f];
+  const at = [matrix.a * event.clientX + matrix.e, matrix.d * event.clientY + matrix.f];
+  half ??= halfOf(at);
+  return [at[0] - half * apart[0], at[1] - half * apart[1], half];
 };
 picture.addEventListener("wheel", (event) => {
   event.preventDefault();
-  zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...inPicture(event));
+  zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...inPicture(event).slice(0, 2));
 }, { passive: false });
 // One finger or the mouse moves the picture, two fingers zoom it: the points under them stay under them.
 const fingers = new Map();
@@ -189,12 +249,12 @@ picture.addEventListener("pointerdown", (event) => {
 picture.addEventListener("pointermove", (event) => {
   const from = fingers.get(event.pointerId);
   if (!from) return;
-  const to = inPicture(event);
+  const to = inPicture(event, from[2]);
   const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
   if (other) {
-    const apart = (at) => Math.hypot(at[0] - other[0], at[1] - other[1]);
-    zoom(Math.min(Math.max(apart(from) / Math.max(apart(to), 1e-3), 0.5), 2), ...other);
-    fingers.set(event.pointerId, inPicture(event));
+    const spread = (at) => Math.hypot(at[0] - other[0], at[1] - other[1]);
+    zoom(Math.min(Math.max(spread(from) / Math.max(spread(to), 1e-3), 0.5), 2), ...other.slice(0, 2));
+    fingers.set(event.pointerId, inPicture(event, from[2]));
   } else look([view[0] + from[0] - to[0], view[1] + from[1] - to[1], view[2], view[3]]);
 });
 for (const over of ["pointerup", "pointercancel"]) {

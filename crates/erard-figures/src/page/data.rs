@@ -107,6 +107,15 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
             contacts(zone, frames, sign, unseen)
         })
         .collect();
+    let pins: Vec<Value> = shown
+        .pins
+        .iter()
+        .enumerate()
+        .filter(|(body, _)| *body < bodies.len() && !drawing.unseen.contains(body))
+        .map(|(body, pin)| {
+            json!({"body": body, "label": pin.name, "x": frames.of(&pin.pin_x_n), "y": frames.of(&pin.pin_y_n)})
+        })
+        .collect();
     let press =
         instrument.roles.key.map(|body| json!({"body": body, "point": instrument.roles.key_front_m.map(|c| c * MM)}));
     // An outline that encloses nothing is not written into the picture.
@@ -125,6 +134,7 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
         "zones": zones,
         "force": frames.of(&run.force_n),
         "press": press,
+        "pins": pins,
         "labels": labels,
     })
 }

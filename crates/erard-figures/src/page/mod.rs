@@ -6,10 +6,11 @@
 mod data;
 mod frames;
 
-use crate::drawing::{self, Drawing, Piece, gradients, placements, shapes};
+use crate::drawing::{self, ChangedNote, Drawing, Piece, changed_marks, gradients, placements, shapes};
 use crate::figure::{self, Figure};
 use crate::svg::{escape, number};
 use erard::instrument::Instrument;
+use erard::player::PinSeries;
 use erard::run::Run;
 use std::fmt::Write;
 
@@ -35,6 +36,18 @@ pub struct Shown<'a> {
     pub instrument: &'a Instrument,
     /// The run.
     pub run: &'a Run,
+    /// What its pins carry, body by body, where that was recorded: arrows at the pins, and a table.
+    pub pins: &'a [PinSeries],
+    /// Numbers whose notes speak of what they were: marked in the picture, and listed below it.
+    pub changed: &'a [ChangedNote],
+}
+
+impl<'a> Shown<'a> {
+    /// A run under its instrument's name, without what need not be there.
+    #[must_use]
+    pub fn new(instrument: &'a Instrument, run: &'a Run) -> Self {
+        Shown { name: run.instrument.clone(), instrument, run, pins: &[], changed: &[] }
+    }
 }
 
 /// What stands in the page's table: a heading for every column of values (none where there is one), and rows of a name and its values.
@@ -57,14 +70,13 @@ pub(crate) struct Views {
 ///
 /// Nothing is fetched, and the page's own policy forbids it. Without JavaScript it shows the action at rest, the summary,
 /// and says what is missing.
-pub fn page_html(instrument: &Instrument, run: &Run, stroke: &str, summary: &[(String, String)]) -> String {
-    let figure = figure::run_figure(run, stroke);
+pub fn page_html(shown: &Shown<'_>, stroke: &str, summary: &[(String, String)]) -> String {
+    let figure = figure::run_figure(shown.run, stroke);
     let rows = summary.iter().map(|(name, value)| (name.clone(), vec![value.clone()])).collect();
-    let shown = Shown { name: run.instrument.clone(), instrument, run };
-    page(&[shown], &figure, &SummaryTable { heads: Vec::new(), rows })
+    page(std::slice::from_ref(shown), &figure, &SummaryTable { heads: Vec::new(), rows })
 }
 
-/// The page of two runs on one clock: both actions over each other in two tints, their curves, and a table of what differs.
+/// The page of two runs on one clock: both actions over each other in two tints or side by side, their curves, and a table of what differs.
 pub fn pair_html(title: &str, shown: &[Shown<'_>; 2], summary: &SummaryTable) -> String {
     let runs = [0, 1].map(|index| (shown[index].name.as_str(), shown[index].run));
     page(shown, &figure::pair_figure(title, runs), summary)
@@ -86,8 +98,8 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
             },
         });
         let tint = if shown.len() > 1 { format!(" a{index}") } else { String::new() };
-        let shapes = shapes(drawing, &placed);
-        let _ = write!(groups, "<g class=\"action{tint}\" data-action=\"{index}\">{shapes}</g>");
+        let (shapes, marks) = (shapes(drawing, &placed), changed_marks(one.instrument, one.changed, &placed));
+        let _ = write!(groups, "<g class=\"action{tint}\" data-action=\"{index}\">{shapes}{marks}</g>");
     }
     let views = views.unwrap_or(Views { whole: [0.0, 0.0, 1.0, 1.0], close: None });
     let data = data::data(shown, &drawings, figure, views);
@@ -126,6 +138,10 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
                 escape(&one.name)
             );
         }
+        which.push_str("<label><input type=\"checkbox\" id=\"beside\"> side by side</label>\n");
+    }
+    if shown.iter().any(|one| !one.pins.is_empty()) {
+        which.push_str("<label><input type=\"checkbox\" id=\"pin-forces\" checked> pin forces</label>\n");
     }
     let title = escape(&figure.title);
     let mut out = format!(
@@ -136,12 +152,14 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n"
     );
     let doubts: String = shown.iter().map(|one| doubts(one, shown.len() > 1)).collect();
+    let changed: String = shown.iter().map(|one| changed_list(one, shown.len() > 1)).collect();
     let marks = [
         ("{title}", title.as_str()),
         ("{doubts}", &doubts),
         ("{summary}", &rows),
         ("{picture}", &picture),
         ("{which}", &which),
+        ("{changed}", &changed),
     ];
     out.push_str(&filled(BODY, &marks));
     let _ = write!(out, "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n", inline(&data));
@@ -163,6 +181,24 @@ fn doubts(shown: &Shown<'_>, of_two: bool) -> String {
     let which = if of_two { format!("{}: t", escape(&shown.name)) } else { "T".to_owned() };
     format!(
         "<section class=\"warning\" role=\"alert\"><strong>{which}his run is not to be trusted</strong><ul>{each}</ul></section>\n"
+    )
+}
+
+/// The numbers that were changed under their notes; nothing where there are none. Of two, it says whose.
+fn changed_list(shown: &Shown<'_>, of_two: bool) -> String {
+    if shown.changed.is_empty() {
+        return String::new();
+    }
+    let each: String = shown
+        .changed
+        .iter()
+        .enumerate()
+        .map(|(index, note)| format!("<li value=\"{}\">{}</li>", index + 1, escape(&note.text)))
+        .collect();
+    let whose = if of_two { format!("{}: c", escape(&shown.name)) } else { "C".to_owned() };
+    format!(
+        "<section class=\"changed\"><p>{whose}hanged, while the note beside it still speaks of a built-in instrument's value \
+         (marked in the picture):</p><ol>{each}</ol></section>\n"
     )
 }
 
@@ -216,7 +252,7 @@ mod tests {
         let mut run = two_levers_run(200);
         run.instrument = "</title><script>alert(1)</script>".into();
         run.zones[0].label = "</script><script>alert(2)</script>".into();
-        let page = page_html(&instrument, &run, "mf", &summary());
+        let page = page_html(&Shown::new(&instrument, &run), "mf", &summary());
         assert!(!page.contains("alert(1)</script>") && !page.contains("alert(2)</script>"));
         assert!(!page.contains("speed <i>") && page.contains("1 &amp; 2 m/s"));
         assert_eq!(page.matches("<script").count(), 2);
@@ -228,7 +264,7 @@ mod tests {
     fn names_are_not_filled_in() {
         let mut run = two_levers_run(200);
         run.instrument = "A {picture} {summary} {title}".into();
-        let page = page_html(&two_levers(), &run, "", &summary());
+        let page = page_html(&Shown::new(&two_levers(), &run), "", &summary());
         assert_eq!(page.matches("id=\"action\"").count(), 1);
         assert_eq!(page.matches("1 &amp; 2 m/s").count(), 1);
         assert!(page.contains("<title>A {picture} {summary} {title}</title>"));
@@ -238,7 +274,7 @@ mod tests {
 
     #[test]
     fn nothing_is_fetched() {
-        let page = page_html(&two_levers(), &two_levers_run(200), "mf", &summary());
+        let page = page_html(&Shown::new(&two_levers(), &two_levers_run(200)), "mf", &summary());
         for word in ["http://", "https://", "src=", "@import", "url(//", "fetch(", "XMLHttpRequest"] {
             let found = page.matches(word).count();
             // the one address allowed is the name of SVG's namespace
@@ -251,7 +287,10 @@ mod tests {
     #[test]
     fn the_same_run_gives_the_same_page() {
         let (instrument, run) = (two_levers(), two_levers_run(9000));
-        assert_eq!(page_html(&instrument, &run, "mf", &summary()), page_html(&instrument, &run, "mf", &summary()));
+        assert_eq!(
+            page_html(&Shown::new(&instrument, &run), "mf", &summary()),
+            page_html(&Shown::new(&instrument, &run), "mf", &summary())
+        );
     }
 
     #[test]
@@ -260,7 +299,46 @@ mod tests {
         broken.force_n.fill(f64::NAN);
         broken.bodies.pop();
         for run in [two_levers_run(0), two_levers_run(1), broken] {
-            assert!(page_html(&two_levers(), &run, "mf", &[]).ends_with("</html>\n"));
+            assert!(page_html(&Shown::new(&two_levers(), &run), "mf", &[]).ends_with("</html>\n"));
         }
+    }
+
+    /// Off without a record of the pins; with one, a box to switch them off and both components of every pin.
+    #[test]
+    fn pins_have_arrows_where_they_were_recorded() {
+        let (instrument, run) = (two_levers(), two_levers_run(50));
+        let shown = Shown::new(&instrument, &run);
+        assert!(!page_html(&shown, "mf", &[]).contains("id=\"pin-forces\""));
+        let pin = |name: &str| PinSeries {
+            name: name.into(),
+            acceleration_rad_s2: vec![0.0; 50],
+            pin_x_n: vec![1.5; 50],
+            pin_y_n: vec![-2.5; 50],
+        };
+        let pins: Vec<PinSeries> = instrument.bodies.iter().map(|body| pin(&body.name)).collect();
+        let page = page_html(&Shown { pins: &pins, ..shown }, "mf", &[]);
+        assert!(page.contains("id=\"pin-forces\""));
+        let data = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let data: serde_json::Value = serde_json::from_str(data).unwrap();
+        let written = data["actions"][0]["pins"].as_array().unwrap();
+        assert_eq!(written.len(), instrument.bodies.len());
+        for (index, pin) in written.iter().enumerate() {
+            assert_eq!(pin["body"], index);
+            for (component, value) in [("x", 1.5_f32), ("y", -2.5)] {
+                use base64::Engine;
+                let bytes = base64::engine::general_purpose::STANDARD.decode(pin[component].as_str().unwrap()).unwrap();
+                assert_eq!(bytes.len(), 4 * 50);
+                assert!(bytes.chunks(4).all(|four| four == value.to_le_bytes()));
+            }
+        }
+    }
+
+    /// Two actions can stand side by side; one alone has no such box.
+    #[test]
+    fn two_actions_can_stand_side_by_side() {
+        let (instrument, run) = (two_levers(), two_levers_run(50));
+        let pair = [Shown::new(&instrument, &run), Shown::new(&instrument, &run)];
+        assert!(pair_html("two", &pair, &SummaryTable::default()).contains("id=\"beside\""));
+        assert!(!page_html(&pair[0], "mf", &[]).contains("id=\"beside\""));
     }
 }

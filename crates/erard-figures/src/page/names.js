@@ -45,12 +45,13 @@ const nameParts = () => {
   const matrix = picture.getScreenCTM(), frame = picture.getBoundingClientRect();
   const seen = (at) => at[0] > left && at[0] < left + wide && at[1] > top && at[1] < top + tall;
   const inside = named.filter((label) => seen((label.anchor = anchorOf(label))));
-  const layout = `${view} ${pixel} ${inside.map(({ text }) => text)}`;
+  const layout = `${view} ${pixel} ${isBeside()} ${inside.map(({ text }) => text)}`;
   if (layout !== layoutOfNames && matrix) {
     layoutOfNames = layout;
     // the element shows more than the view box where their shapes differ
     const edge = (x, y) => [(x - matrix.e) / matrix.a, (y - matrix.f) / matrix.d];
-    const [l, t] = edge(frame.left, frame.top), [r, b] = edge(frame.right, frame.bottom);
+    const [l, t] = isBeside() ? [left, top] : edge(frame.left, frame.top);
+    const [r, b] = isBeside() ? [left + wide, top + tall] : edge(frame.right, frame.bottom);
     for (const label of named) label.placed = false;
     const heights = inside.map(({ anchor }) => anchor[1]).sort((p, q) => p - q);
     const middle = heights[heights.length >> 1];

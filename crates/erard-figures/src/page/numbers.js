@@ -26,6 +26,8 @@ for (const panel of data.panels) {
   }
 }
 const nothing = row("pushes", "nothing touches");
+const carried = data.actions.flatMap(({ pins }) => pins.map((pin) => ({ pin, ...row("pins", pin.label) })));
+$("pins").hidden = !carried.length;
 
 const readOut = (where) => {
   for (const { curve, unit, cell } of readings) cell.textContent = `${mix(curve.y, where).toFixed(2)} ${unit}`;
@@ -37,4 +39,6 @@ const readOut = (where) => {
     cell.textContent = force > 0 && force < 0.005 ? "< 0.01 N" : newtons(force);
   }
   nothing.tr.hidden = touching > 0;
+  const signed = (f) => `${f < -0.005 ? "\u2212" : ""}${Math.abs(f).toFixed(2)} N`;
+  for (const { pin, cell } of carried) cell.textContent = `${signed(mix(pin.x, where))}, ${signed(mix(pin.y, where))}`;
 };

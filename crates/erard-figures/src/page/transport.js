@@ -194,7 +194,7 @@ document.addEventListener("keydown", (event) => {
 
 const redraw = () => {
   arrange();
-  measure();
+  halve();
   showTime(...shownTime);
   show();
 };
@@ -202,13 +202,15 @@ addEventListener("resize", redraw);
 dark.addEventListener("change", redraw);
 
 // #t=0.123 opens the page at that time (s); shown=from,to at that stretch of the curves; view=whole, or left,top,width,height in
-// millimetres of the picture, at that view; names=1 with the parts' names.
+// millimetres of the picture, at that view; names=1 with the parts' names; beside=1 with two actions side by side; pins=0 without the forces of the pins.
 const open = () => {
   const hash = new URLSearchParams(location.hash.slice(1));
   const numbers = (key, count) => {
     const found = (hash.get(key) ?? "").split(",").map(Number);
     return found.length === count && found.every(Number.isFinite) ? found : null;
   };
+  if (sideBySide && hash.has("beside")) sideBySide.checked = hash.get("beside") === "1";
+  if (pinForces && hash.has("pins")) pinForces.checked = hash.get("pins") === "1";
   const asked = numbers("view", 4);
   if (asked) look(asked);
   else if (hash.get("view") === "whole" || data.views.close === null || matchMedia("(max-width: 600px)").matches) wholeView();

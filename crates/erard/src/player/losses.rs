@@ -28,7 +28,8 @@ pub struct ContactLoss {
     pub sliding_j: f64,
 }
 
-/// An observer that books losses: told where an action begins, then of every step. Steps of one length are expected.
+/// An observer that books losses: told where an action begins, then of every step, of whatever length (of both halves of each, where the error is
+/// controlled).
 #[derive(Debug, Clone)]
 pub struct Losses {
     instrument: Instrument,

@@ -11,8 +11,11 @@ use crate::grand::KEY_DOWN;
 use crate::instrument::{Instrument, Vec2};
 use crate::mechanism::Mechanism;
 
-/// An observer of a running action: told where it begins, then of every step. Steps of one length are expected; where the error is controlled,
-/// what a step arrives at is no longer what its forces alone made of it.
+/// An observer of a running action: told where it begins, then of every step.
+///
+/// Where the error is controlled it is told of both halves of every step. The second half arrives at velocities that were combined with those of
+/// the whole step to a higher order: they differ from what its forces alone made of them by no more than the tolerance, which is within the error
+/// of the accelerations that follow from them ([`Reactions::moment_n_m`] shows how much).
 #[derive(Debug, Clone)]
 pub struct Reactions {
     instrument: Instrument,
@@ -172,8 +175,8 @@ pub struct ReactionRecorder {
     instrument: Instrument,
     reactions: Option<Reactions>,
     bodies: Vec<PinSeries>,
-    /// The last row waits for the forces of the step after it.
-    pending: bool,
+    /// The last row's forces are those of a step of this length, s, and wait for those of the step after it.
+    pending: Option<f64>,
 }
 
 impl ReactionRecorder {
@@ -185,7 +188,7 @@ impl ReactionRecorder {
             instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
             reactions: None,
             bodies: instrument.bodies.iter().map(|body| series(&body.name)).collect(),
-            pending: false,
+            pending: None,
         }
     }
 
@@ -195,39 +198,38 @@ impl ReactionRecorder {
         self.bodies
     }
 
-    fn write(&mut self, row: bool) {
+    fn write(&mut self, row: bool, step_s: f64) {
         let Some(reactions) = &self.reactions else { return };
+        // Forces belong to the middles of their steps: the mean, where the steps are equal.
+        let share = self.pending.map(|before| before / (before + step_s));
         for ((series, [x, y]), acceleration) in
             self.bodies.iter_mut().zip(reactions.pin_n()).zip(reactions.acceleration_rad_s2())
         {
             let new = [*x, *y, *acceleration];
             let all = [&mut series.pin_x_n, &mut series.pin_y_n, &mut series.acceleration_rad_s2];
             for (values, new) in all.into_iter().zip(new) {
-                // Steps are of one length: the row's instant is the middle between both steps' forces.
-                if self.pending
-                    && let Some(last) = values.last_mut()
-                {
-                    *last = 0.5 * (*last + new);
+                if let Some((share, last)) = share.zip(values.last_mut()) {
+                    *last = (1.0 - share) * *last + share * new;
                 }
                 if row {
                     values.push(new);
                 }
             }
         }
-        self.pending = row;
+        self.pending = row.then_some(step_s);
     }
 }
 
 impl Observer for ReactionRecorder {
     fn begin(&mut self, _: f64, mechanism: &dyn Mechanism) {
         self.reactions = Some(Reactions::open(&self.instrument, mechanism));
-        self.write(true);
+        self.write(true, mechanism.last_step());
     }
 
     fn step(&mut self, _: f64, row: bool, mechanism: &dyn Mechanism) {
         if let Some(reactions) = &mut self.reactions {
             reactions.look(mechanism);
         }
-        self.write(row);
+        self.write(row, mechanism.last_step());
     }
 }

@@ -1,0 +1,308 @@
+//! Two keyboards beside each other: both tables, what differs, both in one figure and on one page.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::io::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use erard::keyboard::KEYS;
+use erard_figures::figure::{
+    COINCIDE, Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg,
+};
+use erard_workshop::weighing::WeighedKey;
+use maud::{DOCTYPE, Markup, html};
+use serde_json::{Map, Value, json};
+
+use super::{COLUMNS, numbers, samples, write_csv};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::paper::html_head;
+use crate::table::shortest;
+
+const STYLE: &str = include_str!("../paper.css");
+
+/// What is written.
+pub const FILES: [&str; 7] = [
+    "keyboard.json",
+    "keyboard-1.csv",
+    "keyboard-2.csv",
+    "difference.csv",
+    "keyboard.svg",
+    "keyboard.png",
+    "keyboard.html",
+];
+
+/// A keyboard, and its keys as weighed.
+#[derive(Debug)]
+pub struct Side {
+    /// What it is called; two of one name are told apart by their order.
+    pub name: String,
+    /// The same keys of both.
+    pub weighed: Vec<WeighedKey>,
+}
+
+/// What is compared: its place among the numbers of a key, its name, unit and decimals.
+struct Quantity {
+    index: usize,
+    name: &'static str,
+    unit: &'static str,
+    decimals: usize,
+}
+
+const fn grams(index: usize, name: &'static str) -> Quantity {
+    Quantity { index, name, unit: "g", decimals: 1 }
+}
+
+const QUANTITIES: [Quantity; 8] = [
+    grams(0, "hammer mass"),
+    grams(1, "strike weight"),
+    grams(2, "front weight"),
+    grams(3, "down-weight"),
+    grams(4, "up-weight"),
+    grams(5, "balance weight"),
+    grams(6, "friction weight"),
+    Quantity { index: 7, name: "speed at mf", unit: "m/s", decimals: 3 },
+];
+
+/// Both names, told apart.
+pub fn names([a, b]: [&str; 2]) -> [String; 2] {
+    if a == b { [format!("{a}, first"), format!("{b}, second")] } else { [a.to_owned(), b.to_owned()] }
+}
+
+/// A quantity of the first, of the second, and the second less the first; not a number where a trial found none.
+fn values(quantity: &Quantity, sides: &[Side; 2], at: usize) -> [f64; 3] {
+    let [a, b] = [0, 1].map(|side: usize| numbers(&sides[side].weighed[at])[quantity.index]);
+    [a, b, b - a]
+}
+
+/// A number as it is printed; a difference has its sign, unless it rounds to nothing.
+fn shown(value: f64, decimals: usize, is_difference: bool) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    let text = format!("{value:+.decimals$}");
+    let is_nothing = !text.contains(|c: char| ('1'..='9').contains(&c));
+    if is_difference && !is_nothing { text } else { format!("{:.decimals$}", if is_nothing { 0.0 } else { value }) }
+}
+
+/// Sample notes as text.
+pub fn text(sides: &[Side; 2]) -> String {
+    let places = samples(&sides[0].weighed);
+    let mut out = String::new();
+    let mut row = |name: &str, which: &str, cells: Vec<String>, unit: &str| {
+        let cells: String = cells.iter().map(|cell| format!("{cell:>8}")).collect();
+        let _ = writeln!(out, "  {name:<18}{which:<6}{cells}  {unit}");
+    };
+    let of = |cell: &dyn Fn(usize) -> String| places.iter().map(|&at| cell(at)).collect::<Vec<_>>();
+    row("key", "", of(&|at| sides[0].weighed[at].key.to_string()), "");
+    row("note", "", of(&|at| sides[0].weighed[at].note.clone()), "");
+    for quantity in &QUANTITIES {
+        for (which, label) in ["1", "2", "2 - 1"].into_iter().enumerate() {
+            let name = if which == 0 { quantity.name } else { "" };
+            let cell = |at: usize| shown(values(quantity, sides, at)[which], quantity.decimals, which == 2);
+            row(name, label, of(&cell), quantity.unit);
+        }
+    }
+    if places.len() < sides[0].weighed.len() {
+        let _ = writeln!(
+            out,
+            "\n  {} of {} keys; keyboard.html and difference.csv hold every one",
+            places.len(),
+            sides[0].weighed.len()
+        );
+    }
+    out
+}
+
+/// Names of the columns that differ: all numbers but whether a key is trusted.
+fn columns() -> impl Iterator<Item = (usize, &'static str)> {
+    COLUMNS.iter().copied().skip(2).enumerate().filter(|(_, name)| *name != "trusted")
+}
+
+/// Second less first, key by key: the columns of keyboard.csv; an empty field where either has no number.
+fn write_difference(sides: &[Side; 2], writer: &mut dyn Write) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(["key", "note"].into_iter().chain(columns().map(|(_, name)| name)))?;
+    for (a, b) in sides[0].weighed.iter().zip(&sides[1].weighed) {
+        csv.write_field(a.key.to_string())?;
+        csv.write_field(&a.note)?;
+        for (index, _) in columns() {
+            let mut text = String::new();
+            let difference = numbers(b)[index] - numbers(a)[index];
+            if difference.is_finite() {
+                shortest(difference, &mut text);
+            }
+            csv.write_field(&text)?;
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}
+
+fn json_of(sides: &[Side; 2]) -> Value {
+    let table = |side: &Side| {
+        let mut table = Map::new();
+        table.insert("key".into(), side.weighed.iter().map(|one| one.key).collect());
+        table.insert("note".into(), side.weighed.iter().map(|one| one.note.as_str()).collect());
+        for (index, name) in COLUMNS.iter().skip(2).enumerate() {
+            table.insert((*name).into(), json!(side.weighed.iter().map(|one| numbers(one)[index]).collect::<Vec<_>>()));
+        }
+        table
+    };
+    let mut difference = Map::new();
+    for (index, name) in columns() {
+        let pairs = sides[0].weighed.iter().zip(&sides[1].weighed);
+        let all: Vec<f64> = pairs.map(|(a, b)| numbers(b)[index] - numbers(a)[index]).collect();
+        difference.insert(name.into(), json!(all));
+    }
+    json!({"names": [sides[0].name, sides[1].name], "keyboards": [table(&sides[0]), table(&sides[1])], "difference": difference})
+}
+
+/// Every quantity of both over the number of the key; where both nearly coincide, their difference below.
+fn figure(sides: &[Side; 2]) -> String {
+    let keys: Vec<f64> = sides[0].weighed.iter().map(|one| one.key as f64).collect();
+    let mut panels = Vec::new();
+    for quantity in &QUANTITIES {
+        let all: Vec<[f64; 3]> = (0..keys.len()).map(|at| values(quantity, sides, at)).collect();
+        let curve = |label: &str, which: usize, colour, dash| Trace {
+            label: label.into(),
+            x: &keys,
+            y: Cow::Owned(all.iter().map(|three| three[which]).collect()),
+            colour,
+            dash,
+        };
+        let panel = |quantity: String, unit, curves| Panel {
+            quantity,
+            unit,
+            height_px: 122.0,
+            layout: Layout::Together,
+            y_range: None,
+            curves,
+        };
+        let both =
+            vec![curve(&sides[0].name, 0, PALETTE[0], Dash::Solid), curve(&sides[1].name, 1, PALETTE[1], Dash::Dashed)];
+        panels.push(panel(quantity.name.into(), quantity.unit, both));
+        let span = |range: std::ops::Range<usize>| {
+            let numbers = || all.iter().flat_map(|three| &three[range.clone()]).copied().filter(|x| x.is_finite());
+            [numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let ([low, high], [least, most]) = (span(0..2), span(2..3));
+        let largest = least.abs().max(most.abs());
+        if largest.is_finite() && largest > 0.0 && largest < COINCIDE * (high - low) {
+            let difference = curve("difference", 2, PALETTE[6], Dash::Solid);
+            panels.push(panel(format!("{}, second \u{2212} first", quantity.name), quantity.unit, vec![difference]));
+        }
+    }
+    figure_svg(&Figure {
+        title: format!("{} beside {}", sides[0].name, sides[1].name),
+        subtitle: "touch weights as measured in a slow loop, dampers lifted".into(),
+        width_px: 860.0,
+        x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
+        x_unit: 1.0,
+        x_scale: Scale::Linear,
+        windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
+        panels,
+        markers: Vec::new(),
+    })
+}
+
+/// The page: both figures, and a row for every key.
+fn page(sides: &[Side; 2], figure: &str) -> String {
+    let title = format!("{} beside {}", sides[0].name, sides[1].name);
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            (html_head(&title, &format!("{STYLE}@page{{size:A4 landscape}}body{{max-width:75rem}}")))
+            body {
+                main {
+                    header {
+                        h1 { (title) }
+                        dl {
+                            div { dt { "1" } dd { (sides[0].name) } }
+                            div { dt { "2" } dd { (sides[1].name) } }
+                        }
+                    }
+                    figure {
+                        img alt="Weights and hammer speeds of both keyboards over the number of the key; the table below holds the numbers"
+                            src={ "data:image/svg+xml;base64," (STANDARD.encode(figure.as_bytes())) };
+                    }
+                    div.wide tabindex="0" role="region" aria-label="Every key" { (table(sides)) }
+                    p.soft {
+                        "Touch weights as measured in a slow loop, dampers lifted. Hammer speed: pressed once with a mezzo forte."
+                    }
+                }
+            }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+fn table(sides: &[Side; 2]) -> Markup {
+    html! {
+        table.list {
+            thead {
+                tr {
+                    th rowspan="2" scope="col" { "key" }
+                    th rowspan="2" scope="col" { "note" }
+                    @for quantity in &QUANTITIES {
+                        th.n colspan="3" scope="colgroup" { (quantity.name) " (" (quantity.unit) ")" }
+                    }
+                }
+                tr {
+                    @for _ in &QUANTITIES {
+                        th.n scope="col" { "1" } th.n scope="col" { "2" } th.n scope="col" { "2 \u{2212} 1" }
+                    }
+                }
+            }
+            tbody {
+                @for (at, key) in sides[0].weighed.iter().enumerate() {
+                    tr {
+                        td.n { (key.key) }
+                        td { (key.note) }
+                        @for quantity in &QUANTITIES {
+                            @for (which, value) in values(quantity, sides, at).into_iter().enumerate() {
+                                td.n.do[which == 2] { (shown(value, quantity.decimals, which == 2)) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Stages both tables, the differences, the figure and the page.
+///
+/// # Errors
+/// [`Failure::Write`].
+pub fn write(sides: &[Side; 2], output: &mut Output) -> Result<(), Failure> {
+    let svg = figure(sides);
+    let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+    let page = page(sides, &svg);
+    output.stage("keyboard.json", |w| {
+        serde_json::to_writer_pretty(&mut *w, &json_of(sides))?;
+        w.write_all(b"\n")
+    })?;
+    output.stage("keyboard-1.csv", |w| write_csv(&sides[0].weighed, w))?;
+    output.stage("keyboard-2.csv", |w| write_csv(&sides[1].weighed, w))?;
+    output.stage("difference.csv", |w| write_difference(sides, w))?;
+    output.stage("keyboard.svg", |w| w.write_all(svg.as_bytes()))?;
+    output.stage("keyboard.png", |w| w.write_all(&png))?;
+    output.stage("keyboard.html", |w| w.write_all(page.as_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A difference has its sign; what rounds to nothing has none, and what nobody found is a stroke.
+    #[test]
+    fn differences_have_signs() {
+        for (value, wanted) in [(0.26, "+0.3"), (-0.26, "-0.3"), (0.01, "0.0"), (-0.01, "0.0"), (f64::NAN, "-")] {
+            assert_eq!(shown(value, 1, true), wanted);
+        }
+        assert_eq!((shown(12.34, 1, false).as_str(), shown(-0.004, 2, false).as_str()), ("12.3", "0.00"));
+        assert_eq!(names(["a", "a"]), ["a, first", "a, second"]);
+    }
+}
