@@ -1,46 +1,87 @@
-//! The engine without the standard library: a key on its balance rail as a control loop would step it, in single precision.
+//! The whole grand without the standard library and without a heap: what a control loop on a chip steps.
+//!
+//! `grand.rs` is the built-in instrument as source, made by `cargo run --release -p erard --example firmware` and checked by
+//! `crates/erard/tests/firmware.rs`. The model is built at start, on the stack or in a static.
 
 #![no_std]
 
-use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Settings, Site, Spring, State, Workspace, Zone, step};
+mod grand;
+mod play;
 
+pub use grand::{BODIES, ZONES};
+pub use play::{Note, STEP_S, STEPS, Work, digest, play};
+
+use moreau::{Description, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step};
+
+#[cfg(feature = "alone")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
     loop {}
 }
 
-/// Inertia of a whole action at the key, kg m2; its weight, N m; key front radius, m; dip, m.
-const INERTIA: f32 = 0.025;
-const WEIGHT: f32 = -0.106;
-const FRONT: f32 = -0.265;
-const DIP: f32 = 0.0096;
+/// The grand, with all the memory that it ever needs.
+pub struct Grand<T: Scalar> {
+    model: Model<T, BODIES, ZONES>,
+    settings: Settings<T>,
+    /// Where it is.
+    pub state: State<T, BODIES, ZONES>,
+    workspace: Workspace<T, BODIES, ZONES, { grand::LAWS }>,
+    rest_m: T,
+}
 
-/// Steps a key for `steps` steps of `step_s` seconds under `force_n` newtons and returns how far its front has gone down, m;
-/// not-a-number if the model cannot be assembled.
+impl<T: Scalar> Grand<T> {
+    /// At rest.
+    ///
+    /// # Errors
+    /// None, for the instrument that is compiled in; another one may have a number that is not sound.
+    pub fn new(step_s: T) -> Result<Self, ModelError> {
+        let (bodies, springs, zones) = (grand::bodies(), grand::springs(), grand::zones());
+        let site = Some(grand::site());
+        let description =
+            Description { bodies: &bodies, springs: &springs, zones: &zones, site, gravity: T::from_f64(grand::GRAVITY) };
+        let model: Model<T, BODIES, ZONES> = description.compile()?;
+        let state = State::at_rest(grand::REST.map(T::from_f64));
+        let workspace = Workspace::for_model(&model)?;
+        let rest_m = model.site_position(&state.angle);
+        Ok(Grand { settings: Settings::new(step_s), rest_m, model, state, workspace })
+    }
+
+    /// One step under a force on the key front, N, down positive. A force that is not finite leaves it where it was.
+    pub fn step_force(&mut self, force_n: T) -> StepReport {
+        step(&self.model, &self.settings, &Input::Force(force_n), &mut self.state, &mut self.workspace)
+    }
+
+    /// One step under a device that is so far below the key's rest, m, and moves so fast, m/s, behind a soft fingertip.
+    pub fn step_motion(&mut self, position_m: T, velocity_m_s: T) -> StepReport {
+        let input = Input::Motion { position: self.rest_m + position_m, velocity: velocity_m_s };
+        step(&self.model, &self.settings, &input, &mut self.state, &mut self.workspace)
+    }
+
+    /// Travel of the key front, m.
+    pub fn key_m(&self) -> T {
+        self.model.site_position(&self.state.angle) - self.rest_m
+    }
+
+    /// Force of the finger in the last step, N.
+    pub fn finger_n(&self) -> T {
+        self.workspace.drive_force()
+    }
+
+    /// Angular velocity of the hammer, rad/s.
+    pub fn hammer_rad_s(&self) -> T {
+        self.state.velocity[grand::HAMMER]
+    }
+}
+
+/// For a linker that wants to see that nothing else is needed: steps the grand so many times under a force, N, and returns how far its key has gone, m;
+/// not-a-number if a step failed.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_key_travel(force_n: f32, step_s: f32, steps: u32) -> f32 {
-    let felt = Felt { stiffness: 5e7, exponent: Exponent::Two, loss: Loss::Quadratic(1e8) };
-    let stop = |x: f32, y: f32| Zone {
-        disc_body: 0,
-        center: [x, 0.0],
-        radius: 0.0,
-        curve_body: GROUND,
-        curve: Curve::Line { point: [x, y], normal: [0.0, 1.0] },
-        felt,
-        friction: None,
-    };
-    let body = Body { inertia: INERTIA, dry: 0.0176, viscous: 5e-4, ..Body::inert() };
-    let spring = Spring { body: 0, torque: WEIGHT, stiffness: 0.0, reference: 0.0 };
-    let site = Site { body: 0, point: [FRONT, 0.0], direction: [0.0, -1.0], stiffness: 2e4, damping: 20.0 };
-    let zones = [stop(FRONT, -DIP), stop(0.225, 0.0001)];
-    let Ok(model) = Description { bodies: &[body], springs: &[spring], zones: &zones, site: Some(site), gravity: 9.81 }.compile::<1, 2>() else {
-        return f32::NAN;
-    };
-    let settings = Settings::new(step_s);
-    let mut state = State::at_rest([0.0]);
-    let mut workspace = Workspace::<f32, 1, 2, 2>::new();
+    let Ok(mut grand) = Grand::new(step_s) else { return f32::NAN };
     for _ in 0..steps {
-        step(&model, &settings, &Input::Force(force_n), &mut state, &mut workspace);
+        if grand.step_force(force_n).outcome == Outcome::NonFinite {
+            return f32::NAN;
+        }
     }
-    model.site_position(&state.angle)
+    grand.key_m()
 }

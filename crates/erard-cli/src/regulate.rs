@@ -5,9 +5,7 @@ use std::io::Write;
 use std::time::Duration;
 
 use erard_workshop::distances::Distances;
-use erard_workshop::regulate::{
-    Achieved, Goal, Handwork, Kind, Miss, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
-};
+use erard_workshop::regulate::{Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit};
 use serde::Serialize;
 
 use crate::units::Lengths;
@@ -37,23 +35,6 @@ pub fn turned_text(turned: &Turned, lengths: Lengths) -> String {
     format!("{} {far} ({}{turns})", turned.name, turned.way)
 }
 
-/// The screws that were turned for a goal, as far as one alone is turned for it.
-pub(crate) fn screws_of(regulated: &Regulated, goal: Goal) -> impl Iterator<Item = &Turned> {
-    // A screw that could serve two goals served the first of them that was asked for.
-    let asked = move |name: &str| {
-        regulated.achieved.iter().map(|a| a.goal).find(|g| g.screws().iter().any(|(n, _)| *n == name))
-    };
-    regulated.turned.iter().filter(move |turned| asked(&turned.name) == Some(goal))
-}
-
-fn reason(achieved: &Achieved) -> Option<String> {
-    Some(match achieved.miss.as_ref()? {
-        Miss::EndOfRange(screws) => format!("at the end of its range: {}", screws.join(", ")),
-        Miss::NoSetting(screws) => format!("no setting of {} gives it", screws.join(" or ")),
-        Miss::Disturbed => "it cannot be met together with the other goals".into(),
-    })
-}
-
 /// Distances that are shown though nobody asked for them.
 fn others(distances: &Distances) -> [(&'static str, Option<f64>); 2] {
     [("lost motion", distances.lost_motion_m), ("aftertouch", distances.aftertouch_m)]
@@ -75,7 +56,7 @@ impl fmt::Display for Shown<'_> {
                 number(goal, achieved.before),
                 number(goal, achieved.after)
             );
-            let mut screws = screws_of(self.0, goal).peekable();
+            let mut screws = self.0.screws_of(goal).peekable();
             if screws.peek().is_none() {
                 writeln!(f, "{start}  -")?;
             }
@@ -103,96 +84,27 @@ impl fmt::Display for Shown<'_> {
 /// The report beside the new instrument file.
 #[derive(Debug, Serialize)]
 pub struct Report {
-    instrument: String,
     input: String,
     output: String,
-    rounds: u32,
-    simulations: u32,
     elapsed_s: f64,
-    unconverged_steps: u64,
-    all_met: bool,
-    goals: Vec<GoalReport>,
-    screws: Vec<ScrewReport>,
-    before: Vec<DistanceReport>,
-    after: Vec<DistanceReport>,
-}
-
-#[derive(Debug, Serialize)]
-struct GoalReport {
-    goal: &'static str,
-    unit: &'static str,
-    asked: f64,
-    before: Option<f64>,
-    after: Option<f64>,
-    met: bool,
-    why_not: Option<String>,
-    screws: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct ScrewReport {
-    screw: String,
-    unit: &'static str,
-    from: f64,
-    to: f64,
-    turned_by: f64,
-    /// In turns of its thread (estimated); `null` where it has none.
-    turns: Option<f64>,
-    way: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct DistanceReport {
-    name: &'static str,
-    unit: &'static str,
-    value: Option<f64>,
+    #[serde(flatten)]
+    regulated: erard_workshop::regulate::Report,
 }
 
 impl Report {
     /// Of a regulated action that was read from `input` and is written to `output`, which took so long.
     pub fn new(regulated: &Regulated, input: &str, output: &str, elapsed: Duration) -> Self {
-        let goals = regulated.achieved.iter().map(|a| {
-            let (factor, unit) = unit(a.goal.kind());
-            GoalReport {
-                goal: a.goal.name(),
-                unit,
-                asked: a.target * factor,
-                before: a.before.map(|v| v * factor),
-                after: a.after.map(|v| v * factor),
-                met: a.miss.is_none(),
-                why_not: reason(a),
-                screws: screws_of(regulated, a.goal).map(|turned| turned.name.clone()).collect(),
-            }
-        });
-        let screws = regulated.turned.iter().map(|turned| {
-            let (factor, unit) = screw_unit(&turned.action);
-            let [from, to] = turned.setting.map(|s| (s * factor * 1e6).round() / 1e6);
-            let turned_by = ((to - from) * 1e6).round() / 1e6;
-            let turns = match known_screw(&turned.name).map(|known| known.work) {
-                Some(Handwork::Thread(pitch_m)) => Some(turned_by / factor / pitch_m),
-                _ => None,
-            };
-            ScrewReport { screw: turned.name.clone(), unit, from, to, turned_by, turns, way: turned.way }
-        });
         Report {
-            instrument: regulated.instrument.name.clone(),
             input: input.into(),
             output: output.into(),
-            rounds: regulated.rounds,
-            simulations: regulated.simulations,
             elapsed_s: elapsed.as_secs_f64(),
-            unconverged_steps: regulated.after.unconverged_steps,
-            all_met: regulated.all_met(),
-            goals: goals.collect(),
-            screws: screws.collect(),
-            before: distances(&regulated.before),
-            after: distances(&regulated.after),
+            regulated: regulated.report(),
         }
     }
 
     /// A line for every goal that is not met.
     pub fn misses(&self) -> Vec<String> {
-        let missed = self.goals.iter().filter(|goal| !goal.met);
+        let missed = self.regulated.goals.iter().filter(|goal| !goal.met);
         missed
             .map(|goal| {
                 let nearest = goal.after.map_or("it does not happen".to_owned(), |after| {
@@ -212,15 +124,4 @@ impl Report {
         serde_json::to_writer_pretty(&mut *writer, self)?;
         writer.write_all(b"\n")
     }
-}
-
-fn distances(distances: &Distances) -> Vec<DistanceReport> {
-    let goals = Goal::ALL.into_iter().map(|goal| {
-        let (factor, unit) = unit(goal.kind());
-        DistanceReport { name: goal.name(), unit, value: goal.of(distances).map(|v| v * factor) }
-    });
-    let others = others(distances).into_iter();
-    goals
-        .chain(others.map(|(name, value)| DistanceReport { name, unit: "mm", value: value.map(|v| v * 1e3) }))
-        .collect()
 }

@@ -6,6 +6,7 @@ pub mod advice;
 pub mod balance;
 pub mod cores;
 pub mod distances;
+pub mod fmu;
 pub mod kinematics;
 pub mod measure;
 pub mod regulate;

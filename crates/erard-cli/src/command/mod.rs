@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod compare;
 mod draw;
+mod fmu;
 mod keyboard;
 mod kinematics;
 mod list;
@@ -73,6 +74,8 @@ enum Sub {
     Compare(compare::Compare),
     /// Computes the papers' figures and claims anew and shows which hold.
     Reproduce(reproduce::Reproduce),
+    /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
+    Fmu(fmu::Fmu),
     /// Measures how fast this machine simulates.
     Bench(bench::Bench),
     /// Lists what is built in, or prints one of it.
@@ -109,6 +112,7 @@ pub fn run() -> ExitCode {
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
+        Sub::Fmu(fmu) => fmu.run(),
         Sub::Bench(bench) => bench.run(),
         Sub::List(list) => list.run(),
         Sub::Completions(completions) => completions.run(),

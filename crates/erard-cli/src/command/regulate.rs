@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use erard_workshop::distances::Protocol;
 use erard_workshop::regulate::{
-    Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following, show,
+    Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
 };
 
 use super::options::load_instrument_and_text;
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::regulate::{Report, Shown, screws_of, shown_value, turned_text};
+use crate::regulate::{Report, Shown, shown_value, turned_text};
 use crate::say;
 use crate::units::Lengths;
 
@@ -148,9 +148,7 @@ impl Regulate {
         let elapsed = start.elapsed();
         drop(progress);
 
-        let (title, note) = provenance(&regulated);
-        let new_text =
-            regulated.instrument.rewrite(&text, &title, &note).map_err(|e| Failure::Internal(e.to_string()))?;
+        let new_text = regulated.rewrite(&text).map_err(|e| Failure::Internal(e.to_string()))?;
         let report = Report::new(&regulated, &self.instrument, &name, elapsed);
         output.stage(&name, |w| w.write_all(new_text.as_bytes()))?;
         output.stage(&report_name, |w| report.write_json(w))?;
@@ -247,26 +245,10 @@ fn must_follow(specification: &Specification, followed: &Regulated, lengths: Len
     let each: Vec<String> = others
         .map(|achieved| {
             let goal = achieved.goal;
-            let screws: Vec<String> = screws_of(followed, goal).map(|turned| turned_text(turned, lengths)).collect();
+            let screws: Vec<String> = followed.screws_of(goal).map(|turned| turned_text(turned, lengths)).collect();
             let turned = if screws.is_empty() { "its screw as it is".to_owned() } else { screws.join(", ") };
             format!("{} ({turned}; it stays at {})", goal.name(), shown_value(goal, achieved.target, lengths))
         })
         .collect();
     format!("it is met when another screw follows: {}; --follow turns it, too", each.join(", "))
-}
-
-/// What the new file says of its settings: the title of their source, and a note for each.
-fn provenance(regulated: &Regulated) -> (String, String) {
-    let goals: Vec<String> = regulated
-        .achieved
-        .iter()
-        .map(|achieved| format!("{} {}", achieved.goal.name(), show(achieved.goal, achieved.target)))
-        .collect();
-    let title = format!(
-        "Regulated in simulation ({} trials) for {}{}",
-        regulated.simulations,
-        goals.join(", "),
-        if regulated.all_met() { "" } else { "; not all of it could be met" }
-    );
-    (title, "turned until the simulated action met its goals".to_owned())
 }

@@ -6,6 +6,7 @@
 
 mod follow;
 mod goal;
+mod report;
 mod rounds;
 mod screw;
 mod search;
@@ -14,6 +15,7 @@ mod workshop;
 
 pub use follow::{disturbed, regulate_following};
 pub use goal::{Goal, Kind, Specification};
+pub use report::{DistanceReport, GoalReport, Report, ScrewReport};
 pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
 pub use screw::{CAPSTAN_THREAD_M, Handwork, KNOWN_SCREWS, KnownScrew, Range, SMALL_THREAD_M, known_screw, turns_text};
 pub use value::{parse_value, screw_unit, show, unit};

@@ -2,7 +2,7 @@
 //!
 //! A key that nothing changes sleeps ([`moreau_sizes::Bank`] says why that is exact): keys at rest, and held notes, cost nothing.
 
-use moreau::Settings;
+use moreau::{Outcome, Settings};
 use moreau_sizes::{Bank, View, bank};
 use thiserror::Error;
 
@@ -11,7 +11,7 @@ pub use moreau_sizes::Tick;
 use crate::assembly::{describe, marks};
 use crate::instrument::Instrument;
 use crate::player::course::Rest;
-use crate::player::{Action, ActionError, Input, Snapshot, SnapshotError};
+use crate::player::{Action, ActionError, Input, Reading, Snapshot, SnapshotError};
 use crate::run::Strike;
 
 /// How long the keys are let come to a complete rest before they are handed over, s: a few steps are enough.
@@ -144,6 +144,19 @@ impl Keys {
         self.bank.view(key - 1)
     }
 
+    /// What there is to be read of a key after the last step, as an [`Action`]'s reading; its outcome is [`Outcome::Converged`], for [`Tick`] counts
+    /// those of a step.
+    #[must_use]
+    pub fn reading(&self, key: usize) -> Reading {
+        Reading::of(&self.view(key), &self.own[key - 1].rest, Outcome::Converged)
+    }
+
+    /// The digest of a key's instrument, which its [`Snapshot`] carries.
+    #[must_use]
+    pub fn digest(&self, key: usize) -> u64 {
+        self.own[key - 1].digest
+    }
+
     /// Force between a key's hammer and its string in the last step, N.
     #[must_use]
     pub fn string_force(&self, key: usize) -> f64 {
@@ -180,12 +193,17 @@ impl Keys {
         Snapshot::new(self.own[key - 1].digest, self.bank.save(key - 1), None)
     }
 
-    /// A key goes on from a snapshot of the same instrument, to the bit; its input stays.
+    /// A key goes on from a snapshot of the same instrument, to the bit; its input stays. Its clock is that of all keys: what the snapshot has
+    /// seen of the hammer's flight is moved there.
     ///
     /// # Errors
     /// [`SnapshotError`].
     pub fn restore(&mut self, key: usize, snapshot: &Snapshot) -> Result<(), SnapshotError> {
-        let (saved, _) = snapshot.open(self.own[key - 1].digest)?;
+        let (mut saved, _) = snapshot.open(self.own[key - 1].digest)?;
+        let later_s = self.bank.now_s() - saved.now_s;
+        for [time_s, ..] in saved.flight.iter_mut().flatten() {
+            *time_s += later_s;
+        }
         self.bank.restore(key - 1, &saved);
         Ok(())
     }

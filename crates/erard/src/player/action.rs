@@ -70,6 +70,22 @@ pub struct Reading {
     pub outcome: Outcome,
 }
 
+impl Reading {
+    /// Of what is seen, referred to the rest.
+    #[inline]
+    pub(crate) fn of(view: &View, rest: &Rest, outcome: Outcome) -> Self {
+        Reading {
+            key_m: view.site_m - rest.site_m,
+            key_m_s: view.site_m_s,
+            finger_n: view.drive_n,
+            hammer_m: view.point_m[1] - rest.head_m,
+            hammer_m_s: view.point_m_s[1],
+            string_n: view.zone_n,
+            outcome,
+        }
+    }
+}
+
 /// A grand action that is stepped from outside: a force or a position in, what the mechanism does out.
 ///
 /// It starts at rest, friction included, nothing touching the key. [`Action::step`] never allocates, never panics and takes a bounded number
@@ -173,16 +189,7 @@ impl Action {
     /// What there is to be read now: after a step, the same as it returned.
     #[inline]
     pub fn reading(&self) -> Reading {
-        let view = &self.view;
-        Reading {
-            key_m: view.site_m - self.rest.site_m,
-            key_m_s: view.site_m_s,
-            finger_n: view.drive_n,
-            hammer_m: view.point_m[1] - self.rest.head_m,
-            hammer_m_s: view.point_m_s[1],
-            string_n: view.zone_n,
-            outcome: self.outcome,
-        }
+        Reading::of(&self.view, &self.rest, self.outcome)
     }
 
     /// The blow whose hammer met the string in the last step: its instant, on the clock of [`Action::time_s`], and the speed of the strike

@@ -41,7 +41,7 @@ impl Snapshot {
     /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Does not allocate.
     ///
     /// # Errors
-    /// [`SnapshotError::NoSnapshot`], [`SnapshotError::Version`], [`SnapshotError::Damaged`].
+    /// [`SnapshotError::NoSnapshot`], [`SnapshotError::Version`], [`SnapshotError::Damaged`], [`SnapshotError::NotFinite`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
         let no_snapshot = SnapshotError::NoSnapshot { found: bytes.len() };
         if bytes.get(..8) != Some(&MARK[..]) {
@@ -56,7 +56,7 @@ impl Snapshot {
             return Err(SnapshotError::Damaged);
         }
         let mut read = In { places: bytes[16..].chunks_exact(8) };
-        Ok(Snapshot {
+        let snapshot = Snapshot {
             version: VERSION,
             instrument: read.word(),
             time_s: read.number(),
@@ -77,7 +77,9 @@ impl Snapshot {
                 let is_there = read.word() != 0;
                 Some(read.numbers()).filter(|_| is_there)
             }),
-        })
+        };
+        snapshot.open(snapshot.instrument)?;
+        Ok(snapshot)
     }
 }
 
@@ -153,6 +155,8 @@ mod tests {
         assert_eq!(Snapshot::from_bytes(&bytes), Ok(snapshot));
         let none = Snapshot { aimed_m: None, flight: [None, Some([1.0, 2.0, 3.0])], ..snapshot };
         assert_eq!(Snapshot::from_bytes(&none.to_bytes()), Ok(none));
+        let broken = Snapshot { rigid_force: f64::NAN, ..snapshot };
+        assert_eq!(Snapshot::from_bytes(&broken.to_bytes()), Err(SnapshotError::NotFinite));
         let filled = Out { places: [0_u8; BYTES].chunks_exact_mut(8) }.places.len();
         assert_eq!(filled, 2 + WORDS + 1);
     }

@@ -1,0 +1,128 @@
+// The C interface with C++'s ownership and exceptions: a page over erard.h (C++17).
+//
+// Creation throws erard::Error. What may be called in real time returns the status and throws nothing: [[nodiscard]], look at it.
+#ifndef ERARD_HPP
+#define ERARD_HPP
+
+#include "erard.h"
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace erard {
+
+struct Error : std::runtime_error {
+    ErardStatus status;
+    explicit Error(ErardStatus s) : std::runtime_error(erard_last_error()), status(s) {}
+};
+
+namespace detail {
+struct Free {
+    void operator()(ErardAction *p) const { erard_action_free(p); }
+    void operator()(ErardKeyboard *p) const { erard_keyboard_free(p); }
+    void operator()(ErardInstrument *p) const { erard_instrument_free(p); }
+    void operator()(char *p) const { erard_text_free(p); }
+};
+template <class T> using Owned = std::unique_ptr<T, Free>;
+template <class T> Owned<T> owned(T *p, ErardStatus s) {
+    if (!p) throw Error(s);
+    return Owned<T>(p);
+}
+inline std::string text(char *p, ErardStatus s) { return owned(p, s).get(); }
+} // namespace detail
+
+class Instrument {
+    detail::Owned<ErardInstrument> own;
+    explicit Instrument(detail::Owned<ErardInstrument> p) : own(std::move(p)) {}
+
+  public:
+    explicit Instrument(std::string_view toml) {
+        ErardStatus s;
+        auto *p = erard_instrument_new(toml.data(), toml.size(), &s);
+        own = detail::owned(p, s);
+    }
+    static Instrument builtin(const char *name) {
+        ErardStatus s;
+        auto *p = erard_instrument_builtin(name, &s);
+        return Instrument(detail::owned(p, s));
+    }
+    double get(const char *path, std::size_t which = 0) const {
+        double value;
+        if (auto s = erard_instrument_get(own.get(), path, which, &value); s < 0) throw Error(s);
+        return value;
+    }
+    void set(const char *path, double value, std::size_t which = 0) {
+        if (auto s = erard_instrument_set(own.get(), path, which, value); s < 0) throw Error(s);
+    }
+    std::string toml() const {
+        ErardStatus s;
+        char *p = erard_instrument_text(own.get(), nullptr, &s);
+        return detail::text(p, s);
+    }
+    const ErardInstrument *handle() const noexcept { return own.get(); }
+};
+
+class Action {
+    detail::Owned<ErardAction> own;
+
+  public:
+    explicit Action(double step_s = 50e-6) {
+        ErardStatus s;
+        auto *p = erard_action_new(nullptr, 0, step_s, &s);
+        own = detail::owned(p, s);
+    }
+    explicit Action(const Instrument &of, double step_s = 50e-6) {
+        ErardStatus s;
+        auto *p = erard_action_of(of.handle(), step_s, &s);
+        own = detail::owned(p, s);
+    }
+    [[nodiscard]] ErardStatus force(double n, ErardReading &r) noexcept { return erard_step_force(own.get(), n, &r); }
+    [[nodiscard]] ErardStatus motion(double m, double m_s, ErardReading &r) noexcept {
+        return erard_step_motion(own.get(), m, m_s, &r);
+    }
+    [[nodiscard]] ErardStatus advance(double dt_s, const ErardInput &in, ErardReading &r) noexcept {
+        return erard_advance(own.get(), dt_s, &in, &r);
+    }
+    ErardReading reading() const noexcept {
+        ErardReading r{};
+        erard_read(own.get(), &r);
+        return r;
+    }
+    std::vector<unsigned char> save() const {
+        std::size_t n = 0;
+        erard_save(own.get(), nullptr, &n);
+        std::vector<unsigned char> bytes(n);
+        erard_save(own.get(), bytes.data(), &n);
+        return bytes;
+    }
+    [[nodiscard]] ErardStatus restore(const std::vector<unsigned char> &bytes) noexcept {
+        return erard_restore(own.get(), bytes.data(), bytes.size());
+    }
+    void reset() noexcept { erard_reset(own.get()); }
+    ErardAction *handle() noexcept { return own.get(); }
+};
+
+class Keyboard {
+    detail::Owned<ErardKeyboard> own;
+
+  public:
+    explicit Keyboard(double step_s = 50e-6) {
+        ErardStatus s;
+        auto *p = erard_keyboard_new(nullptr, 0, step_s, &s);
+        own = detail::owned(p, s);
+    }
+    [[nodiscard]] ErardStatus drive(std::uint32_t key, const ErardInput &in) noexcept {
+        return erard_keyboard_drive(own.get(), key, &in);
+    }
+    [[nodiscard]] ErardStatus step(std::uint32_t steps, ErardBlow *blows, std::size_t room, std::size_t &count) noexcept {
+        return erard_keyboard_step(own.get(), steps, blows, room, &count);
+    }
+    ErardKeyboard *handle() noexcept { return own.get(); }
+};
+
+} // namespace erard
+
+#endif

@@ -1,0 +1,317 @@
+//! One action: made, stepped, read, saved.
+
+use std::ffi::{CString, c_char};
+use std::ptr::null_mut;
+
+use erard::{Action, Input, Instrument};
+
+use crate::instrument::{ErardInstrument, parse};
+use crate::play::{Play, SAVED_BYTES, settings};
+use crate::reading::{
+    ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardInput, ErardReading, within,
+};
+use crate::status::{ErardStatus, Fault, quick, told};
+
+/// One action under the caller's control. It belongs to whoever made it, until erard_action_free. One thread at a time may use it; any thread may.
+pub struct ErardAction {
+    pub(crate) play: Play,
+    bodies: Vec<CString>,
+    zones: Vec<CString>,
+}
+
+impl ErardAction {
+    pub(crate) fn new(instrument: &Instrument, step_s: f64) -> Result<Self, Fault> {
+        let action = Action::with(instrument, settings(step_s)).map_err(|error| {
+            let status =
+                if matches!(error, erard::ActionError::Step { .. }) { ErardStatus::Range } else { ErardStatus::Model };
+            Fault::new(status, error.to_string())
+        })?;
+        let name = |name: &String| CString::new(name.as_str()).unwrap_or_default();
+        Ok(ErardAction {
+            play: Play::new(action, instrument.zones.len()),
+            bodies: instrument.bodies.iter().map(|body| name(&body.name)).collect(),
+            zones: instrument.zones.iter().map(|zone| name(&zone.name)).collect(),
+        })
+    }
+}
+
+/// An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero needed at its end); NULL and 0:
+/// the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you know better. NULL where it cannot be had; why is written to
+/// `status` (which may be NULL), and erard_last_error says it in words. Real time: no (it reads, allocates, and simulates until the action rests).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_action_new(
+    text: *const c_char,
+    length: usize,
+    step_s: f64,
+    status: *mut ErardStatus,
+) -> *mut ErardAction {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let (file, _) = unsafe { parse(text, length) }?;
+        Ok(Box::into_raw(Box::new(ErardAction::new(&file.instrument, step_s)?)))
+    })
+}
+
+/// The same of an instrument. The action does not need it any more. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_action_of(
+    instrument: *const ErardInstrument,
+    step_s: f64,
+    status: *mut ErardStatus,
+) -> *mut ErardAction {
+    told(null_mut(), status, || {
+        // SAFETY: the caller's promise: NULL, or an instrument.
+        let instrument = unsafe { instrument.as_ref() }.ok_or_else(|| Fault::null("the instrument"))?;
+        Ok(Box::into_raw(Box::new(ErardAction::new(instrument.instrument(), step_s)?)))
+    })
+}
+
+/// Ends an action. NULL does nothing. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
+    if !action.is_null() {
+        // SAFETY: the caller's promise: it comes from this library, and is used no more.
+        quick(|| {
+            drop(unsafe { Box::from_raw(action) });
+            ErardStatus::Ok
+        });
+    }
+}
+
+/// What the reading's place gets, where the caller wants it.
+unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
+    // SAFETY: the caller's promise: NULL, or a place for a reading.
+    if let Some(place) = unsafe { reading.as_mut() } {
+        *place = play.reading;
+    }
+}
+
+/// One step under an input, or what is wrong with it.
+#[inline(always)]
+unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, reading: *mut ErardReading) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
+    quick(|| {
+        let status = input.map_or_else(|status| status, |input| action.play.step(input));
+        // SAFETY: passed on.
+        unsafe { read_into(&action.play, reading) };
+        status
+    })
+}
+
+/// Where something is and how fast, if an action takes it.
+#[inline(always)]
+fn moving(position_m: f64, velocity_m_s: f64) -> Result<[f64; 2], ErardStatus> {
+    Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?])
+}
+
+/// One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be NULL. An error leaves the action
+/// as it was. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_step_force(
+    action: *mut ErardAction,
+    force_n: f64,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    // SAFETY: passed on.
+    unsafe { step(action, within(force_n, ERARD_LARGEST_FORCE_N).map(Input::Force), reading) }
+}
+
+/// One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in the middle of the step
+/// (impedance: position in, force out: finger_n of the reading). Between device and key is the fingertip of the instrument's file, a spring and a
+/// damper that only push: the virtual coupling. `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_step_motion(
+    action: *mut ErardAction,
+    position_m: f64,
+    velocity_m_s: f64,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    let input = moving(position_m, velocity_m_s);
+    // SAFETY: passed on.
+    unsafe { step(action, input.map(|[position_m, velocity_m_s]| Input::Motion { position_m, velocity_m_s }), reading) }
+}
+
+/// One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a loop with a device (README,
+/// "Closed loop"). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_step_rigid(
+    action: *mut ErardAction,
+    position_m: f64,
+    velocity_m_s: f64,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    let input = moving(position_m, velocity_m_s);
+    // SAFETY: passed on.
+    unsafe { step(action, input.map(|[position_m, velocity_m_s]| Input::Rigid { position_m, velocity_m_s }), reading) }
+}
+
+/// One step with nothing touching the key. `reading` may be NULL. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut ErardReading) -> ErardStatus {
+    // SAFETY: passed on.
+    unsafe { step(action, Ok(Input::Free), reading) }
+}
+
+/// As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S); what is left over counts for the
+/// next call, so that times of any length do not drift. The input holds at the beginning of `dt_s`: a force is held, a position goes on at its
+/// velocity. The reading's finger_mean_n is what to render: the device that holds it gives back the same impulse. If a step fails none has been
+/// taken. Real time: yes, and its time is that of its steps.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_advance(
+    action: *mut ErardAction,
+    dt_s: f64,
+    input: *const ErardInput,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or what their types say.
+    let (Some(action), Some(input)) = (unsafe { action.as_mut() }, unsafe { input.as_ref() }) else {
+        return ErardStatus::Null;
+    };
+    quick(|| {
+        let status = action.play.advance(dt_s, input);
+        // SAFETY: passed on.
+        unsafe { read_into(&action.play, reading) };
+        status
+    })
+}
+
+/// What there is to be read now: after a step, the same as it wrote. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action and a place for a reading.
+    let (Some(action), false) = (unsafe { action.as_ref() }, reading.is_null()) else { return ErardStatus::Null };
+    unsafe { read_into(&action.play, reading) };
+    ErardStatus::Ok
+}
+
+/// As it was when it was made: at rest, at 0 s, no blow so far. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
+    quick(|| action.play.reset())
+}
+
+/// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
+/// told how many it takes (some 1.2 kB, the same for every action of one library). With `bytes` NULL it is told only. The bytes are the same on every
+/// machine. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action and a place for a size.
+    let (Some(action), Some(size)) = (unsafe { action.as_ref() }, unsafe { size.as_mut() }) else {
+        return ErardStatus::Null;
+    };
+    let room = core::mem::replace(size, SAVED_BYTES);
+    if bytes.is_null() {
+        return ErardStatus::Ok;
+    }
+    if room < SAVED_BYTES {
+        return ErardStatus::Size;
+    }
+    quick(|| {
+        // SAFETY: there is room.
+        action.play.save(unsafe { &mut *bytes.cast() });
+        ErardStatus::Ok
+    })
+}
+
+/// Goes on from a saved state of the same instrument and the same length of step, to the bit; readings are those of then. What is no such state is
+/// refused, and the action stays as it was. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action and so many bytes.
+    let (Some(action), false) = (unsafe { action.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
+    if size != SAVED_BYTES {
+        return ErardStatus::Saved;
+    }
+    quick(|| action.play.restore(unsafe { &*bytes.cast() }))
+}
+
+/// How many bodies it has; 0 for NULL. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_body_count(action: *const ErardAction) -> usize {
+    // SAFETY: the caller's promise: NULL, or an action.
+    unsafe { action.as_ref() }.map_or(0, |action| action.bodies.len())
+}
+
+/// How many contact zones it has; 0 for NULL. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_zone_count(action: *const ErardAction) -> usize {
+    // SAFETY: the caller's promise: NULL, or an action.
+    unsafe { action.as_ref() }.map_or(0, |action| action.zones.len())
+}
+
+/// Name of a body, from 0, as its file gives it; NULL if there is no such body. It is the action's, and lasts as long. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize) -> *const c_char {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let action = unsafe { action.as_ref() };
+    action.and_then(|action| action.bodies.get(body)).map_or(core::ptr::null(), |name| name.as_ptr())
+}
+
+/// Name of a contact zone, from 0; as erard_body_name. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_zone_name(action: *const ErardAction, zone: usize) -> *const c_char {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let action = unsafe { action.as_ref() };
+    action.and_then(|action| action.zones.get(zone)).map_or(core::ptr::null(), |name| name.as_ptr())
+}
+
+unsafe fn fill(
+    action: *const ErardAction,
+    out: *mut f64,
+    count: usize,
+    wanted: impl Fn(&ErardAction) -> usize,
+    write: impl Fn(&ErardAction, &mut [f64]),
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let (Some(action), false) = (unsafe { action.as_ref() }, out.is_null()) else { return ErardStatus::Null };
+    let wanted = wanted(action);
+    if count < wanted {
+        return ErardStatus::Size;
+    }
+    // SAFETY: there is room for at least so many.
+    let out = unsafe { core::slice::from_raw_parts_mut(out, wanted) };
+    quick(|| {
+        write(action, out);
+        ErardStatus::Ok
+    })
+}
+
+/// Absolute angles of all bodies, rad, counter-clockwise seen with the player to the left; `count` is the room in `angles_rad`, at least
+/// erard_body_count. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *mut f64, count: usize) -> ErardStatus {
+    let write = |action: &ErardAction, out: &mut [f64]| {
+        out.iter_mut().zip(action.play.action.angles()).for_each(|(place, angle)| *place = *angle);
+    };
+    // SAFETY: passed on.
+    unsafe { fill(action, angles_rad, count, |action| action.bodies.len(), write) }
+}
+
+/// Absolute angular velocities of all bodies, rad/s; as erard_angles. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_velocities(
+    action: *const ErardAction,
+    velocities_rad_s: *mut f64,
+    count: usize,
+) -> ErardStatus {
+    let write = |action: &ErardAction, out: &mut [f64]| {
+        out.iter_mut().zip(action.play.action.velocities()).for_each(|(place, rate)| *place = *rate);
+    };
+    // SAFETY: passed on.
+    unsafe { fill(action, velocities_rad_s, count, |action| action.bodies.len(), write) }
+}
+
+/// Normal forces of all contact zones in the last step, N, never negative; `count` is the room in `forces_n`, at least erard_zone_count. After a
+/// restore or a reset they are 0 until the next step. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_contact_forces(
+    action: *const ErardAction,
+    forces_n: *mut f64,
+    count: usize,
+) -> ErardStatus {
+    // SAFETY: passed on.
+    unsafe { fill(action, forces_n, count, |action| action.zones.len(), |action, out| action.play.contacts(out)) }
+}

@@ -1,0 +1,276 @@
+//! Instruments: read, checked, their numbers looked up and changed.
+
+use std::ffi::c_char;
+use std::ptr::null_mut;
+
+use erard::Instrument;
+use erard::instrument::{FileError, InstrumentFile, utf8, with_numbers};
+use erard::keyboard::{KEYS, Keyboard, is_keyboard};
+use serde_json::{Value, json};
+
+use crate::status::{ErardStatus, Fault, tell, told};
+use crate::text::{bytes, give, name};
+
+/// An instrument that was read from its file's text, and that text. It belongs to whoever made it, until erard_instrument_free. It never changes but by
+/// erard_instrument_set; several threads may read it at once.
+pub struct ErardInstrument {
+    pub(crate) file: InstrumentFile,
+    pub(crate) text: String,
+}
+
+impl ErardInstrument {
+    pub(crate) fn instrument(&self) -> &Instrument {
+        &self.file.instrument
+    }
+}
+
+/// What is wrong with a file, as a fault.
+pub fn file_fault(error: &FileError) -> Fault {
+    Fault::new(ErardStatus::File, error.to_string())
+}
+
+/// What is wrong with a file, for a program: where it stands, in which key, what was found and what is expected.
+fn as_json(error: &FileError) -> Value {
+    json!({
+        "line": error.line,
+        "column": error.column,
+        "key": error.key,
+        "message": error.message,
+        "found": error.found,
+        "expected": error.expected,
+        "begin": error.span.start,
+        "end": error.span.end,
+        "text": error.to_string(),
+    })
+}
+
+/// The file that a caller's text is; NULL: the built-in concert grand.
+pub unsafe fn parse(text: *const c_char, length: usize) -> Result<(InstrumentFile, String), Fault> {
+    // SAFETY: passed on.
+    let text = match unsafe { bytes(text, length) }? {
+        None => builtin("concert-grand")?,
+        Some(bytes) => utf8(bytes, "instrument").map_err(|error| file_fault(&error))?,
+    };
+    let file = InstrumentFile::parse(text, "instrument").map_err(|error| file_fault(&error))?;
+    Ok((file, text.to_owned()))
+}
+
+fn builtin(name: &str) -> Result<&'static str, Fault> {
+    Instrument::builtin_text(name).ok_or_else(|| {
+        let known = Instrument::builtin_names().collect::<Vec<_>>().join(", ");
+        Fault::new(ErardStatus::NoSuch, format!("no instrument `{name}` is built in; there are {known}"))
+    })
+}
+
+fn boxed(file: InstrumentFile, text: String) -> *mut ErardInstrument {
+    Box::into_raw(Box::new(ErardInstrument { file, text }))
+}
+
+/// Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where something is wrong with it:
+/// `status` (which may be NULL) and erard_last_error say what; erard_check says it for programs. Real time: no, as everything here.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_new(
+    text: *const c_char,
+    length: usize,
+    status: *mut ErardStatus,
+) -> *mut ErardInstrument {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let (file, text) = unsafe { parse(text, length) }?;
+        Ok(boxed(file, text))
+    })
+}
+
+/// A built-in instrument by its name, e.g. "heavy-touch". erard_builtin lists them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_builtin(
+    called: *const c_char,
+    status: *mut ErardStatus,
+) -> *mut ErardInstrument {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let text = builtin(unsafe { name(called, "the instrument's name") }?)?;
+        let file = InstrumentFile::parse(text, "instrument").map_err(|error| file_fault(&error))?;
+        Ok(boxed(file, text.to_owned()))
+    })
+}
+
+/// The instrument of a key, 1 to 88, of the built-in keyboard.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_instrument_of_key(key: u32, status: *mut ErardStatus) -> *mut ErardInstrument {
+    told(null_mut(), status, || {
+        let key = key as usize;
+        if !(1..=KEYS).contains(&key) {
+            return Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")));
+        }
+        let keyboard = Keyboard::builtin("concert-grand")
+            .ok_or_else(|| Fault::new(ErardStatus::Internal, "the built-in keyboard is not there"))?;
+        let file = keyboard.key_file(key).map_err(|error| file_fault(&error))?;
+        Ok(boxed(file, keyboard.key_text(key)))
+    })
+}
+
+/// Ends an instrument. NULL does nothing. Actions that were made of it go on.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_free(instrument: *mut ErardInstrument) {
+    if !instrument.is_null() {
+        told((), null_mut(), || {
+            // SAFETY: the caller's promise: it comes from this library, and is used no more.
+            drop(unsafe { Box::from_raw(instrument) });
+            Ok(())
+        });
+    }
+}
+
+/// What the caller's pointer promises to be.
+pub(crate) unsafe fn given<'a>(instrument: *const ErardInstrument) -> Result<&'a ErardInstrument, Fault> {
+    // SAFETY: the caller's promise: NULL, or an instrument.
+    unsafe { instrument.as_ref() }.ok_or_else(|| Fault::null("the instrument"))
+}
+
+/// The text of its file, as it is now. Give it back with erard_text_free. `length` may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_text(
+    instrument: *const ErardInstrument,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    // SAFETY: passed on.
+    told(null_mut(), status, || give(unsafe { given(instrument) }?.text.clone(), length))
+}
+
+/// One number of the file, in the file's own unit, by its dotted path: "body.hammer.mass_g", "zone.string.felt.exponent", "screw.let_off.setting_mm";
+/// entries of a list by their name. `which` is 0, or for a coordinate 0 or 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_get(
+    instrument: *const ErardInstrument,
+    path: *const c_char,
+    which: usize,
+    value: *mut f64,
+) -> ErardStatus {
+    tell(|| {
+        // SAFETY: passed on.
+        let (instrument, path) = (unsafe { given(instrument) }?, unsafe { name(path, "the number's path") }?);
+        // SAFETY: the caller's promise: NULL, or a place for a number.
+        let place = unsafe { value.as_mut() }.ok_or_else(|| Fault::null("the value"))?;
+        let number = instrument.file.provenance.numbers.iter().find(|number| number.key == path);
+        *place = number.and_then(|number| number.values.get(which)).copied().ok_or_else(|| no_number(path, which))?;
+        Ok(())
+    })
+}
+
+fn no_number(path: &str, which: usize) -> Fault {
+    Fault::new(ErardStatus::NoSuch, format!("the instrument has no number {which} at `{path}`"))
+}
+
+/// Changes one number of the file, in the file's own unit. The text is read anew: what the file may not be is refused, and the instrument stays as it
+/// was. Actions that were made of it before stay as they are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_set(
+    instrument: *mut ErardInstrument,
+    path: *const c_char,
+    which: usize,
+    value: f64,
+) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or an instrument.
+        let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
+        // SAFETY: passed on.
+        let path = unsafe { name(path, "the number's path") }?;
+        if !value.is_finite() {
+            return Err(Fault::new(ErardStatus::NotFinite, format!("`{path}` cannot be {value}")));
+        }
+        let text = with_numbers(&instrument.text, &[(path, which, value)]).ok_or_else(|| no_number(path, which))?;
+        instrument.file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
+        instrument.text = text;
+        Ok(())
+    })
+}
+
+/// What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers with path, values, line and source.
+/// Give it back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_json(
+    instrument: *const ErardInstrument,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let file = &unsafe { given(instrument) }?.file;
+        give(described(file).to_string(), length)
+    })
+}
+
+fn described(file: &InstrumentFile) -> Value {
+    let i = &file.instrument;
+    let body = |body: Option<usize>| body.map(|body| i.bodies[body].name.as_str());
+    let bodies = i.bodies.iter().map(|b| json!({ "name": b.name, "hinged_on": body(b.parent), "is_bend": b.is_bend }));
+    let zones = i
+        .zones
+        .iter()
+        .map(|z| json!({ "name": z.name, "label": z.label, "disc": body(z.disc_body), "curve": body(z.curve_body) }));
+    let screws = i.screws.iter().map(|s| json!({ "name": s.name, "label": s.label, "setting": s.setting }));
+    let numbers = file.provenance.numbers.iter().map(|number| {
+        let cited = number.citation.as_ref();
+        json!({
+            "path": number.key,
+            "line": number.line,
+            "values": number.values,
+            "source": cited.map(|c| &c.source),
+            "certainty": cited.map(|c| c.certainty),
+            "note": cited.and_then(|c| c.note.as_ref()),
+        })
+    });
+    json!({
+        "name": i.name,
+        "description": file.description,
+        "gravity_m_s2": i.gravity_m_s2,
+        "bodies": bodies.collect::<Vec<_>>(),
+        "zones": zones.collect::<Vec<_>>(),
+        "screws": screws.collect::<Vec<_>>(),
+        "numbers": numbers.collect::<Vec<_>>(),
+    })
+}
+
+/// Whether a text is a sound instrument or keyboard file, as JSON: {"kind", "sound", "name", "errors"}; each error with "line" and "column" (from 1), "key",
+/// "message", "found", "expected", the bytes from "begin" to "end", and "text", all of it in a line. A reader stops at the first error. `text` is UTF-8 of
+/// `length` bytes, or not: that is an error, too. Give the JSON back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_check(
+    text: *const c_char,
+    length: usize,
+    json_length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let bytes = unsafe { bytes(text, length) }?.ok_or_else(|| Fault::null("the text"))?;
+        let is_a_keyboard = is_keyboard(&String::from_utf8_lossy(bytes));
+        let read = utf8(bytes, "file").and_then(|text| {
+            if is_a_keyboard {
+                let keyboard = Keyboard::parse(text, "file", std::path::Path::new(""))?;
+                keyboard.instruments()?;
+                Ok(keyboard.name)
+            } else {
+                InstrumentFile::parse(text, "file").map(|file| file.instrument.name)
+            }
+        });
+        let (name, errors) = match &read {
+            Ok(name) => (Some(name), vec![]),
+            Err(error) => (None, vec![as_json(error)]),
+        };
+        let kind = if is_a_keyboard { "keyboard" } else { "instrument" };
+        give(json!({ "kind": kind, "sound": read.is_ok(), "name": name, "errors": errors }).to_string(), json_length)
+    })
+}
+
+/// What is built in, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with erard_text_free.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_builtin(length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
+    told(null_mut(), status, || {
+        let (instruments, keyboards): (Vec<_>, Vec<_>) =
+            (Instrument::builtin_names().collect(), Keyboard::builtin_names().collect());
+        give(json!({ "instruments": instruments, "keyboards": keyboards }).to_string(), length)
+    })
+}

@@ -1,0 +1,306 @@
+//! A keyboard: 88 actions, of which those at rest cost nothing.
+
+use std::ffi::c_char;
+use std::path::Path;
+use std::ptr::null_mut;
+
+use erard::instrument::utf8;
+use erard::keyboard::{Keyboard, Keys};
+use erard::player::{SNAPSHOT_BYTES, Snapshot};
+
+use crate::instrument::file_fault;
+use crate::play::{settings, status_of};
+use crate::reading::{ErardBlow, ErardInput, ErardReading};
+use crate::saved::{Reader, Writer, check_sum};
+use crate::status::{ErardStatus, Fault, quick, told};
+use crate::text::bytes;
+
+/// A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at a time may use it.
+pub struct ErardKeyboard {
+    keys: Keys,
+    inputs: Vec<ErardInput>,
+    blows: Vec<(f64, f64, u32)>,
+    /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.
+    offset_s: f64,
+}
+
+/// Most steps that erard_keyboard_step takes at once.
+pub const ERARD_MOST_STEPS: u32 = 1000000;
+
+const MARK: u64 = u64::from_le_bytes(*b"erardkbd");
+/// Mark, keys, length of a step, instant; for each key a snapshot and five numbers of input and two or so of its last blow; a check sum.
+const HEAD: usize = 4 * 8;
+const INPUT: usize = 4 * 8;
+const BLOW: usize = 3 * 8;
+const EACH: usize = SNAPSHOT_BYTES + INPUT + BLOW;
+
+/// 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one; NULL and 0: the built-in
+/// concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE. NULL where it cannot be had; `status` (which may be
+/// NULL) and erard_last_error say why. Real time: no (it takes about half a second).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_new(
+    text: *const c_char,
+    length: usize,
+    step_s: f64,
+    status: *mut ErardStatus,
+) -> *mut ErardKeyboard {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let keyboard = match unsafe { bytes(text, length) }? {
+            None => Keyboard::builtin("concert-grand")
+                .ok_or_else(|| Fault::new(ErardStatus::Internal, "the built-in keyboard is not there"))?,
+            Some(bytes) => {
+                let text = utf8(bytes, "keyboard").map_err(|error| file_fault(&error))?;
+                Keyboard::parse(text, "keyboard", Path::new("")).map_err(|error| file_fault(&error))?
+            }
+        };
+        let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
+        let range = erard::simulation::SMALLEST_STEP_S..=erard::simulation::LARGEST_STEP_S;
+        let status = if range.contains(&step_s) { ErardStatus::Model } else { ErardStatus::Range };
+        let keys =
+            Keys::at_rest(&instruments, settings(step_s)).map_err(|error| Fault::new(status, error.to_string()))?;
+        let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
+        let offset_s = -keys.time_s();
+        Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
+    })
+}
+
+/// Ends a keyboard. NULL does nothing. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_free(keyboard: *mut ErardKeyboard) {
+    if !keyboard.is_null() {
+        quick(|| {
+            // SAFETY: the caller's promise: it comes from this library, and is used no more.
+            drop(unsafe { Box::from_raw(keyboard) });
+            ErardStatus::Ok
+        });
+    }
+}
+
+/// How many keys it has; 0 for NULL. They count from 1, the lowest A. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_keys(keyboard: *const ErardKeyboard) -> u32 {
+    // SAFETY: the caller's promise: NULL, or a keyboard.
+    unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.count() as u32)
+}
+
+/// How many keys are awake: those cost time. 0 for NULL. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_awake(keyboard: *const ErardKeyboard) -> u32 {
+    // SAFETY: the caller's promise: NULL, or a keyboard.
+    unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.awake() as u32)
+}
+
+/// What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds, whatever its velocity says: give
+/// a new one as often as it moves. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_drive(
+    keyboard: *mut ErardKeyboard,
+    key: u32,
+    input: *const ErardInput,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or what their types say.
+    let (Some(keyboard), Some(input)) = (unsafe { keyboard.as_mut() }, unsafe { input.as_ref() }) else {
+        return ErardStatus::Null;
+    };
+    let Some(place) = (key as usize).checked_sub(1).and_then(|index| keyboard.inputs.get_mut(index)) else {
+        return ErardStatus::NoSuch;
+    };
+    match input.checked() {
+        Err(status) => status,
+        Ok(checked) => {
+            *place = *input;
+            quick(|| {
+                keyboard.keys.drive(key as usize, checked);
+                ErardStatus::Ok
+            })
+        }
+    }
+}
+
+/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their order, as many as `capacity`
+/// says; `count` (which may be NULL) is told how many there were: those beyond are lost. A key whose numbers became infinite stays where it was, and
+/// the status says so; the others have gone on. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_step(
+    keyboard: *mut ErardKeyboard,
+    steps: u32,
+    blows: *mut ErardBlow,
+    capacity: usize,
+    count: *mut usize,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or a keyboard.
+    let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
+    if steps == 0 || steps > ERARD_MOST_STEPS {
+        return ErardStatus::Range;
+    }
+    if blows.is_null() && capacity > 0 {
+        return ErardStatus::Null;
+    }
+    quick(|| {
+        let (mut total, mut status) = (0_usize, ErardStatus::Ok);
+        for _ in 0..steps {
+            let tick = keyboard.keys.step();
+            if tick.non_finite > 0 {
+                status = ErardStatus::NotFinite;
+            } else if tick.unconverged > 0 && status == ErardStatus::Ok {
+                status = ErardStatus::IterationLimit;
+            }
+            for blow in keyboard.keys.strikes() {
+                let (time_s, speed_m_s) = (blow.strike.time_s + keyboard.offset_s, blow.strike.speed_m_s);
+                if let Some(last) = keyboard.blows.get_mut(blow.key - 1) {
+                    *last = (time_s, speed_m_s, last.2.wrapping_add(1));
+                }
+                if total < capacity {
+                    let told = ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_s };
+                    // SAFETY: below the capacity.
+                    unsafe { blows.add(total).write(told) };
+                }
+                total += 1;
+            }
+        }
+        // SAFETY: the caller's promise: NULL, or a place for a size.
+        if let Some(count) = unsafe { count.as_mut() } {
+            *count = total;
+        }
+        status
+    })
+}
+
+/// What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_read(
+    keyboard: *const ErardKeyboard,
+    key: u32,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or what their types say.
+    let (Some(keyboard), Some(reading)) = (unsafe { keyboard.as_ref() }, unsafe { reading.as_mut() }) else {
+        return ErardStatus::Null;
+    };
+    let Some(&(blow_time_s, blow_m_s, blows)) =
+        (key as usize).checked_sub(1).and_then(|index| keyboard.blows.get(index))
+    else {
+        return ErardStatus::NoSuch;
+    };
+    quick(|| {
+        let now = keyboard.keys.reading(key as usize);
+        *reading = ErardReading {
+            time_s: keyboard.keys.time_s() + keyboard.offset_s,
+            key_m: now.key_m,
+            key_m_s: now.key_m_s,
+            finger_n: now.finger_n,
+            finger_mean_n: now.finger_n,
+            hammer_m: now.hammer_m,
+            hammer_m_s: now.hammer_m_s,
+            string_n: now.string_n,
+            blow_time_s,
+            blow_m_s,
+            blows,
+            new_blows: 0,
+        };
+        ErardStatus::Ok
+    })
+}
+
+/// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 100 kB). Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_save(
+    keyboard: *const ErardKeyboard,
+    bytes: *mut u8,
+    size: *mut usize,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or a keyboard and a place for a size.
+    let (Some(keyboard), Some(size)) = (unsafe { keyboard.as_ref() }, unsafe { size.as_mut() }) else {
+        return ErardStatus::Null;
+    };
+    let needed = HEAD + EACH * keyboard.keys.count() + 8;
+    let room = core::mem::replace(size, needed);
+    if bytes.is_null() {
+        return ErardStatus::Ok;
+    }
+    if room < needed {
+        return ErardStatus::Size;
+    }
+    // SAFETY: there is room.
+    let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, needed) };
+    quick(|| {
+        let keys = &keyboard.keys;
+        let mut head = Writer::new(&mut bytes[..HEAD]);
+        head.word(MARK);
+        head.word(keys.count() as u64);
+        head.numbers(&[keys.settings().step, keys.time_s() + keyboard.offset_s]);
+        let each = bytes[HEAD..].chunks_exact_mut(EACH).zip(&keyboard.inputs).zip(&keyboard.blows);
+        for (index, ((place, input), (time_s, speed_m_s, blows))) in each.enumerate() {
+            let (snapshot, more) = place.split_at_mut(SNAPSHOT_BYTES);
+            snapshot.copy_from_slice(&keys.save(index + 1).to_bytes());
+            let mut out = Writer::new(more);
+            out.word(u64::from(input.kind));
+            out.numbers(&[input.force_n, input.position_m, input.velocity_m_s, *time_s, *speed_m_s]);
+            out.word(u64::from(*blows));
+        }
+        let sum = check_sum(bytes);
+        Writer::new(&mut bytes[needed - 8..]).word(sum);
+        ErardStatus::Ok
+    })
+}
+
+/// Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants to a rounding. What is no such
+/// state is refused, and the keyboard stays as it was. Forces read 0 until the next step. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_restore(
+    keyboard: *mut ErardKeyboard,
+    bytes: *const u8,
+    size: usize,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or a keyboard and so many bytes.
+    let (Some(keyboard), false) = (unsafe { keyboard.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
+    if size < HEAD + 8 || size > isize::MAX as usize {
+        return ErardStatus::Saved;
+    }
+    let bytes = unsafe { core::slice::from_raw_parts(bytes, size) };
+    quick(|| restore(keyboard, bytes))
+}
+
+fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
+    let mut head = Reader::new(bytes);
+    let (mark, count) = (head.word(), head.word());
+    let [step_s, time_s] = head.numbers();
+    if mark != MARK || Reader::new(&bytes[bytes.len() - 8..]).word() != check_sum(bytes) {
+        return ErardStatus::Saved;
+    }
+    if count != keyboard.keys.count() as u64 || step_s != keyboard.keys.settings().step {
+        return ErardStatus::Foreign;
+    }
+    if bytes.len() != HEAD + EACH * keyboard.keys.count() + 8 || !time_s.is_finite() {
+        return ErardStatus::Saved;
+    }
+    // First everything is read, then everything is changed.
+    for write in [false, true] {
+        for (index, place) in bytes[HEAD..].chunks_exact(EACH).enumerate() {
+            let (snapshot, more) = place.split_at(SNAPSHOT_BYTES);
+            let snapshot = match Snapshot::from_bytes(snapshot) {
+                Ok(snapshot) => snapshot,
+                Err(error) => return status_of(error),
+            };
+            let mut read = Reader::new(more);
+            let kind = read.word() as u32;
+            let [force_n, position_m, velocity_m_s, blow_s, blow_m_s] = read.numbers();
+            let input = ErardInput { kind, reserved: 0, force_n, position_m, velocity_m_s };
+            let Ok(checked) = input.checked() else { return ErardStatus::Saved };
+            if snapshot.instrument != keyboard.keys.digest(index + 1) {
+                return ErardStatus::Foreign;
+            }
+            if write {
+                if let Err(error) = keyboard.keys.restore(index + 1, &snapshot) {
+                    return status_of(error);
+                }
+                keyboard.keys.drive(index + 1, checked);
+                keyboard.inputs[index] = input;
+                keyboard.blows[index] = (blow_s, blow_m_s, read.word() as u32);
+            }
+        }
+    }
+    keyboard.offset_s = time_s - keyboard.keys.time_s();
+    ErardStatus::Ok
+}

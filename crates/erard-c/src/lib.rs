@@ -1,0 +1,25 @@
+//! The grand piano action behind a C ABI: one interface for control loops, haptic keys, simulators (FMI 2.0) and pages (WebAssembly).
+//!
+//! `include/erard.h` is made from this source by cbindgen (`tests/header.rs` keeps it so); the README beside it is the contract: who owns what,
+//! what allocates, what may be called in real time. No physics is here: `erard`, `erard-workshop` and `erard-figures` are called.
+
+mod action;
+mod fmi;
+mod instrument;
+mod keyboard;
+mod play;
+mod reading;
+mod saved;
+mod status;
+mod text;
+mod version;
+mod workshop;
+
+pub use action::*;
+pub use instrument::*;
+pub use keyboard::*;
+pub use reading::*;
+pub use status::{ErardStatus, erard_last_error, erard_status_text};
+pub use text::{erard_memory_free, erard_memory_new, erard_text_free};
+pub use version::{erard_abi, erard_version};
+pub use workshop::*;

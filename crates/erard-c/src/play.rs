@@ -1,0 +1,241 @@
+//! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the system or uses a clock.
+
+use erard::player::SNAPSHOT_BYTES;
+use erard::{Action, Input, Outcome, Settings, Snapshot, SnapshotError};
+
+use crate::reading::{ERARD_LONGEST_ADVANCE_S, ErardInput, ErardReading};
+use crate::saved::{Reader, Writer, check_sum};
+use crate::status::ErardStatus;
+
+/// Numbers of eight bytes behind the snapshot: length of a step, time owed, ten numbers of the reading, its two counts.
+const WORDS: usize = 2 + 10 + 2;
+/// Bytes of a saved action: the snapshot, what the interface adds, a check sum.
+pub const SAVED_BYTES: usize = SNAPSHOT_BYTES + 8 * WORDS + 8;
+
+/// A share of a step by which a time may fall short of it and still count as the whole.
+const NEARLY: f64 = 1e-6;
+
+/// An action, its rest, and what was last to be read.
+pub struct Play {
+    pub action: Action,
+    rest: Snapshot,
+    pub reading: ErardReading,
+    /// Time that has been asked for and not yet been stepped, s: less than a step.
+    owed_s: f64,
+    /// A step has begun and not ended: only a panic leaves it so.
+    under_way: bool,
+    pub zones: usize,
+}
+
+impl Play {
+    pub fn new(action: Action, zones: usize) -> Self {
+        let rest = action.save();
+        let mut play = Play { action, rest, reading: ErardReading::default(), owed_s: 0.0, under_way: false, zones };
+        play.look();
+        play
+    }
+
+    /// Places and speeds as they are.
+    fn look(&mut self) {
+        let now = self.action.reading();
+        self.reading = ErardReading {
+            time_s: self.action.time_s(),
+            key_m: now.key_m,
+            key_m_s: now.key_m_s,
+            hammer_m: now.hammer_m,
+            hammer_m_s: now.hammer_m_s,
+            ..self.reading
+        };
+    }
+
+    /// One step. The input has been checked.
+    #[inline(never)]
+    pub fn step(&mut self, input: Input) -> ErardStatus {
+        if self.under_way {
+            return ErardStatus::Internal;
+        }
+        self.under_way = true;
+        let before = self.reading.blows;
+        let status = self.one(input);
+        self.under_way = false;
+        if status as i32 >= 0 {
+            self.reading.new_blows = self.reading.blows.wrapping_sub(before);
+            self.reading.finger_mean_n = self.reading.finger_n;
+        }
+        status
+    }
+
+    /// Steps as many times as `dt_s` has room for; what is left over counts for the next call.
+    #[inline(never)]
+    pub fn advance(&mut self, dt_s: f64, input: &ErardInput) -> ErardStatus {
+        if !dt_s.is_finite() {
+            return ErardStatus::NotFinite;
+        }
+        if !(0.0..=ERARD_LONGEST_ADVANCE_S).contains(&dt_s) {
+            return ErardStatus::Range;
+        }
+        let first = match input.checked() {
+            Err(status) => return status,
+            Ok(_) if self.under_way => return ErardStatus::Internal,
+            Ok(first) => first,
+        };
+        let h = self.action.settings().step;
+        let owed_s = self.owed_s + dt_s;
+        // Not negative, and at most a million.
+        let steps = (owed_s / h + NEARLY) as u64;
+        if steps == 0 {
+            (self.owed_s, self.reading.new_blows) = (owed_s, 0);
+            return ErardStatus::Ok;
+        }
+        let (before, read) = (self.action.save(), self.reading);
+        self.under_way = true;
+        let (mut sum, mut blows, mut status) = (0.0, 0, ErardStatus::Ok);
+        for n in 0..steps {
+            let one = self.one(later(first, n as f64 * h, h));
+            if (one as i32) < 0 {
+                // Nothing has happened.
+                let restored = self.action.restore(&before);
+                self.reading = read;
+                self.under_way = restored.is_err();
+                return one;
+            }
+            if one == ErardStatus::IterationLimit {
+                status = one;
+            }
+            sum += self.reading.finger_n;
+            blows += u32::from(self.action.blow().is_some());
+        }
+        self.under_way = false;
+        self.owed_s = (owed_s - steps as f64 * h).max(0.0);
+        self.reading.finger_mean_n = sum / steps as f64;
+        self.reading.new_blows = blows;
+        status
+    }
+
+    /// One step; its reading, without what belongs to a whole call.
+    #[inline]
+    fn one(&mut self, input: Input) -> ErardStatus {
+        let now = self.action.step(input);
+        let status = match now.outcome {
+            Outcome::Converged => ErardStatus::Ok,
+            Outcome::IterationLimit => ErardStatus::IterationLimit,
+            // The action is where it was, and so is the reading.
+            Outcome::NonFinite => return ErardStatus::NotFinite,
+            Outcome::TooManyLaws => return ErardStatus::Internal,
+        };
+        let reading = &mut self.reading;
+        if let Some(blow) = self.action.blow() {
+            (reading.blow_time_s, reading.blow_m_s) = (blow.time_s, blow.speed_m_s);
+            reading.blows = reading.blows.wrapping_add(1);
+        }
+        reading.time_s = self.action.time_s();
+        (reading.key_m, reading.key_m_s) = (now.key_m, now.key_m_s);
+        (reading.hammer_m, reading.hammer_m_s) = (now.hammer_m, now.hammer_m_s);
+        (reading.finger_n, reading.string_n) = (now.finger_n, now.string_n);
+        status
+    }
+
+    /// As it was at first.
+    #[inline(never)]
+    pub fn reset(&mut self) -> ErardStatus {
+        let Play { action, rest, .. } = self;
+        if action.restore(rest).is_err() {
+            return ErardStatus::Internal;
+        }
+        (self.reading, self.owed_s, self.under_way) = (ErardReading::default(), 0.0, false);
+        self.look();
+        ErardStatus::Ok
+    }
+
+    /// All that the following steps and readings depend on.
+    #[inline(never)]
+    pub fn save(&self, bytes: &mut [u8; SAVED_BYTES]) {
+        let (snapshot, more) = bytes.split_at_mut(SNAPSHOT_BYTES);
+        snapshot.copy_from_slice(&self.action.save().to_bytes());
+        let mut out = Writer::new(more);
+        let r = &self.reading;
+        out.numbers(&[self.action.settings().step, self.owed_s]);
+        out.numbers(&[r.time_s, r.key_m, r.key_m_s, r.finger_n, r.finger_mean_n]);
+        out.numbers(&[r.hammer_m, r.hammer_m_s, r.string_n, r.blow_time_s, r.blow_m_s]);
+        out.word(u64::from(r.blows));
+        out.word(u64::from(r.new_blows));
+        let sum = check_sum(bytes);
+        Writer::new(&mut bytes[SAVED_BYTES - 8..]).word(sum);
+    }
+
+    /// Goes on from there.
+    #[inline(never)]
+    pub fn restore(&mut self, bytes: &[u8; SAVED_BYTES]) -> ErardStatus {
+        let (snapshot, more) = bytes.split_at(SNAPSHOT_BYTES);
+        let snapshot = match Snapshot::from_bytes(snapshot) {
+            Ok(snapshot) => snapshot,
+            Err(error) => return status_of(error),
+        };
+        let mut read = Reader::new(more);
+        let [step_s, owed_s] = read.numbers();
+        let [time_s, key_m, key_m_s, finger_n, finger_mean_n] = read.numbers();
+        let [hammer_m, hammer_m_s, string_n, blow_time_s, blow_m_s] = read.numbers();
+        let (blows, new_blows) = (read.word() as u32, read.word() as u32);
+        if read.word() != check_sum(bytes) || !(0.0..=step_s).contains(&owed_s) {
+            return ErardStatus::Saved;
+        }
+        if step_s != self.action.settings().step {
+            return ErardStatus::Foreign;
+        }
+        if let Err(error) = self.action.restore(&snapshot) {
+            return status_of(error);
+        }
+        self.owed_s = owed_s;
+        self.reading = ErardReading {
+            time_s,
+            key_m,
+            key_m_s,
+            finger_n,
+            finger_mean_n,
+            hammer_m,
+            hammer_m_s,
+            string_n,
+            blow_time_s,
+            blow_m_s,
+            blows,
+            new_blows,
+        };
+        self.under_way = false;
+        ErardStatus::Ok
+    }
+
+    /// Normal forces of the contact zones in the last step, N.
+    #[inline(never)]
+    pub fn contacts(&self, out: &mut [f64]) {
+        for (zone, place) in out.iter_mut().enumerate().take(self.zones) {
+            *place = self.action.contact_force(zone);
+        }
+    }
+}
+
+/// An input so many s later, for a step of h s: what moves, moves on. A soft finger's place belongs to the middle of the step, an imposed one to its end.
+fn later(input: Input, t: f64, h: f64) -> Input {
+    match input {
+        Input::Motion { position_m, velocity_m_s } => {
+            Input::Motion { position_m: position_m + velocity_m_s * (t + 0.5 * h), velocity_m_s }
+        }
+        Input::Rigid { position_m, velocity_m_s } => {
+            Input::Rigid { position_m: position_m + velocity_m_s * (t + h), velocity_m_s }
+        }
+        held => held,
+    }
+}
+
+/// Why a snapshot is refused.
+pub fn status_of(error: SnapshotError) -> ErardStatus {
+    match error {
+        SnapshotError::Instrument => ErardStatus::Foreign,
+        SnapshotError::NotFinite => ErardStatus::NotFinite,
+        _ => ErardStatus::Saved,
+    }
+}
+
+/// The usual settings with such steps.
+pub fn settings(step_s: f64) -> Settings<f64> {
+    Settings::new(step_s)
+}

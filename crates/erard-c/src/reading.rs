@@ -1,0 +1,120 @@
+//! What goes in and what comes out: plain numbers, SI units; key and finger positive downward, the hammer upward.
+
+use erard::Input;
+
+use crate::status::ErardStatus;
+
+/// The version of this interface: the layout of structures and the meaning of functions. A library of another version cannot be used with this
+/// header; compare with erard_abi().
+pub const ERARD_ABI: u32 = 1;
+
+/// Largest force that an action takes, N, up or down: a hundred times a fortissimo.
+pub const ERARD_LARGEST_FORCE_N: f64 = 10000.0;
+/// Largest position that an action takes, m from rest, up or down: ten times a key's dip.
+pub const ERARD_LARGEST_POSITION_M: f64 = 0.1;
+/// Largest speed that an action takes, m/s, up or down.
+pub const ERARD_LARGEST_SPEED_M_S: f64 = 100.0;
+/// Longest time that erard_advance takes at once, s.
+pub const ERARD_LONGEST_ADVANCE_S: f64 = 1.0;
+
+/// ErardInput.kind: nothing touches the key.
+pub const ERARD_FREE: u32 = 0;
+/// ErardInput.kind: a force on the key front (admittance).
+pub const ERARD_FORCE: u32 = 1;
+/// ErardInput.kind: the driver's end of a soft fingertip is somewhere and moves (impedance). The fingertip only pushes.
+pub const ERARD_MOTION: u32 = 2;
+/// ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed loop" in the README.
+pub const ERARD_RIGID: u32 = 3;
+
+/// What drives a key. Fields that its kind does not use are not looked at.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErardInput {
+    /// ERARD_FREE, ERARD_FORCE, ERARD_MOTION or ERARD_RIGID.
+    pub kind: u32,
+    /// 0.
+    pub reserved: u32,
+    /// N, down positive.
+    pub force_n: f64,
+    /// m below the key front's rest.
+    pub position_m: f64,
+    /// m/s, down positive.
+    pub velocity_m_s: f64,
+}
+
+impl ErardInput {
+    /// The input, if it is one that an action takes.
+    pub fn checked(&self) -> Result<Input, ErardStatus> {
+        let Self { kind, force_n, position_m, velocity_m_s, .. } = *self;
+        match kind {
+            ERARD_FREE => Ok(Input::Free),
+            ERARD_FORCE => Ok(Input::Force(within(force_n, ERARD_LARGEST_FORCE_N)?)),
+            ERARD_MOTION | ERARD_RIGID => {
+                let position_m = within(position_m, ERARD_LARGEST_POSITION_M)?;
+                let velocity_m_s = within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?;
+                Ok(if kind == ERARD_MOTION {
+                    Input::Motion { position_m, velocity_m_s }
+                } else {
+                    Input::Rigid { position_m, velocity_m_s }
+                })
+            }
+            _ => Err(ErardStatus::Argument),
+        }
+    }
+}
+
+/// A number up to a limit, either way.
+#[inline(always)]
+pub fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
+    if !number.is_finite() {
+        Err(ErardStatus::NotFinite)
+    } else if number.abs() > limit {
+        Err(ErardStatus::Range)
+    } else {
+        Ok(number)
+    }
+}
+
+/// What there is to be read after a step: places and speeds at its end, from rest; forces as they acted in it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErardReading {
+    /// The present instant, s from the action's creation or its last reset.
+    pub time_s: f64,
+    /// Travel of the key front, m.
+    pub key_m: f64,
+    /// Its speed, m/s.
+    pub key_m_s: f64,
+    /// Force of the finger on the key in the last step, N: what a haptic key has to give back.
+    pub finger_n: f64,
+    /// The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower than the steps.
+    pub finger_mean_n: f64,
+    /// Rise of the hammer's strike point, m.
+    pub hammer_m: f64,
+    /// How fast it rises, m/s.
+    pub hammer_m_s: f64,
+    /// Force between hammer and string, N, never negative.
+    pub string_n: f64,
+    /// The last blow: when the hammer met its string, s; 0 before the first.
+    pub blow_time_s: f64,
+    /// Its speed then, m/s; 0 before the first.
+    pub blow_m_s: f64,
+    /// Blows so far.
+    pub blows: u32,
+    /// Of these, those of the call that made this reading.
+    pub new_blows: u32,
+}
+
+/// A hammer has met its string.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErardBlow {
+    /// The key, from 1.
+    pub key: u32,
+    /// 0.
+    pub reserved: u32,
+    /// When, s.
+    pub time_s: f64,
+    /// How fast the strike point flew, m/s.
+    pub speed_m_s: f64,
+}

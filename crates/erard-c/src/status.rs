@@ -1,0 +1,134 @@
+//! How a call ended, and what it has to say.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed then.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErardStatus {
+    /// Done.
+    Ok = 0,
+    /// Done; a step reached its iteration limit, and its error may be larger than the tolerance.
+    IterationLimit = 1,
+    /// A pointer that must not be NULL is.
+    Null = -1,
+    /// An argument is not one of those that are allowed: a kind of input, a name, a number of steps.
+    Argument = -2,
+    /// A number is not finite, or became so in the step.
+    NotFinite = -3,
+    /// A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time beyond its range.
+    Range = -4,
+    /// There is no such key, body, zone, screw or number.
+    NoSuch = -5,
+    /// The caller's memory is too small; the size that is needed has been written.
+    Size = -6,
+    /// The bytes are no saved state of this version, or damaged.
+    Saved = -7,
+    /// The bytes are the state of another instrument, or of another length of step.
+    Foreign = -8,
+    /// The text of the file is wrong: erard_last_error says where.
+    File = -9,
+    /// The file reads, but what it describes cannot be assembled, finds no rest, or cannot be measured or regulated.
+    Model = -10,
+    /// The caller's progress function ended the work.
+    Interrupted = -11,
+    /// A fault of this library. The object may be freed and, if it is an action, reset or restored; nothing else.
+    Internal = -12,
+}
+
+impl ErardStatus {
+    /// A line for people.
+    fn text(code: i32) -> &'static CStr {
+        match code {
+            0 => c"done",
+            1 => c"done, but a step reached its iteration limit",
+            -1 => c"a pointer is NULL",
+            -2 => c"an argument is not one of those that are allowed",
+            -3 => c"a number is not finite",
+            -4 => c"a number is out of range",
+            -5 => c"there is no such key, body, zone, screw or number",
+            -6 => c"the memory is too small",
+            -7 => c"the bytes are no saved state of this version, or damaged",
+            -8 => c"the bytes are the state of another instrument or of another length of step",
+            -9 => c"the text of the file is wrong",
+            -10 => c"the instrument cannot be assembled, finds no rest, or cannot be measured",
+            -11 => c"the caller ended the work",
+            -12 => c"a fault of the library",
+            _ => c"no status of this library",
+        }
+    }
+}
+
+thread_local! {
+    static LAST: RefCell<Option<CString>> = const { RefCell::new(None) };
+}
+
+/// What went wrong, with its code.
+#[derive(Debug)]
+pub struct Fault {
+    pub status: ErardStatus,
+    pub text: String,
+}
+
+impl Fault {
+    pub fn new(status: ErardStatus, text: impl Into<String>) -> Self {
+        Fault { status, text: text.into() }
+    }
+
+    /// A pointer is NULL: which.
+    pub fn null(what: &str) -> Self {
+        Fault::new(ErardStatus::Null, format!("{what} is NULL"))
+    }
+}
+
+/// Does what may allocate and may fail: its result, or `none` where it fails; then the code is written where the caller wants it, and the text is
+/// kept for [`erard_last_error`]. A panic ends here.
+pub fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> Result<T, Fault>) -> T {
+    let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+        let said = said.unwrap_or_default();
+        Err(Fault::new(ErardStatus::Internal, format!("a fault of the library: {said}")))
+    });
+    let (result, code) = match done {
+        Ok(result) => (result, ErardStatus::Ok),
+        Err(fault) => {
+            // A text for C ends at its first zero.
+            let text = CString::new(fault.text.replace('\0', " ")).unwrap_or_default();
+            LAST.with(|last| *last.borrow_mut() = Some(text));
+            (none, fault.status)
+        }
+    };
+    // SAFETY: the caller's promise: NULL, or a place for a status.
+    if let Some(status) = unsafe { status.as_mut() } {
+        *status = code;
+    }
+    result
+}
+
+/// The same for a function that returns its status.
+pub fn tell(work: impl FnOnce() -> Result<(), Fault>) -> ErardStatus {
+    let mut status = ErardStatus::Ok;
+    told((), &raw mut status, work);
+    status
+}
+
+/// Does what may be done in real time: no text is kept. A panic ends here.
+pub fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
+}
+
+/// What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a status and keep no text): a
+/// line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts until the next such call fails.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_last_error() -> *const c_char {
+    // Where a thread ends its own storage is gone: there is nothing to say then.
+    LAST.try_with(|last| last.borrow().as_ref().map_or(c"".as_ptr(), |text| text.as_ptr())).unwrap_or(c"".as_ptr())
+}
+
+/// What a status means, a line in English; never NULL. Real time: yes.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_status_text(status: i32) -> *const c_char {
+    ErardStatus::text(status).as_ptr()
+}

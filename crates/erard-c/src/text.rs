@@ -1,0 +1,70 @@
+//! Texts and memory that cross the border.
+
+use std::ffi::{CStr, CString, c_char};
+
+use crate::status::{ErardStatus, Fault};
+
+/// A text of the library for the caller, who gives it back with `erard_text_free`; its length is written where it is wanted.
+pub fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
+    let text = CString::new(text).map_err(|_| Fault::new(ErardStatus::Internal, "a text with a zero in it"))?;
+    // SAFETY: the caller's promise: NULL, or a place for a size.
+    if let Some(length) = unsafe { length.as_mut() } {
+        *length = text.as_bytes().len();
+    }
+    Ok(text.into_raw())
+}
+
+/// The caller's bytes; `None` for NULL.
+pub unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Option<&'a [u8]>, Fault> {
+    if text.is_null() {
+        return if length == 0 { Ok(None) } else { Err(Fault::null("the text, with a length that is not 0,")) };
+    }
+    if length > isize::MAX as usize {
+        return Err(Fault::new(ErardStatus::Size, "a length that no memory has"));
+    }
+    // SAFETY: the caller's promise: so many bytes.
+    Ok(Some(unsafe { core::slice::from_raw_parts(text.cast(), length) }))
+}
+
+/// A name of the caller's, ended by a zero.
+pub unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str, Fault> {
+    if name.is_null() {
+        return Err(Fault::null(what));
+    }
+    // SAFETY: the caller's promise: it ends with a zero.
+    let name = unsafe { CStr::from_ptr(name) };
+    name.to_str().map_err(|_| Fault::new(ErardStatus::Argument, format!("{what} is not UTF-8")))
+}
+
+/// Gives back a text of the library. NULL does nothing. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_text_free(text: *mut c_char) {
+    if !text.is_null() {
+        // SAFETY: it comes from `give`.
+        drop(unsafe { CString::from_raw(text) });
+    }
+}
+
+/// So many bytes of memory, set to zero, for callers that have none of their own to pass: a page. NULL for 0 bytes. Give it back with
+/// erard_memory_free. Real time: no.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_memory_new(bytes: usize) -> *mut u8 {
+    if bytes == 0 || bytes > isize::MAX as usize {
+        return core::ptr::null_mut();
+    }
+    let mut memory = Vec::<u8>::new();
+    if memory.try_reserve_exact(bytes).is_err() {
+        return core::ptr::null_mut();
+    }
+    memory.resize(bytes, 0);
+    Box::into_raw(memory.into_boxed_slice()).cast()
+}
+
+/// Gives back memory of erard_memory_new, with its size. NULL does nothing. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_memory_free(memory: *mut u8, bytes: usize) {
+    if !memory.is_null() {
+        // SAFETY: it comes from `erard_memory_new`, with this size.
+        drop(unsafe { Box::from_raw(core::ptr::slice_from_raw_parts_mut(memory, bytes)) });
+    }
+}

@@ -1,0 +1,163 @@
+//! What a page shows beside the moving action: its picture, and the technician's sheet.
+
+use std::cell::Cell;
+use std::ffi::{c_char, c_void};
+use std::ptr::null_mut;
+
+use erard_figures::drawing::{PoseOptions, pose_svg};
+use erard_workshop::distances::Protocol;
+use erard_workshop::measure::norms::{Line, lines};
+use erard_workshop::measure::{MeasureError, measure, measure_some};
+use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
+use serde_json::{Map, Value};
+
+use crate::instrument::{ErardInstrument, given};
+use crate::status::{ErardStatus, Fault, told};
+use crate::text::{give, name};
+
+/// Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the work.
+pub type ErardProgress = Option<unsafe extern "C" fn(share: f64, user: *mut c_void) -> i32>;
+
+/// A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles of its bodies, as erard_angles
+/// gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px. `labels`: 1 names the parts. Elements of a moving part carry
+/// `data-body`, its number. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_draw(
+    instrument: *const ErardInstrument,
+    angles_rad: *const f64,
+    count: usize,
+    size_px: f64,
+    labels: u32,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let instrument = unsafe { given(instrument) }?.instrument();
+        let bodies = instrument.bodies.len();
+        let angles: &[f64] = if angles_rad.is_null() {
+            &[]
+        } else if count < bodies {
+            return Err(Fault::new(ErardStatus::Size, format!("{count} angles for {bodies} bodies")));
+        } else {
+            // SAFETY: the caller's promise: so many numbers.
+            unsafe { core::slice::from_raw_parts(angles_rad, bodies) }
+        };
+        if angles.iter().any(|angle| !angle.is_finite()) {
+            return Err(Fault::new(ErardStatus::NotFinite, "an angle is not finite"));
+        }
+        if !(16.0..=16384.0).contains(&size_px) {
+            return Err(Fault::new(ErardStatus::Range, format!("a picture of {size_px} px; expected 16 to 16384")));
+        }
+        let options = PoseOptions { size_px, labels: labels != 0, ..PoseOptions::default() };
+        give(pose_svg(instrument, angles, &options), length)
+    })
+}
+
+/// Measures an instrument as a technician does, as JSON. `wanted` NULL: the whole sheet, as `erard measure --json` has it for an instrument; else some of
+/// its lines, separated by commas ("down_weight_g,dip_mm"), as an object of their values, which costs only what they need. `progress` may be NULL.
+/// Takes from tenths of a second to seconds. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_measure(
+    instrument: *const ErardInstrument,
+    wanted: *const c_char,
+    progress: ErardProgress,
+    user: *mut c_void,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let instrument = unsafe { given(instrument) }?.instrument();
+        let tell = |share: f64| going(progress, user, share);
+        if wanted.is_null() {
+            let sheet = measure(instrument, &mut |share| tell(share)).map_err(|error| not_measured(&error))?;
+            let text =
+                serde_json::to_string(&sheet).map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?;
+            return give(text, length);
+        }
+        // SAFETY: passed on.
+        let wanted = named(unsafe { name(wanted, "the list of lines") }?)?;
+        let values = measure_some(instrument, &wanted, &|| tell(f64::NAN)).map_err(|error| not_measured(&error))?;
+        let all: Map<String, Value> =
+            wanted.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
+        give(Value::Object(all).to_string(), length)
+    })
+}
+
+/// Whether to go on.
+pub(crate) fn going(progress: ErardProgress, user: *mut c_void, share: f64) -> bool {
+    // SAFETY: the caller's promise: a function of this kind.
+    progress.is_none_or(|told| unsafe { told(share, user) } != 0)
+}
+
+/// The lines of the sheet of such names.
+fn named(list: &str) -> Result<Vec<&'static Line>, Fault> {
+    let each = list.split(',').map(str::trim).map(|key| {
+        lines().find(|line| line.key == key).ok_or_else(|| {
+            let known = lines().map(|line| line.key).collect::<Vec<_>>().join(", ");
+            Fault::new(ErardStatus::NoSuch, format!("the sheet has no line `{key}`; it has {known}"))
+        })
+    });
+    each.collect()
+}
+
+fn not_measured(error: &MeasureError) -> Fault {
+    let status = if error.is_interruption() { ErardStatus::Interrupted } else { ErardStatus::Model };
+    Fault::new(status, error.to_string())
+}
+
+/// Turns an instrument's screws until its action meets goals, as JSON: what became of every goal, the screws that were turned, all distances before and
+/// after (the fields of the report that `erard regulate` writes), and "file", the text of the instrument file with its new settings. The instrument itself
+/// stays as it is. `goals` NULL: the trade's norms; else a JSON object of goals by name with values in mm (the spring in mm/s, the damper in %) or texts with
+/// units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_regulate(
+    instrument: *const ErardInstrument,
+    goals: *const c_char,
+    progress: ErardProgress,
+    user: *mut c_void,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let own = unsafe { given(instrument) }?;
+        let specification = if goals.is_null() { Goal::norms() } else { asked(unsafe { name(goals, "the goals") }?)? };
+        let stopped = Cell::new(false);
+        let regulated = regulate(own.instrument(), &specification, &Protocol::default(), &mut |now| {
+            let on = going(progress, user, now.share);
+            stopped.set(stopped.get() || !on);
+            on
+        });
+        let regulated = regulated.map_err(|error| {
+            let status = if stopped.get() { ErardStatus::Interrupted } else { ErardStatus::Model };
+            Fault::new(status, error.to_string())
+        })?;
+        let inside = |error: &dyn std::fmt::Display| Fault::new(ErardStatus::Internal, error.to_string());
+        let file = regulated.rewrite(&own.text).map_err(|error| inside(&error))?;
+        let mut report = serde_json::to_value(regulated.report()).map_err(|error| inside(&error))?;
+        report["file"] = file.into();
+        give(report.to_string(), length)
+    })
+}
+
+/// What is asked for.
+fn asked(goals: &str) -> Result<Specification, Fault> {
+    let wrong = |text: String| Fault::new(ErardStatus::Argument, text);
+    let value: Value = serde_json::from_str(goals).map_err(|error| wrong(format!("the goals are no JSON: {error}")))?;
+    let Value::Object(goals) = value else {
+        return Err(wrong("the goals are no JSON object, such as {\"let-off\": 1.5}".into()));
+    };
+    let each = goals.into_iter().map(|(name, value)| {
+        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == name).ok_or_else(|| {
+            let known = Goal::ALL.map(Goal::name).join(", ");
+            wrong(format!("there is no goal `{name}`; there are {known}"))
+        })?;
+        let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let target =
+            parse_value(goal, &text).map_err(|expected| wrong(format!("{name}: {text}; expected {expected}")))?;
+        Ok((goal, target))
+    });
+    each.collect()
+}

@@ -1,0 +1,279 @@
+//! Whatever a caller does that can be seen: an error code, the object as it was, and it plays on.
+
+use std::ffi::{CString, c_char};
+use std::ptr::{null, null_mut};
+
+use erard_c::*;
+
+use crate::{Action, last_error, moving, pushed};
+
+/// An action in the middle of a stroke.
+fn midway() -> Action {
+    let action = Action::grand();
+    for _ in 0..400 {
+        action.force(5.0);
+    }
+    action
+}
+
+/// After a refusal the action is as it was, to the bit, and plays on.
+fn unchanged(action: &Action, before: &[u8], what: &str) {
+    assert_eq!(action.save(), before, "{what}");
+}
+
+#[test]
+fn numbers_that_no_action_takes() {
+    let action = midway();
+    let before = action.save();
+    let huge = f64::MAX;
+    for (bad, expected) in [
+        (f64::NAN, ErardStatus::NotFinite),
+        (f64::INFINITY, ErardStatus::NotFinite),
+        (f64::NEG_INFINITY, ErardStatus::NotFinite),
+        (huge, ErardStatus::Range),
+        (-huge, ErardStatus::Range),
+        (2.0 * ERARD_LARGEST_FORCE_N, ErardStatus::Range),
+    ] {
+        let mut r = ErardReading::default();
+        let place = &raw mut r;
+        let found = unsafe {
+            [
+                erard_step_force(action.0, bad, place),
+                erard_step_motion(action.0, bad, 0.0, place),
+                erard_step_motion(action.0, 0.0, bad, place),
+                erard_step_rigid(action.0, bad, 0.0, place),
+                erard_step_rigid(action.0, 0.0, bad, place),
+                erard_advance(action.0, 1e-3, &pushed(bad), place),
+                erard_advance(action.0, 1e-3, &moving(bad, 0.0), place),
+                erard_advance(action.0, bad, &pushed(1.0), place),
+            ]
+        };
+        assert_eq!(found, [expected; 8], "{bad}");
+        unchanged(&action, &before, &bad.to_string());
+        assert_eq!(r, action.read(), "the reading is the one before");
+    }
+    let unknown = ErardInput { kind: 4, ..ErardInput::default() };
+    assert_eq!(unsafe { erard_advance(action.0, 1e-3, &raw const unknown, null_mut()) }, ErardStatus::Argument);
+    assert_eq!(unsafe { erard_advance(action.0, -1e-3, &pushed(1.0), null_mut()) }, ErardStatus::Range);
+    unchanged(&action, &before, "kind and time");
+    action.force(5.0);
+}
+
+/// The largest numbers that are taken: the action survives them, and comes back to its rest.
+#[test]
+fn the_largest_numbers_that_it_takes() {
+    let action = Action::grand();
+    let (f, x, v) = (ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S);
+    let extremes = [pushed(f), pushed(-f), moving(x, v), moving(-x, -v), moving(x, -v)];
+    let rigid = extremes.iter().skip(2).map(|input| ErardInput { kind: ERARD_RIGID, ..*input });
+    for input in extremes.iter().copied().chain(rigid) {
+        assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
+        let mut r = ErardReading::default();
+        for n in 0..2000 {
+            let status = unsafe { erard_advance(action.0, 50e-6, &raw const input, &raw mut r) };
+            assert_ne!(status, ErardStatus::Internal, "{input:?}, step {n}");
+            let all = [r.key_m, r.key_m_s, r.finger_n, r.hammer_m, r.hammer_m_s, r.string_n];
+            assert!(all.iter().all(|number| number.is_finite()), "{input:?}, step {n}: {r:?}");
+        }
+        assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
+        for _ in 0..1000 {
+            action.force(5.0);
+        }
+        assert_eq!(action.read().blows, 1, "{input:?}");
+    }
+}
+
+/// Nothing at all: every function takes NULL for every pointer.
+#[test]
+fn nothing_at_all() {
+    let (action, keyboard, instrument) = (null_mut::<ErardAction>(), null_mut::<ErardKeyboard>(), null_mut());
+    let (mut n, mut number) = (0_usize, 0.0);
+    let input = pushed(1.0);
+    unsafe {
+        for status in [
+            erard_step_force(action, 1.0, null_mut()),
+            erard_step_motion(action, 0.0, 0.0, null_mut()),
+            erard_step_rigid(action, 0.0, 0.0, null_mut()),
+            erard_step_free(action, null_mut()),
+            erard_advance(action, 1e-3, &raw const input, null_mut()),
+            erard_read(action, null_mut()),
+            erard_reset(action),
+            erard_save(action, null_mut(), &raw mut n),
+            erard_restore(action, null(), 0),
+            erard_angles(action, null_mut(), 0),
+            erard_velocities(action, null_mut(), 0),
+            erard_contact_forces(action, null_mut(), 0),
+            erard_keyboard_drive(keyboard, 1, &raw const input),
+            erard_keyboard_step(keyboard, 1, null_mut(), 0, null_mut()),
+            erard_keyboard_read(keyboard, 1, null_mut()),
+            erard_keyboard_save(keyboard, null_mut(), &raw mut n),
+            erard_keyboard_restore(keyboard, null(), 0),
+            erard_instrument_get(instrument, c"name".as_ptr(), 0, &raw mut number),
+            erard_instrument_set(instrument, c"name".as_ptr(), 0, 1.0),
+        ] {
+            assert_eq!(status, ErardStatus::Null);
+        }
+        erard_action_free(action);
+        erard_keyboard_free(keyboard);
+        erard_instrument_free(instrument);
+        erard_text_free(null_mut());
+        erard_memory_free(null_mut(), 0);
+        assert_eq!((erard_body_count(action), erard_zone_count(action), erard_keyboard_keys(keyboard)), (0, 0, 0));
+        assert_eq!(erard_keyboard_awake(keyboard), 0);
+        assert!(erard_body_name(action, 0).is_null() && erard_zone_name(action, 0).is_null());
+        assert!(erard_memory_new(0).is_null());
+        let mut status = ErardStatus::Ok;
+        let place = &raw mut status;
+        assert!(erard_action_of(null(), 50e-6, place).is_null() && *place == ErardStatus::Null);
+        assert!(erard_action_new(null(), 5, 50e-6, place).is_null() && *place == ErardStatus::Null);
+        assert!(erard_instrument_builtin(null(), place).is_null() && *place == ErardStatus::Null);
+        assert!(erard_check(null(), 0, null_mut(), place).is_null() && *place == ErardStatus::Null);
+        for text in [
+            erard_instrument_text(instrument, null_mut(), place),
+            erard_instrument_json(instrument, null_mut(), place),
+            erard_draw(instrument, null(), 0, 800.0, 0, null_mut(), place),
+            erard_measure(instrument, null(), None, null_mut(), null_mut(), place),
+            erard_regulate(instrument, null(), None, null_mut(), null_mut(), place),
+        ] {
+            assert!(text.is_null() && *place == ErardStatus::Null);
+        }
+        // And an object, but nothing else.
+        let action = Action::grand();
+        for status in [
+            erard_advance(action.0, 1e-3, null(), null_mut()),
+            erard_read(action.0, null_mut()),
+            erard_save(action.0, null_mut(), null_mut()),
+            erard_restore(action.0, null(), 0),
+            erard_angles(action.0, null_mut(), 99),
+        ] {
+            assert_eq!(status, ErardStatus::Null);
+        }
+        assert_eq!(erard_step_force(action.0, 1.0, null_mut()), ErardStatus::Ok, "a reading may be NULL");
+    }
+}
+
+/// Bytes that are no saved state, of another step, another instrument, or damaged; and too little room.
+#[test]
+fn states_that_do_not_fit() {
+    let action = midway();
+    let good = action.save();
+    let other = unsafe { erard_action_new(null(), 0, 25e-6, null_mut()) };
+    let heavy = unsafe { erard_instrument_builtin(c"heavy-touch".as_ptr(), null_mut()) };
+    let third = unsafe { erard_action_of(heavy, 50e-6, null_mut()) };
+    unsafe { erard_instrument_free(heavy) };
+    for foreign in [Action(other), Action(third)] {
+        assert_eq!(action.restore(&foreign.save()), ErardStatus::Foreign);
+        assert_eq!(foreign.restore(&good), ErardStatus::Foreign);
+    }
+    assert_eq!(action.restore(&good[..good.len() - 1]), ErardStatus::Saved);
+    assert_eq!(action.restore(&[]), ErardStatus::Saved);
+    for n in 0..good.len() {
+        let mut bad = good.clone();
+        bad[n] ^= 1 << (n % 8);
+        assert_eq!(action.restore(&bad), ErardStatus::Saved, "byte {n}");
+    }
+    unchanged(&action, &good, "refused states");
+    assert_eq!(action.restore(&good), ErardStatus::Ok);
+    let (mut small, mut size) = (vec![7_u8; good.len() - 1], good.len() - 1);
+    assert_eq!(unsafe { erard_save(action.0, small.as_mut_ptr(), &raw mut size) }, ErardStatus::Size);
+    assert!(size == good.len() && small.iter().all(|byte| *byte == 7), "nothing is written");
+    assert_eq!(unsafe { erard_angles(action.0, [0.0].as_mut_ptr(), 1) }, ErardStatus::Size);
+}
+
+/// A keyboard that is driven wrongly.
+#[test]
+fn keys_that_are_not_there() {
+    let keyboard = unsafe { erard_keyboard_new(null(), 0, 50e-6, null_mut()) };
+    let mut size = 0;
+    unsafe { erard_keyboard_save(keyboard, null_mut(), &raw mut size) };
+    let save = || {
+        let (mut bytes, mut n) = (vec![0_u8; size], size);
+        assert_eq!(unsafe { erard_keyboard_save(keyboard, bytes.as_mut_ptr(), &raw mut n) }, ErardStatus::Ok);
+        bytes
+    };
+    let good = save();
+    let restore = |bytes: &[u8]| unsafe { erard_keyboard_restore(keyboard, bytes.as_ptr(), bytes.len()) };
+    unsafe {
+        for key in [0, 89, u32::MAX] {
+            assert_eq!(erard_keyboard_drive(keyboard, key, &pushed(1.0)), ErardStatus::NoSuch);
+            let mut reading = ErardReading::default();
+            assert_eq!(erard_keyboard_read(keyboard, key, &raw mut reading), ErardStatus::NoSuch);
+        }
+        assert_eq!(erard_keyboard_drive(keyboard, 1, &pushed(f64::NAN)), ErardStatus::NotFinite);
+        assert_eq!(erard_keyboard_step(keyboard, 0, null_mut(), 0, null_mut()), ErardStatus::Range);
+        assert_eq!(erard_keyboard_step(keyboard, u32::MAX, null_mut(), 0, null_mut()), ErardStatus::Range);
+        assert_eq!(erard_keyboard_step(keyboard, 1, null_mut(), 5, null_mut()), ErardStatus::Null);
+    }
+    for n in (0..size).step_by(101) {
+        let mut bad = good.clone();
+        bad[n] ^= 0x10;
+        assert_eq!(restore(&bad), ErardStatus::Saved, "byte {n}");
+    }
+    assert_eq!(restore(&good[..size - 8]), ErardStatus::Saved);
+    assert_eq!(save(), good);
+    assert_eq!(restore(&good), ErardStatus::Ok);
+    unsafe { erard_keyboard_free(keyboard) };
+}
+
+/// Files that are wrong, names that are not there, steps that no action takes: a code, and words.
+#[test]
+fn files_names_and_steps() {
+    let read = |text: &[u8]| {
+        let mut status = ErardStatus::Ok;
+        let action = unsafe { erard_action_new(text.as_ptr().cast::<c_char>(), text.len(), 50e-6, &raw mut status) };
+        assert!(action.is_null());
+        (status, last_error())
+    };
+    for (text, words) in [
+        (&b"\xff\xfe"[..], "UTF-8"),
+        (b" ", "empty"),
+        (b"format = 3", "format"),
+        (b"format = \"erard-instrument/1\"\nname = \"x\"\ngravity_m_s2 = nan\n", "instrument:"),
+        (b"a\0b = 1", "instrument:1"),
+    ] {
+        let (status, said) = read(text);
+        assert_eq!(status, ErardStatus::File);
+        assert!(said.contains(words), "{said}");
+    }
+    for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY, 1.0, 1e-300] {
+        let mut status = ErardStatus::Ok;
+        assert!(unsafe { erard_action_new(null(), 0, step_s, &raw mut status) }.is_null());
+        assert_eq!(status, ErardStatus::Range, "{step_s}");
+        assert!(last_error().contains("step"), "{}", last_error());
+        assert!(unsafe { erard_keyboard_new(null(), 0, step_s, &raw mut status) }.is_null());
+        assert_eq!(status, ErardStatus::Range, "{step_s}");
+    }
+    let mut status = ErardStatus::Ok;
+    let unknown = CString::new("concert-gong").unwrap();
+    assert!(unsafe { erard_instrument_builtin(unknown.as_ptr(), &raw mut status) }.is_null());
+    assert_eq!(status, ErardStatus::NoSuch);
+    assert!(last_error().contains("concert-gong") && last_error().contains("heavy-touch"), "{}", last_error());
+    for key in [0, 89] {
+        assert!(erard_instrument_of_key(key, &raw mut status).is_null() && status == ErardStatus::NoSuch);
+    }
+    // Every status has words, and so has what is none.
+    for code in (-12..=1).chain([77, i32::MIN]) {
+        let text = unsafe { std::ffi::CStr::from_ptr(erard_status_text(code)) };
+        assert!(text.to_str().is_ok_and(|text| text.len() > 3), "{code}");
+    }
+}
+
+/// Threads: each has its own last error, and an action may be handed on.
+#[test]
+fn threads() {
+    let mut status = ErardStatus::Ok;
+    erard_instrument_of_key(0, &raw mut status);
+    let mine = last_error();
+    let action = midway();
+    let before = action.read();
+    let handed = action.0 as usize;
+    let moved = std::thread::spawn(move || {
+        assert_eq!(last_error(), "");
+        let action = Action(handed as *mut ErardAction);
+        let reading = action.force(5.0);
+        std::mem::forget(action);
+        reading
+    });
+    assert!(moved.join().unwrap().time_s > before.time_s);
+    assert_eq!(last_error(), mine);
+}

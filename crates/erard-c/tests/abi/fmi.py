@@ -1,0 +1,132 @@
+"""fmi.py UNIT MASS SPEED TIME SPEED TIME: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
+and the let-off button half a millimetre lower."""
+
+import ctypes
+import sys
+
+from fmpy import read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_model_description
+
+unit = sys.argv[1]
+mass_g, *expected = [float(x) for x in sys.argv[2:]]
+description = read_model_description(unit, validate=True, validate_variable_names=True, validate_model_structure=True)
+problems = validate_model_description(description)
+assert not problems, problems
+print(f"fmpy: {len(description.modelVariables)} variables, no problems")
+
+
+def same(found, wanted):
+    assert abs(found / wanted - 1) < 1e-12, (found, wanted)
+
+
+def blow(step, **more):
+    outputs = ["blow_speed", "blow_time", "blows", "key", "string_force", "contact.string"]
+    result = simulate_fmu(unit, stop_time=0.3, step_size=step, output_interval=step, fmi_type="CoSimulation",
+                          output=outputs, start_values={"force": 5.0, **more})
+    last = result[-1]
+    print(f"communication step {step * 1e6:.0f} us {more or ''}: {last['blows']} blows, {last['blow_speed']!r} m/s at {last['blow_time']!r} s")
+    assert last["blows"] == 1
+    return last["blow_speed"], last["blow_time"]
+
+
+for step in (50e-6, 1e-3, 0.7e-3):
+    for found, wanted in zip(blow(step), expected[:2]):
+        same(found, wanted)
+for step in (50e-6, 1e-3):
+    found = blow(step, **{"body.hammer.mass_g": mass_g, "screw.let_off.setting_mm": -0.5})
+    for one, wanted in zip(found, expected[2:]):
+        same(one, wanted)
+
+# Call by call: states are saved, serialised, brought back; what is wrong is refused, with words.
+said = []
+references = {v.name: v.valueReference for v in description.modelVariables}
+arguments = dict(guid=description.guid, unzipDirectory=unit, modelIdentifier="erard", instanceName="key")
+
+
+def instance():
+    fmu = FMU2Slave(**arguments)
+    fmu.instantiate()
+    return fmu
+
+
+def begun(**parameters):
+    fmu = instance()
+    fmu.setupExperiment(startTime=2.0)
+    fmu.enterInitializationMode()
+    for name, value in parameters.items():
+        fmu.setReal([references[name]], [value])
+    fmu.exitInitializationMode()
+    return fmu
+
+
+def get(fmu, name):
+    return fmu.getReal([references[name]])[0]
+
+
+fmu = begun()
+fmu.setReal([references["force"]], [5.0])
+for n in range(60):
+    fmu.doStep(2.0 + n * 1e-3, 1e-3)
+state = fmu.getFMUState()
+data = fmu.serializeFMUState(state)
+ends = []
+for turn in range(3):
+    for n in range(60, 200):
+        fmu.doStep(2.0 + n * 1e-3, 1e-3)
+    ends.append([get(fmu, name) for name in ("key", "hammer", "hammer_speed", "blow_time", "blow_speed", "contact.string")])
+    if turn == 0:
+        fmu.setFMUState(state)
+        fmu.freeFMUState(state)
+    else:
+        state = fmu.deSerializeFMUstate(data)
+        fmu.setFMUState(state)
+        fmu.freeFMUState(state)
+assert ends[0] == ends[1] == ends[2], ends
+print(f"states: {len(data)} bytes, the same end three times; the blow at {ends[0][3]:.6f} s on the simulator's clock")
+assert abs(ends[0][3] - 2.0 - expected[1]) < 1e-9
+
+
+def refused(what, call):
+    try:
+        call()
+    except Exception as error:
+        print(f"refused: {what}: {error}")
+        return
+    raise AssertionError(f"{what} was taken")
+
+
+refused("a parameter after initialisation", lambda: fmu.setReal([references["body.hammer.mass_g"]], [1.0]))
+refused("an output", lambda: fmu.setReal([references["key"]], [1.0]))
+refused("not a number", lambda: fmu.setReal([references["force"]], [float("nan")]))
+refused("no such variable", lambda: fmu.getReal([77]))
+refused("time that goes back", lambda: fmu.doStep(-5.0, 1e-3))
+refused("a mass below zero", lambda: begun(**{"body.hammer.mass_g": -1.0}))
+refused("an absurd force", lambda: (fmu.setReal([references["force"]], [1e30]), fmu.doStep(2.2, 1e-3)))
+fmu.setReal([references["force"]], [0.0])
+fmu.doStep(2.2, 1e-3)
+fmu.reset()
+fmu.setupExperiment(startTime=0.0)
+fmu.enterInitializationMode()
+fmu.exitInitializationMode()
+assert get(fmu, "blow_speed") == 0.0 and abs(get(fmu, "key")) < 1e-9
+fmu.terminate()
+fmu.freeInstance()
+
+wrong = FMU2Slave(**{**arguments, "guid": "{0}"})
+refused("another guid", wrong.instantiate)
+
+# By motion: the key follows the finger.
+fmu = instance()
+fmu.setupExperiment(startTime=0.0)
+fmu.enterInitializationMode()
+fmu.setInteger([references["drive"]], [2])
+fmu.exitInitializationMode()
+for n in range(40):
+    fmu.setReal([references["position"], references["velocity"]], [n * 1e-3 * 0.1, 0.1])
+    fmu.doStep(n * 1e-3, 1e-3)
+assert 3e-3 < get(fmu, "key") < 4.2e-3, get(fmu, "key")
+assert get(fmu, "finger_force") > 0.1
+fmu.terminate()
+fmu.freeInstance()
+print("done")

@@ -1,0 +1,65 @@
+//! The unit for simulators, as a simulator uses it: by fmpy, where that is there; its functions called one by one are in `fmi.py`.
+
+use std::path::Path;
+use std::process::Command;
+
+use erard::instrument::InstrumentFile;
+use erard::{Action, Input, Instrument};
+use erard_workshop::fmu::{INSTRUMENT, model_description};
+
+use crate::programs::library;
+
+/// Where Python has fmpy: `ERARD_FMPY` names that Python, or it is the one on the path.
+fn python() -> Option<String> {
+    let named = std::env::var("ERARD_FMPY").ok();
+    let python = named.unwrap_or_else(|| "python3".into());
+    let has = Command::new(&python).args(["-c", "import fmpy"]).output().is_ok_and(|output| output.status.success());
+    if !has {
+        println!("not run: {python} has no fmpy");
+    }
+    has.then_some(python)
+}
+
+/// fmpy validates the unit and plays it: the blow is the native one's at communication steps of 50 us and 1 ms, parameters act, states come back.
+#[test]
+fn fmpy_plays_it() {
+    let Some(python) = python() else { return };
+    // The unit, unpacked: what `erard fmu` packs (its own test looks at the archive).
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = Instrument::builtin_text("concert-grand").unwrap();
+    let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    };
+    write("modelDescription.xml", model_description(&file, text).as_bytes());
+    write(INSTRUMENT, text.as_bytes());
+    write("binaries/linux64/erard.so", &std::fs::read(library("liberard_c.so")).unwrap());
+
+    let blow = |instrument: &Instrument| {
+        let mut action = Action::new(instrument).unwrap();
+        for _ in 0..6000 {
+            action.step(Input::Force(5.0));
+            if let Some(blow) = action.blow() {
+                return blow;
+            }
+        }
+        panic!("no blow");
+    };
+    // A little heavier, and let off earlier.
+    let mass_g = 1.05 * erard::instrument::numbers_at(text, "body.hammer.mass_g").unwrap()[0];
+    let changes = [("body.hammer.mass_g", 0, mass_g), ("screw.let_off.setting_mm", 0, -0.5)];
+    let heavier = erard::instrument::with_numbers(text, &changes);
+    let expected = [blow(&file.instrument), blow(&Instrument::parse(&heavier.unwrap(), "heavier").unwrap())];
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/fmi.py");
+    let mut run = Command::new(python);
+    run.arg(script).arg(folder.path()).arg(format!("{mass_g:?}"));
+    for blow in expected {
+        run.arg(format!("{:?}", blow.speed_m_s)).arg(format!("{:?}", blow.time_s));
+    }
+    let output = run.output().expect("it runs");
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    println!("{said}");
+    assert!(output.status.success(), "{said}");
+}

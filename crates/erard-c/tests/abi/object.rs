@@ -1,0 +1,119 @@
+//! What the real-time functions can reach in the compiled library, followed from call to call: no allocation, no lock, no system call; no panic in this
+//! interface or in the player, and in the engine's step none but the checks of array bounds, whose indices the compiled model holds.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::process::Command;
+
+use crate::programs::library;
+
+/// Where it begins: what the functions of the interface call, and the engine behind its dynamic call.
+const PLAY: [&str; 6] = ["4step17h", "7advance17h", "4save17h", "7restore17h", "5reset17h", "8contacts17h"];
+const ENGINE: [&str; 9] = [
+    "13step_and_view17h",
+    "4save17h",
+    "7restore17h",
+    "12normal_force17h",
+    "4view17h",
+    "5now_s17h",
+    "8settings17h",
+    "6angles17h",
+    "10velocities17h",
+];
+
+/// What may be reached outside: mathematics, and copies.
+const PURE: [&str; 4] = ["memcpy", "memset", "memmove", "4libm"];
+/// The checks of array bounds.
+const BOUNDS: [&str; 2] = ["panic_bounds_check", "slice_index_fail"];
+/// Given back is what steps of controlled length take, which this interface does not have.
+const GIVEN_BACK: [&str; 2] = ["__rust_dealloc", "__rdl_dealloc"];
+
+fn any(name: &str, parts: &[&str]) -> bool {
+    parts.iter().any(|part| name.contains(part))
+}
+
+/// From each function to all that its code names.
+fn calls(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let mut calls: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for object in std::fs::read_dir(folder).expect("it reads") {
+        let object = object.expect("it reads").path();
+        let listed = Command::new("objdump").args(["-dr", "--no-show-raw-insn"]).arg(object).output().expect("it runs");
+        let listed = String::from_utf8_lossy(&listed.stdout);
+        let mut function = None;
+        for line in listed.lines() {
+            if let Some(name) = line.strip_suffix(">:").and_then(|line| line.split_once('<')) {
+                function = Some(name.1.to_owned());
+                calls.entry(name.1.to_owned()).or_default();
+            } else if let (Some(function), Some((_, kind))) = (&function, line.split_once(": R_X86_64_")) {
+                let named = kind.split_whitespace().nth(1).unwrap_or_default();
+                let named = named.split("+0x").next().unwrap_or_default().split("-0x").next().unwrap_or_default();
+                // A function of the same object is named by its section.
+                let named = named.strip_prefix(".text.").unwrap_or(named);
+                let named = ["unlikely.", "cold.", "hot."].iter().find_map(|p| named.strip_prefix(p)).unwrap_or(named);
+                if !named.starts_with('.') && !named.is_empty() {
+                    calls.get_mut(function).expect("it is there").insert(named.to_owned());
+                }
+            }
+        }
+    }
+    calls
+}
+
+#[test]
+fn real_time_functions_reach_nothing_else() {
+    let tools = ["ar", "objdump"].iter().all(|tool| Command::new(tool).arg("--version").output().is_ok());
+    if !tools || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
+        println!("not run: no ar and objdump for x86-64 are here");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let archive = library("liberard_c.a");
+    let members = Command::new("ar").arg("t").arg(&archive).output().expect("it runs");
+    let members = String::from_utf8(members.stdout).expect("names");
+    let own = members.lines().filter(|name| any(name, &["erard_c.", "erard-", "erard.", "moreau_sizes-", "moreau-"]));
+    let status = Command::new("ar").arg("x").arg(&archive).args(own).current_dir(folder.path()).status();
+    assert!(status.expect("it runs").success());
+
+    let calls = calls(folder.path());
+    let is_play = |name: &&String| name.contains("4play4Play") && PLAY.iter().any(|end| name.contains(end));
+    let is_engine = |name: &&String| {
+        name.contains("moreau_sizes..engine..Engine")
+            && name.contains("Mechanism")
+            && ENGINE.iter().any(|end| name.contains(end))
+    };
+    let (play, engine) = (calls.keys().filter(is_play).count(), calls.keys().filter(is_engine).count());
+    // Six sizes of the engine.
+    assert_eq!(
+        (play, engine % ENGINE.len()),
+        (PLAY.len(), 0),
+        "{play} functions of the interface, {engine} of the engine"
+    );
+    assert!(engine >= 6 * ENGINE.len(), "{engine}");
+
+    let mut seen: BTreeSet<&str> = BTreeSet::new();
+    let mut next: Vec<&str> =
+        calls.keys().filter(|name| is_play(name) || is_engine(name)).map(String::as_str).collect();
+    let (mut outside, mut checks, mut functions) = (BTreeSet::new(), 0, 0);
+    while let Some(name) = next.pop() {
+        if !seen.insert(name) {
+            continue;
+        }
+        let Some(named) = calls.get(name) else {
+            outside.insert(name);
+            continue;
+        };
+        functions += 1;
+        let panics: Vec<_> = named.iter().filter(|called| any(called, &BOUNDS)).collect();
+        checks += usize::from(!panics.is_empty());
+        assert!(
+            panics.is_empty() || name.contains("moreau"),
+            "{name} may panic: {panics:?}, and it is no function of the engine"
+        );
+        next.extend(named.iter().map(String::as_str));
+    }
+    println!("{functions} functions are reached, {checks} of them check array bounds; outside: {outside:?}");
+    let unexpected: Vec<_> =
+        outside.iter().filter(|name| !any(name, &PURE) && !any(name, &BOUNDS) && !any(name, &GIVEN_BACK)).collect();
+    assert!(unexpected.is_empty(), "{unexpected:?}");
+    assert!(outside.iter().any(|name| name.contains("memcpy")) && functions > 100, "it has looked");
+}

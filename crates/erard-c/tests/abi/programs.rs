@@ -1,0 +1,230 @@
+//! Programs in plain C, in C++, and built by CMake: compiled without a warning, run, and looked at.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use erard::{Action, Input, Instrument};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A library that was built with these tests.
+pub(crate) fn library(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("it has a path");
+    let library = test.parent().expect("a folder").join(name);
+    assert!(library.exists(), "{} is not there", library.display());
+    library
+}
+
+fn has(tool: &str) -> bool {
+    let is_there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !is_there {
+        println!("not run: {tool} is not here");
+    }
+    is_there
+}
+
+fn run(command: &mut Command) -> String {
+    let output = command.output().expect("it runs");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{command:?}: {}\n{said}{}",
+        output.status,
+        String::from_utf8_lossy(&output.stderr)
+    );
+    said
+}
+
+/// Compiles an example against the static library or the shared one.
+fn compiled(folder: &Path, name: &str, shared: bool, flags: &[&str]) -> PathBuf {
+    let program = folder.join(format!("{name}-{shared}"));
+    let mut cc = Command::new("cc");
+    cc.args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]).args(flags);
+    cc.arg("-I").arg(root().join("include")).arg(root().join("examples").join(format!("{name}.c")));
+    if shared {
+        // The name that it is looked for by.
+        let link = folder.join("liberard.so.1");
+        let _ = std::os::unix::fs::symlink(library("liberard_c.so"), &link);
+        cc.arg(&link).arg(format!("-Wl,-rpath,{}", folder.display()));
+    } else {
+        cc.arg(library("liberard_c.a")).args(["-lpthread", "-ldl"]);
+    }
+    run(cc.args(["-lm", "-o"]).arg(&program));
+    program
+}
+
+/// The number behind a word of a line.
+fn number_after(text: &str, word: &str) -> f64 {
+    let rest = text.split_once(word).unwrap_or_else(|| panic!("`{word}` is not in: {text}")).1;
+    let end = rest.trim_start().find([' ', ',', '\n']).unwrap_or(rest.trim_start().len());
+    rest.trim_start()[..end].parse().unwrap_or_else(|_| panic!("no number after `{word}`: {text}"))
+}
+
+/// The press: the blow and the last place are the native library's, to the bit.
+#[test]
+fn a_press_in_c() {
+    if !has("cc") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut action = Action::new(&Instrument::builtin("concert-grand").unwrap()).unwrap();
+    let (mut blow, mut last) = (None, None);
+    for n in 0..10_000 {
+        last = Some(action.step(Input::Force(if n < 5000 { 5.0 } else { 0.0 })));
+        blow = action.blow().or(blow);
+    }
+    for shared in [false, true] {
+        let said = run(&mut Command::new(compiled(folder.path(), "press", shared, &[])));
+        assert_eq!(number_after(&said, " with ").to_bits(), blow.unwrap().speed_m_s.to_bits(), "{said}");
+        assert_eq!(number_after(&said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
+    }
+}
+
+/// The haptic loop at 1 kHz sounds a note, stays bounded, and ends still, held by the finger.
+#[test]
+fn a_haptic_loop_in_c() {
+    if !has("cc") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run(&mut Command::new(compiled(folder.path(), "haptic", false, &[])));
+    assert!(number_after(&said, "force ") < 60.0 && number_after(&said, "deepest ") < 12.0, "{said}");
+    assert!(said.starts_with("1 blows"), "{said}");
+    // At its end it gives back what the finger presses.
+    assert!((number_after(&said, "mm and ") - 6.0).abs() < 0.5, "{said}");
+}
+
+/// The list of events sounds its three notes.
+#[test]
+fn a_keyboard_in_c() {
+    if !has("cc") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run(&mut Command::new(compiled(folder.path(), "keyboard", true, &[])));
+    let keys: Vec<f64> =
+        said.lines().filter(|line| line.starts_with("key ")).map(|l| number_after(l, "key ")).collect();
+    assert_eq!(keys.len(), 3, "{said}");
+    assert!(keys[0] == 40.0 && keys.contains(&44.0) && keys.contains(&47.0), "{said}");
+}
+
+/// The same under the sanitizers: what C passes, what it gets, and that everything is given back.
+#[test]
+fn sanitized() {
+    if !has("cc") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let probe = folder.path().join("probe.c");
+    std::fs::write(&probe, "int main(void) { return 0; }").expect("written");
+    let flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"];
+    let linked = Command::new("cc").args(flags).arg(&probe).arg("-o").arg(folder.path().join("probe")).output();
+    if !linked.is_ok_and(|output| output.status.success()) {
+        println!("not run: this compiler has no sanitizers");
+        return;
+    }
+    for name in ["press", "haptic", "keyboard"] {
+        let program = compiled(folder.path(), name, false, &flags);
+        run(Command::new(program).env("ASAN_OPTIONS", "detect_leaks=1:detect_stack_use_after_return=1"));
+    }
+}
+
+/// Installed like a library: found by pkg-config and by CMake, shared and static; and taken away again.
+#[test]
+fn installed() {
+    if !(has("make") && has("cc") && has("pkg-config")) {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (prefix, build) = (folder.path().join("usr"), folder.path().join("build"));
+    let built = library("liberard_c.so");
+    let make = |target: &str| {
+        let mut make = Command::new("make");
+        make.arg("-C").arg(root()).arg(target).env_remove("MAKEFLAGS");
+        make.arg(format!("BUILT={}", built.parent().expect("a folder").display()));
+        run(make.arg(format!("PREFIX={}", prefix.display())));
+    };
+    make("install");
+    assert!(prefix.join(format!("lib/liberard.so.{}", erard_c::ERARD_ABI)).exists());
+    let config = |what: &[&str]| {
+        let mut config = Command::new("pkg-config");
+        config.args(what).arg("erard").env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
+        run(&mut config).split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(config(&["--modversion"]), [env!("CARGO_PKG_VERSION")]);
+    let program = folder.path().join("press");
+    let mut cc = Command::new("cc");
+    cc.arg(root().join("examples/press.c")).args(config(&["--cflags", "--libs"])).arg("-o").arg(&program);
+    run(&mut cc);
+    let mut press = Command::new(&program);
+    let expected = run(press.env("LD_LIBRARY_PATH", prefix.join("lib")));
+    assert!(expected.contains("blow at"), "{expected}");
+
+    if has("cmake") {
+        let mut configure = Command::new("cmake");
+        configure.arg("-S").arg(root().join("examples/cmake")).arg("-B").arg(&build);
+        run(configure.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display())));
+        run(Command::new("cmake").arg("--build").arg(&build));
+        for name in ["press", "press-static"] {
+            assert_eq!(run(&mut Command::new(build.join(name))), expected, "{name}");
+        }
+    }
+    make("uninstall");
+    let left: Vec<_> = std::fs::read_dir(prefix.join("lib")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(
+        left.iter().all(|name| name != "liberard.a" && !name.to_string_lossy().starts_with("liberard.so")),
+        "{left:?}"
+    );
+}
+
+const PLUS_PLUS: &str = r#"
+#include <erard.hpp>
+#include <cstdio>
+int main() {
+    auto heavy = erard::Instrument::builtin("heavy-touch");
+    heavy.set("body.hammer.mass_g", heavy.get("body.hammer.mass_g") + 0.5);
+    erard::Action action(heavy);
+    ErardReading r{};
+    std::vector<unsigned char> saved;
+    for (int n = 0; n < 4000; n++) {
+        if (n == 400) saved = action.save();
+        if (action.force(9.0, r) < 0) return 1;
+    }
+    double first = r.blow_m_s;
+    if (action.restore(saved) < 0) return 2;
+    for (int n = 400; n < 4000; n++) if (action.force(9.0, r) < 0) return 3;
+    if (r.blows != 1 || r.blow_m_s != first || !(first > 0)) return 4;
+    try {
+        heavy.set("body.hammer.mass_g", -1);
+        return 5;
+    } catch (const erard::Error &e) {
+        if (e.status != ERARD_STATUS_FILE) return 6;
+        std::puts(e.what());
+    }
+    erard::Keyboard keyboard;
+    ErardInput press{ERARD_FORCE, 0, 8.0, 0, 0};
+    if (keyboard.drive(40, press) < 0) return 7;
+    ErardBlow blows[4];
+    std::size_t count = 0;
+    if (keyboard.step(4000, blows, 4, count) < 0 || count != 1 || blows[0].key != 40) return 8;
+    return 0;
+}
+"#;
+
+#[test]
+fn in_c_plus_plus() {
+    if !has("c++") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (source, program) = (folder.path().join("page.cpp"), folder.path().join("page"));
+    std::fs::write(&source, PLUS_PLUS).expect("written");
+    let mut cpp = Command::new("c++");
+    cpp.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I"]).arg(root().join("include"));
+    run(cpp.arg(&source).arg(library("liberard_c.a")).args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program));
+    let said = run(&mut Command::new(program));
+    assert!(said.contains("mass_g"), "{said}");
+    assert!(std::fs::read_to_string(root().join("include/erard.hpp")).unwrap().lines().count() < 140, "a page");
+}

@@ -1,0 +1,160 @@
+//! `erard fmu`.
+
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use erard::instrument::InstrumentFile;
+use erard_workshop::fmu::{INSTRUMENT, MODEL, model_description, variables};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use super::options::load_instrument_and_text;
+use crate::failure::Failure;
+use crate::inputs::{self, shown};
+use crate::output::Output;
+use crate::say;
+
+/// What stands below the options.
+const AFTER: &str = "\
+The unit runs by itself: in it are the instrument's text and the library liberard, which is looked for beside the command, in ../lib, or
+where --library says. Who has the project's source builds it: cargo build --release -p erard-c
+
+Inputs: force (N), or position (m) and velocity (m/s), as the parameter `drive` says (1, 2). Outputs: key, key_speed, finger_force, hammer,
+hammer_speed, string_force, blow_time, blow_speed, blows, and contact.ZONE. Every number of the instrument's file is a parameter by its path.";
+
+/// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub struct Fmu {
+    /// Instrument: a TOML file, or the name of a built-in one
+    #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
+    instrument: String,
+    /// The unit's file [default: INSTRUMENT.fmu in this folder]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The library that goes into it
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
+    /// Replace FILE if it exists
+    #[arg(long)]
+    force: bool,
+}
+
+/// The platform's folder in the archive, the end of its libraries' names, and how the library is called here.
+const PLATFORM: Option<(&str, &str)> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    Some(("linux64", "so"))
+} else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
+    Some(("aarch64-linux", "so"))
+} else if cfg!(target_os = "macos") {
+    Some(("darwin64", "dylib"))
+} else if cfg!(all(target_os = "windows", target_arch = "x86_64")) {
+    Some(("win64", "dll"))
+} else {
+    None
+};
+
+/// Names that every such library has in it: a function of the standard, and one of ours.
+const MARKS: [&[u8]; 2] = [b"fmi2DoStep", b"erard_action_new"];
+
+impl Fmu {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+        let file = self.file()?;
+        let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let Some(name) = file.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+            return Err(Failure::Usage(format!("--out {}: expected the name of a file", shown(&file))));
+        };
+        let (library, bytes, binary) = self.library()?;
+        let mut output = Output::files(folder, self.force, &[&name])?;
+        // As the library will read it: the file's name is in its errors only.
+        let read = InstrumentFile::parse(&text, INSTRUMENT)?;
+        let archive = archive(&read, &text, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;
+        output.stage(&name, |w| w.write_all(&archive))?;
+        output.commit()?;
+        let all = variables(&read, &text);
+        let parameters = all.iter().filter(|variable| variable.is_parameter()).count();
+        say!("{} - a unit for FMI 2.0, co-simulation, {} kB", instrument.name, archive.len() / 1024);
+        say!();
+        say!("  {} variables, {parameters} of them parameters", all.len());
+        say!("  library {} as {binary}", shown(&library));
+        say!();
+        say!("Written to {}: {name}", shown(folder));
+        Ok(())
+    }
+
+    /// Where the unit goes.
+    fn file(&self) -> Result<PathBuf, Failure> {
+        let file = self.out.clone().unwrap_or_else(|| {
+            let stem = Path::new(&self.instrument).file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("{}.fmu", stem.replace([':', '='], "-")))
+        });
+        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
+        if file.is_dir() {
+            return wrong("is a folder; --out takes the name of the unit's file");
+        }
+        if file.extension().is_none_or(|end| !end.eq_ignore_ascii_case("fmu")) {
+            return wrong("a unit's name ends in .fmu");
+        }
+        if inputs::is_one(&file) {
+            return wrong("is the instrument itself, which is never replaced; give another name with --out");
+        }
+        if file.exists() && !self.force {
+            return wrong("exists; give another name with --out, or --force to replace it");
+        }
+        Ok(file)
+    }
+
+    /// The library: its path, its bytes, and its place in the archive.
+    fn library(&self) -> Result<(PathBuf, Vec<u8>, String), Failure> {
+        let Some((platform, end)) = PLATFORM else {
+            return Err(Failure::Usage("FMI 2.0 names no folder for libraries of this platform".into()));
+        };
+        let path = match &self.library {
+            Some(path) => path.clone(),
+            None => self.beside(end)?,
+        };
+        let bytes = std::fs::read(&path).map_err(|error| Failure::Usage(format!("{}: {error}", shown(&path))))?;
+        if let Some(mark) = MARKS.iter().find(|mark| !bytes.windows(mark.len()).any(|window| window == **mark)) {
+            let mark = String::from_utf8_lossy(mark);
+            return Err(Failure::Usage(format!("{}: is no liberard: there is no {mark} in it", shown(&path))));
+        }
+        Ok((path, bytes, format!("binaries/{platform}/{MODEL}.{end}")))
+    }
+
+    /// The library beside the command, or where it is installed.
+    fn beside(&self, end: &str) -> Result<PathBuf, Failure> {
+        let command = std::env::current_exe().map_err(|error| Failure::Internal(error.to_string()))?;
+        let folder = command.parent().unwrap_or(Path::new("."));
+        let built = if cfg!(windows) { format!("erard_c.{end}") } else { format!("liberard_c.{end}") };
+        let places = [folder.join(built), folder.join(format!("../lib/liberard.{end}"))];
+        places.iter().find(|path| path.is_file()).cloned().ok_or_else(|| {
+            let looked: Vec<String> = places.iter().map(|path| shown(path)).collect();
+            Failure::Usage(format!(
+                "the unit needs the library liberard, which is not at {}; build it with `cargo build --release -p erard-c`, or say where it is with \
+                 --library",
+                looked.join(" or ")
+            ))
+        })
+    }
+}
+
+/// The unit's bytes: the same for the same instrument and library.
+fn archive(file: &InstrumentFile, text: &str, binary: &str, library: &[u8]) -> zip::result::ZipResult<Vec<u8>> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let description = model_description(file, text);
+    for (name, bytes, mode) in [
+        ("modelDescription.xml", description.as_bytes(), 0o644),
+        (INSTRUMENT, text.as_bytes(), 0o644),
+        (binary, library, 0o755),
+    ] {
+        zip.start_file(name, options.unix_permissions(mode))?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
+}

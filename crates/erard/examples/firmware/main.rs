@@ -1,0 +1,24 @@
+//! Writes the concert grand as Rust source for machines without a heap: `cargo run --release -p erard --example firmware > firmware/src/grand.rs`.
+//! With the argument `digest` it plays the note of `firmware/src/play.rs` instead, and says the digest that firmware must find in double precision.
+
+mod source;
+
+use erard::{Action, Input, Instrument};
+
+fn main() {
+    if std::env::args().nth(1).as_deref() == Some("digest") {
+        println!("{:016x}", digest());
+    } else {
+        print!("{}", source::grand());
+    }
+}
+
+/// 5 N for a quarter of a second, let go for another; FNV-1a over the bits of all angles.
+fn digest() -> u64 {
+    let mut action = Action::new(&Instrument::builtin("concert-grand").expect("built in")).expect("it comes to rest");
+    for n in 0..10_000 {
+        action.step(Input::Force(if n < 5_000 { 5.0 } else { 0.0 }));
+    }
+    let bits = action.angles().iter().map(|angle| angle.to_bits());
+    bits.fold(0xcbf2_9ce4_8422_2325, |sum, bits| (sum ^ bits).wrapping_mul(0x0000_0100_0000_01b3))
+}

@@ -1,0 +1,143 @@
+//! An instrument as Rust source: the engine's description, every number in the shortest digits that read back as the same, and where it rests.
+
+use std::fmt::Write;
+
+use erard::assembly::describe;
+use erard::{Action, Instrument};
+use moreau::{Body, Curve, Exponent, Felt, GROUND, Loss, Site, Spring, Zone};
+
+/// The built-in concert grand.
+pub fn grand() -> String {
+    source("concert-grand", &Instrument::builtin("concert-grand").expect("built in"))
+}
+
+fn source(name: &str, instrument: &Instrument) -> String {
+    let mechanism = describe::<f64>(instrument);
+    let rest = Action::new(instrument).expect("it comes to rest");
+    let mut out = format!(
+        "//! The built-in instrument `{name}`. Made by `cargo run --release -p erard --example firmware`: do not edit.\n\n\
+         use moreau::{{Body, Curve, Exponent, Felt, GROUND, Loss, Scalar, Site, Spring, Zone}};\n\n\
+         pub const BODIES: usize = {};\npub const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
+         /// Room for the set-valued laws.\npub const LAWS: usize = {};\n\
+         pub const GRAVITY: f64 = {:?};\n/// Where it rests, friction included, rad.\npub const REST: [f64; BODIES] = {:?};\n\
+         /// The body that strikes.\npub const HAMMER: usize = {};\n",
+        mechanism.bodies.len(),
+        mechanism.springs.len(),
+        mechanism.zones.len(),
+        mechanism.borrowed().laws(),
+        mechanism.gravity,
+        rest.angles(),
+        instrument.roles.hammer.expect("a hammer"),
+    );
+    list(&mut out, "bodies", "Body", "BODIES", mechanism.bodies.iter().map(body));
+    list(&mut out, "springs", "Spring", "SPRINGS", mechanism.springs.iter().map(spring));
+    list(&mut out, "zones", "Zone", "ZONES", mechanism.zones.iter().map(zone));
+    let site = site(&mechanism.site.expect("a key"));
+    let _ = write!(
+        out,
+        "\n#[rustfmt::skip]\npub fn site<T: Scalar>() -> Site<T> {{\n    let t = T::from_f64;\n    {site}\n}}\n"
+    );
+    out
+}
+
+fn list(out: &mut String, name: &str, kind: &str, count: &str, items: impl Iterator<Item = String>) {
+    let _ = write!(
+        out,
+        "\n#[rustfmt::skip]\npub fn {name}<T: Scalar>() -> [{kind}<T>; {count}] {{\n    let t = T::from_f64;\n    [\n"
+    );
+    for item in items {
+        let _ = writeln!(out, "        {item},");
+    }
+    out.push_str("    ]\n}\n");
+}
+
+fn t(x: f64) -> String {
+    format!("t({x:?})")
+}
+
+fn v([x, y]: [f64; 2]) -> String {
+    format!("[{}, {}]", t(x), t(y))
+}
+
+fn index(body: usize) -> String {
+    if body == GROUND { "GROUND".into() } else { body.to_string() }
+}
+
+fn body(b: &Body<f64>) -> String {
+    let Body { parent, pivot, mass, inertia, center_of_mass, dry, viscous } = *b;
+    format!(
+        "Body {{ parent: {}, pivot: {}, mass: {}, inertia: {}, center_of_mass: {}, dry: {}, viscous: {} }}",
+        index(parent),
+        v(pivot),
+        t(mass),
+        t(inertia),
+        v(center_of_mass),
+        t(dry),
+        t(viscous)
+    )
+}
+
+fn spring(s: &Spring<f64>) -> String {
+    let Spring { body, torque, stiffness, reference } = *s;
+    format!(
+        "Spring {{ body: {body}, torque: {}, stiffness: {}, reference: {} }}",
+        t(torque),
+        t(stiffness),
+        t(reference)
+    )
+}
+
+fn zone(z: &Zone<f64>) -> String {
+    let Zone { disc_body, center, radius, curve_body, curve, felt, friction } = *z;
+    format!(
+        "Zone {{ disc_body: {}, center: {}, radius: {}, curve_body: {}, curve: {}, felt: {}, friction: {} }}",
+        index(disc_body),
+        v(center),
+        t(radius),
+        index(curve_body),
+        self::curve(&curve),
+        self::felt(&felt),
+        friction.map_or("None".into(), |mu| format!("Some({})", t(mu)))
+    )
+}
+
+fn curve(c: &Curve<f64>) -> String {
+    match *c {
+        Curve::Line { point, normal } => format!("Curve::Line {{ point: {}, normal: {} }}", v(point), v(normal)),
+        Curve::Segment { from, direction, length, rounding } => format!(
+            "Curve::Segment {{ from: {}, direction: {}, length: {}, rounding: {} }}",
+            v(from),
+            v(direction),
+            t(length),
+            t(rounding)
+        ),
+        Curve::Disc { center, radius } => format!("Curve::Disc {{ center: {}, radius: {} }}", v(center), t(radius)),
+    }
+}
+
+fn felt(f: &Felt<f64>) -> String {
+    let Felt { stiffness, exponent, loss } = *f;
+    let exponent = match exponent {
+        Exponent::Two => "Exponent::Two".to_owned(),
+        Exponent::TwoAndHalf => "Exponent::TwoAndHalf".to_owned(),
+        Exponent::Three => "Exponent::Three".to_owned(),
+        Exponent::Other(r) => format!("Exponent::Other({})", t(r)),
+    };
+    let loss = match loss {
+        Loss::Quadratic(b) => format!("Loss::Quadratic({})", t(b)),
+        Loss::HuntCrossley(a) => format!("Loss::HuntCrossley({})", t(a)),
+        other => panic!("no source is written for this loss yet: {other:?}"),
+    };
+    format!("Felt {{ stiffness: {}, exponent: {exponent}, loss: {loss} }}", t(stiffness))
+}
+
+fn site(s: &Site<f64>) -> String {
+    let Site { body, point, direction, stiffness, damping } = *s;
+    format!(
+        "Site {{ body: {body}, point: {}, direction: {}, stiffness: {}, damping: {} }}",
+        v(point),
+        v(direction),
+        t(stiffness),
+        t(damping)
+    )
+}
