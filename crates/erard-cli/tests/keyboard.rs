@@ -129,8 +129,7 @@ fn two_keyboards_beside_each_other() {
     let cells = |name: &str| -> Vec<Vec<String>> {
         folder.read(name).lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
     };
-    let [first, second, difference] =
-        ["both/keyboard-1.csv", "both/keyboard-2.csv", "both/difference.csv"].map(|name| cells(name));
+    let [first, second, difference] = ["both/keyboard-1.csv", "both/keyboard-2.csv", "both/difference.csv"].map(cells);
     let all: serde_json::Value = serde_json::from_str(&folder.read("both/keyboard.json")).unwrap();
     assert_eq!(all["names"], serde_json::json!(["Concert grand", "Mine"]));
     assert_eq!(difference.len(), 3);

@@ -12,6 +12,9 @@ use erard::player::{Gesture, press_by_hand};
 use erard::run::Run;
 use erard::simulation::Setup;
 
+/// What a row shows, in the unit that its name ends with.
+type Value = fn(&Loudness) -> Option<f64>;
+
 /// Step, s.
 const STEP_S: f64 = 50e-6;
 /// How fast the force of the pressed f rises, N/s: the built-in f's.
@@ -74,7 +77,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let mut header = vec!["row of `erard validate`"];
     header.extend(columns.iter().map(|(name, _)| *name));
     let mut table = Table::new("What each part does to the order of events", &header);
-    let rows: [(&str, fn(&Loudness) -> Option<f64>); 7] = [
+    let rows: [(&str, Value); 7] = [
         ("pressed f: hammer before key bottom, ms", |l| ms(l.by_hand.f_by_stroke?.hammer_ahead_s)),
         ("pressed ff, ms", |l| ms(l.by_hand.ff?.hammer_ahead_s)),
         ("pressed, loudest, ms", |l| ms(l.by_hand.loudest.hammer_ahead_s)),
