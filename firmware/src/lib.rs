@@ -33,7 +33,7 @@ pub extern "C" fn erard_key_travel(force_n: f32, step_s: f32, steps: u32) -> f32
     let spring = Spring { body: 0, torque: WEIGHT, stiffness: 0.0, reference: 0.0 };
     let site = Site { body: 0, point: [FRONT, 0.0], direction: [0.0, -1.0], stiffness: 2e4, damping: 20.0 };
     let zones = [stop(FRONT, -DIP), stop(0.225, 0.0001)];
-    let Ok(model) = Description { bodies: &[body], springs: &[spring], zones: &zones, site: Some(site), gravity: 9.81 }.compile::<1, 2>() else {
+    let Ok(model) = Description { bodies: &[body], springs: &[spring], zones: &zones, dwells: &[], site: Some(site), gravity: 9.81 }.compile::<1, 2>() else {
         return f32::NAN;
     };
     let settings = Settings::new(step_s);

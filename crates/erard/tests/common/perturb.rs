@@ -179,12 +179,16 @@ fn turning_j(instrument: &Instrument, action: &Action, h: f64) -> f64 {
 
 /// Plays a random stroke on a random instrument. Never panics, or the test has found something.
 pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: f64) -> Fate {
-    let instrument = perturbed(grand, seed);
+    play_on(&perturbed(grand, seed), seed, settings, duration_s)
+}
+
+/// Plays a random stroke on an instrument.
+pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, duration_s: f64) -> Fate {
     let mut r = Random::new(seed ^ 0x5eed_0000_0000_0000);
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
-    let mut action = Action::as_drawn(&instrument, settings).expect("a valid instrument assembles");
-    match action.settle(&instrument, Input::Free, &mut || true) {
+    let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
+    match action.settle(instrument, Input::Free, &mut || true) {
         Ok(time) => fate.settling_s = time,
         Err(EquilibriumError::NoRest { .. }) => fate.restless = true,
         Err(_) => {
@@ -192,7 +196,7 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
             return fate;
         }
     }
-    action.rest_here(&instrument);
+    action.rest_here(instrument);
     let (mut ledger, mut given_j) = (action.mechanism_mut().open_ledger(), 0.0);
     let (h, theta) = (settings.step, settings.theta);
     fate.steps = (duration_s / h) as u64;
@@ -218,7 +222,7 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
             }
         }
         fate.newton += u64::from(action.mechanism().last_report().newton);
-        given_j += turning_j(&instrument, &action, h);
+        given_j += turning_j(instrument, &action, h);
         action.mechanism().book(&mut ledger);
         if n % STOCK == STOCK - 1 {
             action.mechanism().take_stock(&mut ledger);
