@@ -644,6 +644,7 @@ mod tests {
                 let written = match felt.loss {
                     Loss::Quadratic(b) => elastic + b * g * g * v,
                     Loss::HuntCrossley(a) => elastic * (1.0 + a * v),
+                    _ => elastic,
                 };
                 let ours = at(&law, g, v).force;
                 assert!((ours - written.max(0.0)).abs() <= 1e-14 * written.abs(), "{felt:?} {g} {v}: {ours} {written}");
@@ -764,6 +765,7 @@ mod tests {
                 match felt.loss {
                     Loss::Quadratic(b) => elastic + b * g * g * v,
                     Loss::HuntCrossley(a) => elastic * (1.0 + a * v),
+                    _ => elastic,
                 }
                 .max(0.0)
             };

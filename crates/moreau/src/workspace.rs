@@ -255,7 +255,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
             return Some(contact);
         }
         let dry = T::only(touched, self.dry.force[zone]);
-        Some(Contact { force: (contact.force + dry).max(T::ZERO), damping_force: dry, ..contact })
+        let (force, damping_force) = ((contact.force + dry).max(T::ZERO), contact.damping_force + dry);
+        Some(Contact { force, damping_force, ..contact })
     }
 
     /// The zones that were touched during the last step (in any lane), ascending.

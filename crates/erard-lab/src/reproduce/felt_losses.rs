@@ -76,7 +76,7 @@ fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> 
         before = now;
     }
     let frequency = match turns.as_slice() {
-        [first, .., last] if turns.len() > 3 => (turns.len() - 1) as f64 / (last - first),
+        [first, .., last] if turns.len() >= 2 => (turns.len() - 1) as f64 / (last - first),
         _ => 0.0,
     };
     Ok(Some([frequency, swings[1] / swings[0]]))
