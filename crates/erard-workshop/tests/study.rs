@@ -109,6 +109,51 @@ fn in_single_precision_the_same_to_its_rounding() {
     }
 }
 
+/// Felts that remember, and friction that grows at rest, are the same in lanes; the books that are kept beside the lanes close as the engine's do.
+#[test]
+fn what_is_remembered_is_remembered_in_lanes() {
+    let laws: [fn(&mut Instrument); 4] = [
+        |i| i.zones.iter_mut().for_each(|zone| (zone.felt.dry_loss, zone.felt.dry_slip) = (0.3, 0.2)),
+        |i| i.zones.iter_mut().for_each(|zone| (zone.felt.damping, zone.felt.dry_loss) = (0.0, 0.2)),
+        |i| {
+            for felt in i.zones.iter_mut().map(|zone| &mut zone.felt) {
+                (felt.damping, felt.relaxed, felt.relaxation_s) = (0.0, 0.4, 1e-3);
+            }
+        },
+        |i| {
+            let dwell = Some(erard::instrument::Dwell { ratio: 1.3, time_s: 0.2 });
+            i.bodies.iter_mut().filter(|body| body.friction_torque_n_m > 0.0).for_each(|body| body.dwell = dwell);
+        },
+    ];
+    for (k, law) in laws.into_iter().enumerate() {
+        let instruments: Vec<Instrument> = (0..4)
+            .map(|n| {
+                let mut instrument = grand();
+                instrument.zones[0].felt.stiffness *= 1.0 + 0.1 * f64::from(n);
+                law(&mut instrument);
+                instrument
+            })
+            .collect();
+        let jobs = (0..4).map(|instrument| Job { instrument, stroke: stroke(0, 6.0) }).collect();
+        let workers = Workers { threads: 1, ..Workers::all() };
+        let together = played(play_all(&instruments, jobs, &SETUP(), workers, &mut |_| true).expect("plays"));
+        for (instrument, played) in instruments.iter().zip(&together) {
+            let run = alone(instrument, 0, 6.0);
+            assert_eq!((played.unconverged_steps, run.work.unconverged_steps), (0, 0), "{k}");
+            let (a, b) = (&played.events.strikes, &run.events.strikes);
+            assert_eq!(a.len(), b.len(), "{k}");
+            assert!(!b.is_empty() && (a[0].speed_m_s / b[0].speed_m_s - 1.0).abs() < 1e-7, "{k}: {a:?} {b:?}");
+            let own = run.ledger.as_ref().expect("kept").residual_relative();
+            println!("{k}: residual {:?} beside the lanes, {own:.1e} by the engine", played.energy_residual);
+            assert!(
+                played.energy_residual.is_some_and(|residual| residual < 1e-3),
+                "{k}: {:?}",
+                played.energy_residual
+            );
+        }
+    }
+}
+
 /// One job by `simulate`.
 fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
     let own = stroke(kind, strength);

@@ -1,7 +1,7 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of AVX2
 //! (whatever more the processor has, so that the count is the same on all that have it). Counts repeat
 //! to the digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps of the same
-//! note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes.
+//! note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes; and of the grand with dry felts.
 //!
 //! `cargo bench -p erard --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none of it; the
 //! difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per step, `--at-most-group M`
@@ -21,7 +21,7 @@ use moreau_sizes::Lanes;
 /// steps.
 type Subject = (&'static str, &'static str, u64, fn(u64));
 
-const SUBJECTS: [Subject; 10] = [
+const SUBJECTS: [Subject; 12] = [
     ("step", "--at-most", 1, |steps| {
         black_box(press(&grand(), &Settings::new(STEP_S), steps));
     }),
@@ -40,6 +40,12 @@ const SUBJECTS: [Subject; 10] = [
     ("step_of_9_bodies", "--at-most-9", 1, |steps| {
         black_box(action_note(&bending(9), steps));
     }),
+    ("action_step_with_set_valued_felts", "--at-most-set-valued", 1, |steps| {
+        black_box(action_note(&with_dry_felts(0.0), steps));
+    }),
+    ("action_step_with_elastoplastic_felts", "--at-most-elastoplastic", 1, |steps| {
+        black_box(action_note(&with_dry_felts(0.2), steps));
+    }),
     ("group_step_of_6_bodies", "--at-most-group-6", 1, |steps| lanes_note(&instrument(), steps)),
     ("group_step_of_7_bodies", "--at-most-group-7", 1, |steps| lanes_note(&bending(7), steps)),
     ("group_step_of_8_bodies", "--at-most-group-8", 1, |steps| lanes_note(&bending(8), steps)),
@@ -50,6 +56,15 @@ const SUBJECTS: [Subject; 10] = [
 fn bending(bodies: usize) -> Instrument {
     let path = format!("{}/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
+}
+
+/// The concert grand, all felts with a dry loss, set-valued or through a spring.
+fn with_dry_felts(slip: f64) -> Instrument {
+    let mut instrument = instrument();
+    for zone in &mut instrument.zones {
+        (zone.felt.damping, zone.felt.dry_loss, zone.felt.dry_slip) = (0.0, 0.3, slip);
+    }
+    instrument
 }
 
 /// The note, stepped from outside: every field of every reading and every blow is read, and every step is taken.

@@ -1,6 +1,6 @@
 //! From the instrument to the engine's model.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Loss, Model, ModelError, Scalar, Site, Spring, Zone};
+use moreau::{Body, Curve, Dwell, Exponent, Felt, GROUND, Loss, Model, ModelError, Part, Scalar, Site, Spring, Zone};
 use moreau_sizes::{Marks, OwnedDescription};
 
 use crate::grand::KEY_DOWN;
@@ -66,6 +66,12 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
             friction: (z.friction_coefficient > 0.0).then_some(t(z.friction_coefficient)),
         })
         .collect();
+    let dwell = |part: Part, dwell: Option<instrument::Dwell>| {
+        dwell.map(|dwell| Dwell { part, ratio: t(dwell.ratio), time: t(dwell.time_s) })
+    };
+    let pivots = instrument.bodies.iter().enumerate().filter_map(|(i, b)| dwell(Part::Body(i), b.dwell));
+    let contacts = instrument.zones.iter().enumerate().filter_map(|(z, zone)| dwell(Part::Zone(z), zone.dwell));
+    let dwells = pivots.chain(contacts).collect();
     let site = instrument.roles.key.map(|body| Site {
         body,
         point: vector(instrument.roles.key_front_m),
@@ -74,7 +80,7 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
         damping: t(instrument.finger.damping_n_s_per_m),
     });
     let angles = instrument.bodies.iter().map(|b| t(b.angle_rad)).collect();
-    OwnedDescription { bodies, springs, zones, site, gravity: t(instrument.gravity_m_s2), angles }
+    OwnedDescription { bodies, springs, zones, dwells, site, gravity: t(instrument.gravity_m_s2), angles }
 }
 
 /// The engine's felt law.
@@ -82,6 +88,12 @@ pub fn felt<T: Scalar>(felt: &instrument::Felt) -> Felt<T> {
     let t = T::from_f64;
     let loss = if felt.hunt_crossley > 0.0 {
         Loss::HuntCrossley(t(felt.hunt_crossley))
+    } else if felt.dry_loss > 0.0 && felt.dry_slip > 0.0 {
+        Loss::Elastoplastic { damping: t(felt.damping), eta: t(felt.dry_loss), slip: t(felt.dry_slip) }
+    } else if felt.dry_loss > 0.0 {
+        Loss::SetValued { damping: t(felt.damping), eta: t(felt.dry_loss) }
+    } else if felt.relaxed > 0.0 {
+        Loss::Hereditary { relaxed: t(felt.relaxed), time: t(felt.relaxation_s) }
     } else {
         Loss::Quadratic(t(felt.damping))
     };

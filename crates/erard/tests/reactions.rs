@@ -25,6 +25,7 @@ fn pendulum() -> Instrument {
             center_of_mass_m: [0.15, 0.0],
             friction_torque_n_m: 0.0,
             viscous_n_m_s: 0.0,
+            dwell: None,
             is_bend: false,
             turn_rad: None,
         }],

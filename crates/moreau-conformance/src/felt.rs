@@ -8,17 +8,26 @@ use crate::row::{Order, Row};
 /// A mass at the end of an arm so long that its path is straight: x = L sin(angle), L = 100 m, so that over the felt's 1 mm
 /// of compression the arm turns by 1e-5 rad and the path deviates from a line by 1e-10 of itself.
 pub(crate) const ARM: f64 = 100.0;
-const MASS: f64 = 0.010;
+pub(crate) const MASS: f64 = 0.010;
 
-struct Throw {
-    compression: f64,
-    contact_time: f64,
-    rebound: f64,
-    residual: f64,
+pub(crate) struct Throw {
+    pub compression: f64,
+    pub contact_time: f64,
+    pub rebound: f64,
+    pub residual: f64,
+    /// What the felt lost, J.
+    pub lost: f64,
+    /// The smallest loss of any step, J.
+    pub smallest_loss: f64,
 }
 
 /// The mass on its way at 1 m/s, the felt so far ahead, m.
-pub(crate) fn thrown(k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) -> Mechanism<1, 1, 1> {
+pub(crate) fn thrown(k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) -> Mechanism<1, 1, 2> {
+    thrown_at(1.0, k, r, loss, h, ahead)
+}
+
+/// The same at another speed, m/s.
+fn thrown_at(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) -> Mechanism<1, 1, 2> {
     let body = Body { mass: MASS, center_of_mass: [0.0, -ARM], inertia: MASS * ARM * ARM, ..Body::inert() };
     let felt = Felt { stiffness: k, exponent: Exponent::new(r), loss };
     let zone = Zone {
@@ -33,17 +42,27 @@ pub(crate) fn thrown(k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) -> Mec
     let model =
         Description { bodies: &[body], zones: &[zone], ..Description::default() }.compile::<1, 1>().expect("sound");
     let settings = Settings { tolerance: 1e-12, ..Settings::new(h) };
-    Mechanism::new(model, [0.0], [1.0 / ARM], settings)
+    Mechanism::new(model, [0.0], [speed / ARM], settings)
 }
 
 fn throw(k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
+    throw_at(1.0, k, r, loss, h)
+}
+
+/// At a speed, m/s.
+pub(crate) fn throw_at(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
     // The mass starts a whole number of steps away, plus a third: a generic phase.
-    let mut m = thrown(k, r, loss, h, 20.0 * h + h / 3.0);
+    throw_from(speed * (20.0 * h + h / 3.0), speed, k, r, loss, h)
+}
+
+/// From so far away, m.
+pub(crate) fn throw_from(ahead: f64, speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
+    let mut m = thrown_at(speed, k, r, loss, h, ahead);
     let mut ledger = Ledger::open(&m.model, &m.state);
     let mut compression: f64 = 0.0;
     let (mut touch, mut part) = (None, None);
     let mut gap = Pose::of(&m.model, &m.state.angle).gap(&m.model, 0);
-    for _ in 0..(6e-3 / h) as usize {
+    for _ in 0..(6e-3 / speed.sqrt() / h) as usize + 22 {
         let before = m.state.clone();
         m.step();
         ledger.record(&m.model, &m.settings, &before, &m.state, &m.workspace);
@@ -67,6 +86,8 @@ fn throw(k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
         contact_time: m.value(part.zip(touch).map_or(f64::NAN, |(part, touch)| part - touch)),
         rebound: m.value(-m.state.velocity[0] * ARM),
         residual: ledger.residual_relative(),
+        lost: ledger.felt_damping,
+        smallest_loss: ledger.smallest_term,
     }
 }
 

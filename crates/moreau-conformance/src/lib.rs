@@ -10,8 +10,11 @@ mod ball;
 mod belt;
 mod control;
 mod disc;
+mod dry_felt;
+mod dwell;
 mod felt;
 mod finite;
+mod hereditary;
 mod hinge;
 mod incline;
 mod kane;
@@ -27,6 +30,7 @@ mod slot;
 mod springs;
 mod stack;
 
+pub use dry_felt::thrown_back;
 pub use row::{Expected, Order, Row};
 
 /// A problem: its number and name, and how its rows are computed.
@@ -66,5 +70,9 @@ pub fn problems() -> Vec<Problem> {
         problem(20, "Scotch yoke", slot::rows),
         problem(21, "Torsion springs and stiff springs", springs::rows),
         problem(22, "Hunt and Crossley's felt", felt::hunt_crossley),
+        problem(23, "Felt with a dry loss", dry_felt::set_valued),
+        problem(24, "Felt with a dry loss that slips", dry_felt::elastoplastic),
+        problem(25, "Stulov's hereditary felt", hereditary::rows),
+        problem(26, "Friction that grows at rest", dwell::rows),
     ]
 }

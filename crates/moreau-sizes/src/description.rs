@@ -1,6 +1,6 @@
 //! What a mechanism is, in lists of any length.
 
-use moreau::{Body, Description, Model, ModelError, Scalar, Site, Spring, Zone};
+use moreau::{Body, Description, Dwell, Model, ModelError, Scalar, Site, Spring, Zone};
 
 /// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is [`moreau::GROUND`].
 #[derive(Debug, Clone)]
@@ -11,6 +11,8 @@ pub struct OwnedDescription<T = f64> {
     pub springs: Vec<Spring<T>>,
     /// Contact zones.
     pub zones: Vec<Zone<T>>,
+    /// Dry friction that grows while it sticks.
+    pub dwells: Vec<Dwell<T>>,
     /// Where it is driven.
     pub site: Option<Site<T>>,
     /// Acceleration of gravity, m/s2, downward.
@@ -22,8 +24,8 @@ pub struct OwnedDescription<T = f64> {
 impl<T: Scalar> OwnedDescription<T> {
     /// As the engine takes it.
     pub fn borrowed(&self) -> Description<'_, T> {
-        let OwnedDescription { bodies, springs, zones, site, gravity, .. } = self;
-        Description { bodies, springs, zones, site: *site, gravity: *gravity }
+        let OwnedDescription { bodies, springs, zones, dwells, site, gravity, .. } = self;
+        Description { bodies, springs, zones, dwells, site: *site, gravity: *gravity }
     }
 
     /// The model in a given size.

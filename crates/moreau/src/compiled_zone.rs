@@ -29,6 +29,10 @@ pub(crate) struct CompiledZone<T> {
     pub slides: bool,
     /// Its coefficient, or 0.
     pub friction: T,
+    /// Whether its felt has a set-valued loss.
+    pub dry: bool,
+    /// Its eta, or 0.
+    pub eta: T,
     center: Vector<T>,
     axis: Vector<T>,
     level: T,
@@ -53,6 +57,8 @@ impl<T: Real> CompiledZone<T> {
             core,
             slides: zone.friction.is_some(),
             friction: zone.friction.unwrap_or(T::ZERO),
+            dry: zone.felt.dry().is_some(),
+            eta: zone.felt.dry().unwrap_or(T::ZERO),
             center: zone.center,
             axis,
             level: zone.radius + size,

@@ -24,6 +24,9 @@ pub struct Contact<T> {
     pub force: T,
     /// The part of `force` due to the felt's loss (or what the clamp left of it), N.
     pub damping_force: T,
+    /// By how much the energy that the felt's memory holds has grown in the step, J; 0 for a felt without memory. What `damping_force` did beyond
+    /// that is lost.
+    pub gained: T,
 }
 
 /// What the step keeps of a zone that it has looked at. The rest is worked out again for whoever asks.
@@ -38,6 +41,8 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is asked for.
     gap: T,
     rate: T,
+    /// The felt's memory at the step's start, where it has one.
+    pub memory: T,
     /// Row G in relative velocities, for the zone's supporting joints: dg/dt = G w.
     pub row: [T; B],
 }
@@ -53,7 +58,7 @@ pub(crate) struct Proximity<T: Real> {
 impl<T: Real, const B: usize> ContactState<T, B> {
     pub fn apart() -> Self {
         let z = T::ZERO;
-        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, row: [z; B] }
+        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, memory: z, row: [z; B] }
     }
 
     /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K entries.
@@ -91,7 +96,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     /// The felt's force and tangent, where it is touched.
     #[inline(always)]
     pub fn press(&mut self, zone: &CompiledZone<T>, timing: &Timing<T>, touched: T::Mask, margins: &mut Margins<T>) {
-        let pressed = zone.felt.press(self.gap, self.rate, timing, touched);
+        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, &self.memory);
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
@@ -111,7 +116,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         let (gap, normal) = zone.gap_and_normal(pose, zone.center(pose));
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
-        let pressed = zone.felt.press(ahead_gap, rate, timing, touched);
+        let pressed = zone.felt.press(ahead_gap, rate, timing, touched, &self.memory);
+        let recalled = zone.felt.recall(ahead_gap, rate, timing, touched, self.memory);
         Contact {
             gap: ahead_gap,
             rate,
@@ -119,7 +125,27 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             point: zone.contact_point(pose, gap, normal),
             force: pressed.force,
             damping_force: pressed.damping_force,
+            gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),
         }
+    }
+
+    /// The felt's memory at the step's end, for a felt that has one; `touched`: not in all lanes apart.
+    pub fn remembered(
+        &self,
+        zone: &CompiledZone<T>,
+        support: &Support<T, B>,
+        change: &[T; B],
+        timing: &Timing<T>,
+        touched: T::Mask,
+    ) -> T {
+        let alone = zone.felt.left_alone(timing, self.memory).0;
+        if !touched.any() {
+            return alone;
+        }
+        let ahead = timing.theta * support.product(&self.row, change);
+        let (rate, gap) = (self.rate + ahead, self.gap + timing.h_theta * ahead);
+        let recalled = zone.felt.recall(gap, rate, timing, touched, self.memory);
+        recalled.map_or(alone, |recalled| T::select(touched, recalled.memory, alone))
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
@@ -135,7 +161,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     ) -> T {
         let rate = (timing.theta * support.product(&self.row, change)).abs();
         // To second order; where the clamp at zero may have come or gone, to first.
-        let bend = zone.felt.press(self.gap, self.rate, timing, active).curvature;
+        let bend = zone.felt.press(self.gap, self.rate, timing, active, &self.memory).curvature;
         let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
         let bent = T::select(linear.lt(bend.slack), quadratic, linear.max(quadratic));
         if active.all() {
@@ -233,7 +259,7 @@ mod tests {
                 contact.evaluate::<1>(compiled, support, &pose, &[w], &timing, true, &mut Margins::new());
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend = compiled.felt.press(contact.gap, contact.rate, &timing, true).curvature;
+                    let bend = compiled.felt.press(contact.gap, contact.rate, &timing, true, &0.0).curvature;
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;

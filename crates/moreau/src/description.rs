@@ -136,6 +136,18 @@ pub struct Site<T> {
     pub damping: T,
 }
 
+/// Dry friction that grows while it sticks: a pivot's or a zone's. What the body or the zone says is the kinetic friction; at rest it grows to `ratio` of
+/// that, as 1 - exp(-t/`time`), and it is lost when it slips.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dwell<T> {
+    /// A body, whose pivot has dry friction, or a zone with Coulomb friction.
+    pub part: Part,
+    /// Static over kinetic friction, at least 1.
+    pub ratio: T,
+    /// tau, s.
+    pub time: T,
+}
+
 /// A mechanism as described: borrowed lists, not yet checked. [`Description::compile`] makes the model that steps.
 #[derive(Debug, Clone, Copy)]
 pub struct Description<'a, T> {
@@ -145,6 +157,8 @@ pub struct Description<'a, T> {
     pub springs: &'a [Spring<T>],
     /// Contact zones.
     pub zones: &'a [Zone<T>],
+    /// Dry friction that grows while it sticks.
+    pub dwells: &'a [Dwell<T>],
     /// Where it is driven.
     pub site: Option<Site<T>>,
     /// Gravity, m/s2, pointing toward -y.
@@ -154,7 +168,7 @@ pub struct Description<'a, T> {
 /// Nothing, without gravity: for a description of which only some lists are filled, `Description { bodies, ..Description::default() }`.
 impl<T: Real> Default for Description<'_, T> {
     fn default() -> Self {
-        Description { bodies: &[], springs: &[], zones: &[], site: None, gravity: T::ZERO }
+        Description { bodies: &[], springs: &[], zones: &[], dwells: &[], site: None, gravity: T::ZERO }
     }
 }
 
@@ -287,6 +301,19 @@ impl<T: Scalar> Description<'_, T> {
                 }
             }
             sound(Part::Zone(i), zone_fault(zone))?;
+        }
+        for dwell in self.dwells {
+            let dry = match dwell.part {
+                Part::Body(i) => self.bodies.get(i).is_some_and(|body| body.dry > T::ZERO),
+                Part::Zone(z) => self.zones.get(z).is_some_and(|zone| zone.friction.is_some()),
+                _ => false,
+            };
+            let nothing =
+                (!dry).then_some(Fault { field: "dwell", found: 0.0, expected: "dry friction that can grow" });
+            let fault = nothing
+                .or_else(|| Fault::below_one("static over kinetic friction", dwell.ratio))
+                .or_else(|| Fault::not_positive("dwell time", dwell.time));
+            sound(dwell.part, fault)?;
         }
         if let Some(site) = &self.site {
             self.known(Part::Site, site.body)?;

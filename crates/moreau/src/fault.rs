@@ -39,6 +39,10 @@ impl Fault {
         Fault::unless(x.finite() && x > T::ZERO, field, x, "a finite number greater than 0")
     }
 
+    pub(crate) fn not_a_part<T: Scalar>(field: &'static str, x: T) -> Option<Self> {
+        Fault::unless(x.finite() && x >= T::ZERO && x < T::ONE, field, x, "a finite number from 0 to below 1")
+    }
+
     pub(crate) fn below_one<T: Scalar>(field: &'static str, x: T) -> Option<Self> {
         Fault::unless(x.finite() && x >= T::ONE, field, x, "a finite number, at least 1")
     }

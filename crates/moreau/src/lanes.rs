@@ -5,7 +5,7 @@ use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
 use crate::description::{Curve, Site, Zone};
 use crate::felt::Felt;
-use crate::model::Model;
+use crate::model::{Dwelling, Model};
 use crate::real::{Real, Scalar, cast, join, join_all};
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, State};
@@ -43,6 +43,18 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,
+            remembering: first.remembering,
+            remembering_count: first.remembering_count,
+            dry_felts: first.dry_felts,
+            dry_count: first.dry_count,
+            dwelling: Dwelling {
+                pivot_gain: numbers(|m| m.dwelling.pivot_gain),
+                pivot_rate: numbers(|m| m.dwelling.pivot_rate),
+                zone_gain: join_all(|lane| models[lane].dwelling.zone_gain),
+                zone_rate: join_all(|lane| models[lane].dwelling.zone_rate),
+                count: models.iter().map(|model| model.dwelling.count).max().unwrap_or(0),
+            },
+            remembers: models.iter().any(|model| model.remembers),
             curvatures: Curvatures::of_lanes(|lane| &models[lane].curvatures),
             // The lanes may differ in which pivots have friction.
             laws: models.iter().map(|model| model.laws).max().unwrap_or(0),
@@ -118,6 +130,9 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         joined.pivot_friction = join_all(|lane| states[lane].pivot_friction);
         joined.tangential = join_all(|lane| states[lane].tangential);
         joined.side = join_all(|lane| states[lane].side);
+        joined.memory = join_all(|lane| states[lane].memory);
+        joined.pivot_rested = join_all(|lane| states[lane].pivot_rested);
+        joined.rested = join_all(|lane| states[lane].rested);
         joined.rigid_force = join(|lane| states[lane].rigid_force);
         joined
     }
@@ -135,6 +150,9 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         set(&mut self.pivot_friction, lane, &one.pivot_friction);
         set(&mut self.tangential, lane, &one.tangential);
         set(&mut self.side, lane, &one.side);
+        set(&mut self.memory, lane, &one.memory);
+        set(&mut self.pivot_rested, lane, &one.pivot_rested);
+        set(&mut self.rested, lane, &one.rested);
         self.rigid_force = self.rigid_force.with_lane(lane, cast(one.rigid_force));
         self.broad_phase = BroadPhase::none();
     }
@@ -150,6 +168,9 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         one.pivot_friction = of(&self.pivot_friction, lane);
         one.tangential = of(&self.tangential, lane);
         one.side = of(&self.side, lane);
+        one.memory = of(&self.memory, lane);
+        one.pivot_rested = of(&self.pivot_rested, lane);
+        one.rested = of(&self.rested, lane);
         one.rigid_force = cast(self.rigid_force.lane(lane));
         one
     }

@@ -5,7 +5,9 @@ use crate::osnsp::Solver;
 use crate::real::{Mask, Real};
 use crate::settings::Settings;
 use crate::state::{Input, State};
+use crate::timing::Timing;
 use crate::workspace::{Forces, LawSource, Problem, Turning, Workspace};
+use crate::{dry_felts, dwell};
 
 /// Guesses where the pivots stand, before a step's first iteration. A pivot that turned is expected to go on turning, unless the predicted
 /// velocity `w` has the other sign: then it is expected to stick, as does one that stuck.
@@ -50,10 +52,10 @@ pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: us
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
     let h = settings.step;
-    let Workspace { contacts, drive, problem, turning, forces, .. } = workspace;
+    let Workspace { contacts, problem, turning, forces, .. } = &mut *workspace;
     let Problem { system, impulses, guess, sources, .. } = problem;
     let Turning { slip_before, span, turn } = turning;
-    let Forces { tangential, side, rigid_force, .. } = forces;
+    let Forces { tangential, side, .. } = forces;
     if settings.friction.is_regularised() {
         system.pivot_bound = [T::ZERO; B];
         impulses.pivot = [T::ZERO; B];
@@ -126,6 +128,10 @@ pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: us
         }
         system.count = n;
     }
+    if model.remembers && !settings.friction.is_regularised() {
+        complete_laws(model, settings, first, w0, w, workspace);
+    }
+    let Workspace { drive, problem: Problem { system, impulses, guess, sources, .. }, forces, .. } = workspace;
     let n = system.count;
     if let (Input::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
         sources[n] = LawSource::Drive;
@@ -133,11 +139,50 @@ pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: us
         model.site_support.spread(&drive.site_row, T::ONE, &mut law.row);
         law.target = *velocity;
         law.rigid = true;
-        impulses.sliding[n] = h * *rigid_force;
+        impulses.sliding[n] = h * forces.rigid_force;
         guess.sliding[n] = T::ZERO;
         guess.open[n] = T::Mask::splat(false);
         system.count = n + 1;
     }
+}
+
+/// What dry felts and friction that grows at rest add to the laws.
+#[cold]
+#[inline(never)]
+fn complete_laws<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    first: bool,
+    w0: &[T; B],
+    w: &[T; B],
+    workspace: &mut Workspace<T, B, Z, N>,
+) {
+    if model.dry_count > 0 {
+        dry_felts::assemble(model, settings, first, w0, w, workspace);
+    }
+    if model.dwelling.count > 0 {
+        dwell::raise_bounds(model, workspace);
+    }
+}
+
+/// In which lanes dry felts or friction that had grown at rest are not yet what the solver, which gave the velocities `next`, took them for.
+#[cold]
+#[inline(never)]
+pub(crate) fn unsettled<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    w0: &[T; B],
+    next: &[T; B],
+    workspace: &mut Workspace<T, B, Z, N>,
+) -> T::Mask {
+    let mut again = T::Mask::splat(false);
+    if model.dry_count > 0 {
+        again = dry_felts::unsettled(model, settings, w0, next, workspace);
+    }
+    if model.dwelling.count > 0 {
+        again = again.or(dwell::slipped(model, settings, next, workspace));
+    }
+    again
 }
 
 /// Stores the sliding laws' forces p/h and sides: the next iteration's warm start, and what the run reports.
@@ -147,13 +192,17 @@ pub(crate) fn store_forces<T: Real, const B: usize, const Z: usize, const N: usi
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
     let inverse_h = T::ONE / settings.step;
-    let Workspace { problem, forces, drive, .. } = workspace;
+    let Workspace { problem, forces, drive, dry, .. } = workspace;
     for k in 0..problem.system.count {
         let f = problem.impulses.sliding[k] * inverse_h;
         match problem.sources[k] {
             LawSource::Zone(z) => {
                 forces.tangential[z] = f;
                 forces.side[z] = problem.guess.sliding[k];
+            }
+            LawSource::Felt(z) => {
+                dry.force[z] = T::select(dry.law[z], -f, dry.force[z]);
+                dry.side[z] = problem.guess.sliding[k];
             }
             LawSource::Drive => {
                 forces.rigid_force = f;
@@ -198,4 +247,46 @@ pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usiz
         keep(&mut state.tangential[z], workspace.forces.tangential[z]);
         keep(&mut state.side[z], workspace.forces.side[z]);
     }
+}
+
+/// Hands to the state what felts and resting friction remember, in the lanes in which the step ends; `w`: the relative velocities then.
+#[cold]
+#[inline(never)]
+pub(crate) fn keep_memories<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    lanes: T::Mask,
+    w: &[T; B],
+    state: &mut State<T, B, Z>,
+    workspace: &Workspace<T, B, Z, N>,
+) {
+    if model.dwelling.count > 0 {
+        dwell::keep(model, settings, lanes, w, state, workspace);
+    }
+    let timing = Timing::new(settings.step, settings.theta);
+    for &z in model.remembering_zones() {
+        let (compiled, touched) = (&model.compiled[z], workspace.touched_in(z));
+        let memory = if compiled.dry {
+            T::only(touched, workspace.dry.force[z])
+        } else {
+            let contact = &workspace.contacts.states[z];
+            contact.remembered(compiled, &model.supports[z], &workspace.correction, &timing, touched)
+        };
+        state.memory[z] = T::select(lanes, memory, state.memory[z]);
+    }
+}
+
+/// Hands to the step what felts and resting friction remember.
+#[cold]
+#[inline(never)]
+pub(crate) fn recall_memories<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    state: &State<T, B, Z>,
+    workspace: &mut Workspace<T, B, Z, N>,
+) {
+    for &z in model.remembering_zones() {
+        workspace.contacts.states[z].memory = state.memory[z];
+    }
+    dry_felts::begin(model, state, workspace);
+    dwell::begin(state, workspace);
 }

@@ -8,6 +8,7 @@ use crate::pose::Pose;
 use crate::real::Scalar;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::State;
+use crate::timing::Timing;
 use crate::vector::dot;
 use crate::workspace::Workspace;
 
@@ -52,7 +53,7 @@ impl Energies {
                 - (model.spring_torque[i] * relative).to_f64();
         }
         for (z, zone) in model.zones().iter().enumerate() {
-            e.felt += zone.felt.stored(pose.gap(model, z)).to_f64();
+            e.felt += zone.felt.stored(pose.gap(model, z), state.memory[z]).to_f64();
         }
         e
     }
@@ -154,7 +155,8 @@ impl Ledger {
         }
         for &z in workspace.touched_zones() {
             let Some(contact) = &contacts[z] else { continue };
-            lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h);
+            let gained = contact.gained.to_f64();
+            lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h - gained);
             let Some(mu) = model.zones[z].friction else { continue };
             let u = workspace.slip(model, z, &joints).map(T::to_f64);
             match settings.friction {
@@ -167,6 +169,11 @@ impl Ledger {
                     lose(&mut self.coulomb, f * u * h);
                 }
             }
+        }
+        let timing = Timing::new(settings.step, settings.theta);
+        for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
+            let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].memory);
+            lose(&mut self.felt_damping, -gained.to_f64());
         }
         self.smallest_term = smallest;
     }

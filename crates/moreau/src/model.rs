@@ -2,11 +2,29 @@
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
-use crate::description::{Body, Description, GROUND, ModelError, Site, Spring, Zone};
+use crate::description::{Body, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Zone};
 use crate::real::{Real, Scalar};
 use crate::support::Support;
 use crate::tree::Tree;
 use crate::vector::{Vector, add, dot, scale};
+
+/// How a model's laws gain friction at rest: of pivots and of zones, ratio - 1 and 1/tau, 1/s; zero where they do not.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Dwelling<T, const B: usize, const Z: usize> {
+    pub pivot_gain: [T; B],
+    pub pivot_rate: [T; B],
+    pub zone_gain: [T; Z],
+    pub zone_rate: [T; Z],
+    /// How many laws do.
+    pub count: usize,
+}
+
+impl<T: Real, const B: usize, const Z: usize> Dwelling<T, B, Z> {
+    pub fn none() -> Self {
+        let z = T::ZERO;
+        Dwelling { pivot_gain: [z; B], pivot_rate: [z; B], zone_gain: [z; Z], zone_rate: [z; Z], count: 0 }
+    }
+}
 
 /// A mechanism of at most `B` bodies and `Z` zones, ready to be stepped. [`Description::compile`] makes one.
 #[derive(Debug, Clone)]
@@ -41,6 +59,16 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
     pub(crate) sliding_count: usize,
+    /// The zones whose felts carry a number from step to step.
+    pub(crate) remembering: [usize; Z],
+    pub(crate) remembering_count: usize,
+    /// Those of them whose loss is set-valued.
+    pub(crate) dry_felts: [usize; Z],
+    pub(crate) dry_count: usize,
+    /// Dry friction that grows while it sticks.
+    pub(crate) dwelling: Dwelling<T, B, Z>,
+    /// Whether anything is carried from step to step beside motion and contact cache: by felts, or by friction at rest.
+    pub(crate) remembers: bool,
     /// What all felts together can leave out of a step's linearisation.
     pub(crate) curvatures: Curvatures<T, B>,
     /// The set-valued laws that can be in force at once: [`Description::laws`].
@@ -90,6 +118,12 @@ impl<T: Scalar> Description<'_, T> {
             zone_count: zones.len(),
             sliding_zones: [0; Z],
             sliding_count: 0,
+            remembering: [0; Z],
+            remembering_count: 0,
+            dry_felts: [0; Z],
+            dry_count: 0,
+            dwelling: Dwelling::none(),
+            remembers: false,
             laws: self.laws(),
             site_support: self.site.map_or(Support::empty(), |site| Support::of_point(&tree, site.body, site.point)),
             site: self.site,
@@ -103,7 +137,17 @@ impl<T: Scalar> Description<'_, T> {
                 model.sliding_zones[model.sliding_count] = z;
                 model.sliding_count += 1;
             }
+            if zone.felt.dry().is_some() {
+                model.dry_felts[model.dry_count] = z;
+                model.dry_count += 1;
+            }
+            if zone.felt.dry().is_some() || zone.felt.remembering().is_some() {
+                model.remembering[model.remembering_count] = z;
+                model.remembering_count += 1;
+            }
         }
+        model.set_dwells(self.dwells);
+        model.remembers = model.remembering_count > 0 || model.dwelling.count > 0;
         Ok(model)
     }
 }
@@ -153,6 +197,19 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         }
     }
 
+    fn set_dwells(&mut self, dwells: &[Dwell<T>]) {
+        for dwell in dwells {
+            let (gain, rate) = (dwell.ratio - T::ONE, T::ONE / dwell.time);
+            let at = &mut self.dwelling;
+            match dwell.part {
+                Part::Body(i) => (at.pivot_gain[i], at.pivot_rate[i]) = (gain, rate),
+                Part::Zone(z) => (at.zone_gain[z], at.zone_rate[z]) = (gain, rate),
+                _ => continue,
+            }
+            at.count += 1;
+        }
+    }
+
     /// Number of zones in use.
     pub fn zone_count(&self) -> usize {
         self.zone_count
@@ -178,6 +235,16 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
     /// How many set-valued laws a step may have to solve at once: [`Description::laws`]. A workspace must have room for them.
     pub fn laws(&self) -> usize {
         self.laws
+    }
+
+    /// The zones whose felts carry a number from step to step: [`State::memory`](crate::State::memory).
+    pub fn remembering_zones(&self) -> &[usize] {
+        &self.remembering[..self.remembering_count]
+    }
+
+    /// Those of them whose loss is set-valued.
+    pub(crate) fn dry_zones(&self) -> &[usize] {
+        &self.dry_felts[..self.dry_count]
     }
 
     /// x and y of the first moments, in the bodies' frames.

@@ -21,6 +21,12 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub side: [T; Z],
     /// Force of a rigid drive over the last step, N.
     pub rigid_force: T,
+    /// What the felts remember.
+    pub memory: [T; Z],
+    /// How far the pivots' and the zones' friction has grown while it stuck.
+    pub pivot_rested: [T; B],
+    /// See `pivot_rested`.
+    pub rested: [T; Z],
 }
 
 impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
@@ -34,6 +40,9 @@ impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
             tangential: sized(&self.tangential),
             side: sized(&self.side),
             rigid_force: self.rigid_force,
+            memory: sized(&self.memory),
+            pivot_rested: sized(&self.pivot_rested),
+            rested: sized(&self.rested),
         }
     }
 }
@@ -45,22 +54,34 @@ fn sized<T: Real, const K: usize>(numbers: &[T]) -> [T; K] {
 impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
     /// The state in plain numbers.
     pub fn save(&self) -> SavedState<T, B, Z> {
-        let State { angle, velocity, increment, pivot_friction, tangential, rigid_force, side, .. } = *self;
-        SavedState { angle, velocity, increment, pivot_friction, tangential, side, rigid_force }
+        SavedState {
+            angle: self.angle,
+            velocity: self.velocity,
+            increment: self.increment,
+            pivot_friction: self.pivot_friction,
+            tangential: self.tangential,
+            side: self.side,
+            rigid_force: self.rigid_force,
+            memory: self.memory,
+            pivot_rested: self.pivot_rested,
+            rested: self.rested,
+        }
     }
 }
 
 impl<T: Real, const B: usize, const Z: usize> From<SavedState<T, B, Z>> for State<T, B, Z> {
     fn from(saved: SavedState<T, B, Z>) -> Self {
-        let SavedState { angle, velocity, increment, pivot_friction, tangential, side, rigid_force } = saved;
         State {
-            angle,
-            velocity,
-            increment,
-            pivot_friction,
-            tangential,
-            rigid_force,
-            side,
+            angle: saved.angle,
+            velocity: saved.velocity,
+            increment: saved.increment,
+            pivot_friction: saved.pivot_friction,
+            tangential: saved.tangential,
+            rigid_force: saved.rigid_force,
+            side: saved.side,
+            memory: saved.memory,
+            pivot_rested: saved.pivot_rested,
+            rested: saved.rested,
             broad_phase: BroadPhase::none(),
         }
     }

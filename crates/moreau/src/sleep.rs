@@ -83,6 +83,9 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
             && same(&self.pivot_friction, &other.pivot_friction)
             && same(&self.tangential, &other.tangential)
             && same(&self.side, &other.side)
+            && same(&self.memory, &other.memory)
+            && same(&self.pivot_rested, &other.pivot_rested)
+            && same(&self.rested, &other.rested)
             && same_bits(self.rigid_force, other.rigid_force)
     }
 }

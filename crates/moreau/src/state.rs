@@ -20,6 +20,14 @@ pub struct State<T: Real, const B: usize, const Z: usize> {
     pub tangential: [T; Z],
     /// Force of a rigid drive over the last step, N.
     pub rigid_force: T,
+    /// What the felts remember ([`Loss`](crate::Loss)): the stretch of an elastoplastic one's spring, m^((r+1)/2); k z/(1 - eps) of a hereditary
+    /// one, N; the dry part of a set-valued one's force over the last step, N. Zero for the others.
+    pub memory: [T; Z],
+    /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to 1 (static); zero where it
+    /// does not grow ([`Dwell`](crate::Dwell)).
+    pub pivot_rested: [T; B],
+    /// See `pivot_rested`.
+    pub rested: [T; Z],
     /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first guess.
     pub(crate) side: [T; Z],
     /// The zones that may be touched.
@@ -37,6 +45,9 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
             pivot_friction: [z; B],
             tangential: [z; Z],
             rigid_force: z,
+            memory: [z; Z],
+            pivot_rested: [z; B],
+            rested: [z; Z],
             side: [z; Z],
             broad_phase: BroadPhase::none(),
         }

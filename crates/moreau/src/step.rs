@@ -2,8 +2,11 @@
 //! order of its table.
 
 use crate::acceptance::linearisation_holds;
+use crate::dry_felts;
 use crate::forces::{joint_momentum, linearise, regularised_friction};
-use crate::laws::{assemble_laws, keep_forces, store_forces, warm_start_pivots};
+use crate::laws::{
+    assemble_laws, keep_forces, keep_memories, recall_memories, store_forces, unsettled, warm_start_pivots,
+};
 use crate::model::Model;
 use crate::narrow_phase::{add_felts, narrow_phase};
 use crate::real::{Mask, Real, Scalar, opaque};
@@ -113,6 +116,9 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let smooth = !settings.friction.is_regularised();
     let mut w = if smooth { extrapolate(model, settings, &w0, &state.increment) } else { w0 };
     warm_start_pivots(model, settings, state, &w0, &w, workspace);
+    if model.remembers {
+        recall_memories(model, state, workspace);
+    }
     let mut done = no;
     let next = if const { T::LANES > 1 } {
         iterate_to_the_end(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0)
@@ -136,6 +142,9 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         return report;
     }
     keep_forces(settings, done.not().and(report.finite), state, workspace);
+    if model.remembers {
+        keep_memories(model, settings, done.not().and(report.finite), &w, state, workspace);
+    }
     integrate(model, settings, &w, report.finite, state);
     report
 }
@@ -238,6 +247,9 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     add_felts(model, &timing, w, workspace);
     if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
         regularised_friction(model, &timing, near, [pivot_width, sliding_width], w, workspace);
+        if model.dry_count > 0 {
+            dry_felts::regularised(model, settings, sliding_width, w, workspace);
+        }
     }
     assemble_laws(model, settings, input, state, first, w0, w, workspace);
     let (next, solved, sets) = solve(settings, workspace);
@@ -255,11 +267,17 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
     let linear = linearisation_holds(model, settings, &timing, near, &next, workspace);
     let enough = if linear.all() { linear } else { linear.or(small(&workspace.correction, &next, settings.tolerance)) };
-    let settled = enough.and(solved).and(finite).and(done.not());
+    let mut settled = enough.and(solved).and(finite).and(done.not());
+    if model.remembers && !settings.friction.is_regularised() {
+        settled = settled.and(unsettled(model, settings, w0, &next, workspace).not());
+    }
     report.converged = report.converged.or(settled);
     if settled.any() && !settled.or(*done).all() {
         // These lanes end here, and keep their forces while others go on.
         keep_forces(settings, settled, state, workspace);
+        if model.remembers {
+            keep_memories(model, settings, settled, &next, state, workspace);
+        }
     }
     if settled.all() {
         *w = next;

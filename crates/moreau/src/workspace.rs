@@ -24,6 +24,8 @@ pub struct Workspace<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) problem: Problem<T, B, N>,
     pub(crate) turning: Turning<T, Z>,
     pub(crate) forces: Forces<T, B, Z>,
+    pub(crate) dry: DryFelts<T, Z>,
+    pub(crate) dwell: Rested<T, B, Z>,
     /// The last Newton correction of the relative velocities. Written by `iterate` after the solver, read by `linearisation_holds` and by
     /// whoever asks for a contact after the step.
     pub(crate) correction: [T; B],
@@ -106,6 +108,8 @@ pub(crate) struct Problem<T: Real, const B: usize, const N: usize> {
 pub(crate) enum LawSource {
     /// Coulomb friction of a zone.
     Zone(usize),
+    /// The set-valued loss of a zone's felt.
+    Felt(usize),
     /// The rigid drive.
     Drive,
 }
@@ -122,6 +126,33 @@ pub(crate) struct Turning<T, const Z: usize> {
     pub span: T,
     /// What the row's turning until the step's end adds to each slip velocity, m/s, where the span is known.
     pub turn: [T; Z],
+}
+
+/// Felts with a set-valued loss; nobody touches this where there are none.
+///
+/// Written by `dry_felts::begin` before a step's first iteration, then by `dry_felts::assemble`, `store_forces` and `dry_felts::unsettled`.
+#[derive(Debug, Clone)]
+pub(crate) struct DryFelts<T: Real, const Z: usize> {
+    /// The dry part of the normal force, N; positive pushes.
+    pub force: [T; Z],
+    /// What Coulomb's law was given for it.
+    pub before: [T; Z],
+    /// h dF/du1 of a felt that reverses.
+    pub tangent: [T; Z],
+    pub side: [T; Z],
+    /// The lanes in which dg/dt changes its sign within the step.
+    pub reversing: [T::Mask; Z],
+    /// The lanes in which the one-step problem has a law for the felt.
+    pub law: [T::Mask; Z],
+}
+
+/// How far friction has grown at rest, in this step: what slips in it has lost it. Nobody touches this where no friction grows.
+///
+/// Written by `dwell::begin` before a step's first iteration and by `dwell::slipped`, read by `dwell::raise_bounds` and `dwell::keep`.
+#[derive(Debug, Clone)]
+pub(crate) struct Rested<T, const B: usize, const Z: usize> {
+    pub pivot: [T; B],
+    pub zone: [T; Z],
 }
 
 /// Forces and sides of the set-valued laws, kept from iteration to iteration.
@@ -164,6 +195,15 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
             },
             turning: Turning { slip_before: [z; Z], span: z, turn: [z; Z] },
             forces: Forces { pivot_friction: [z; B], tangential: [z; Z], side: [z; Z], rigid_force: z },
+            dry: DryFelts {
+                force: [z; Z],
+                before: [z; Z],
+                tangent: [z; Z],
+                side: [z; Z],
+                reversing: [no; Z],
+                law: [no; Z],
+            },
+            dwell: Rested { pivot: [z; B], zone: [z; Z] },
             correction: [z; B],
         }
     }
@@ -210,7 +250,13 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         let (compiled, support) = (&model.compiled[zone], &model.supports[zone]);
         let timing = Timing::new(settings.step, settings.theta);
         let state = &self.contacts.states[zone];
-        Some(state.contact(compiled, support, self.pose(), &self.correction, &timing, touched))
+        let contact = state.contact(compiled, support, self.pose(), &self.correction, &timing, touched);
+        if !compiled.dry {
+            return Some(contact);
+        }
+        let dry = T::only(touched, self.dry.force[zone]);
+        let (force, damping_force) = ((contact.force + dry).max(T::ZERO), contact.damping_force + dry);
+        Some(Contact { force, damping_force, ..contact })
     }
 
     /// The zones that were touched during the last step (in any lane), ascending.

@@ -88,15 +88,10 @@ fn the_work_of_a_step_is_bounded() {
 #[test]
 fn a_state_outlives_an_input_that_is_no_number() {
     let site = moreau::Site { body: 0, point: [0.1, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
-    let model = Description {
-        bodies: &[Body { inertia: 1.0, ..Body::inert() }],
-        springs: &[],
-        zones: &[],
-        site: Some(site),
-        gravity: 0.0,
-    }
-    .compile::<1, 0>()
-    .expect("sound");
+    let model =
+        Description { bodies: &[Body { inertia: 1.0, ..Body::inert() }], site: Some(site), ..Description::default() }
+            .compile::<1, 0>()
+            .expect("sound");
     let (mut state, settings) = (State::at_rest([0.5]), Settings::new(1e-3));
     let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
     let accuracy = Accuracy::new(1e-6, 1e-9, 1e-3);
@@ -112,15 +107,10 @@ fn a_state_outlives_an_input_that_is_no_number() {
 #[test]
 fn the_drive_is_asked_at_the_right_instants() {
     let site = moreau::Site { body: 0, point: [1.0, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };
-    let model = Description {
-        bodies: &[Body { inertia: 1.0, ..Body::inert() }],
-        springs: &[],
-        zones: &[],
-        site: Some(site),
-        gravity: 0.0,
-    }
-    .compile::<1, 0>()
-    .expect("sound");
+    let model =
+        Description { bodies: &[Body { inertia: 1.0, ..Body::inert() }], site: Some(site), ..Description::default() }
+            .compile::<1, 0>()
+            .expect("sound");
     let (mut state, settings) = (State::at_rest([0.0]), Settings::new(1e-3));
     let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
     let accuracy = Accuracy::new(1e-3, 1e-9, 1e-2);

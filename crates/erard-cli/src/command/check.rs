@@ -210,6 +210,12 @@ impl Check {
             let felt = &zone.felt;
             let loss = if felt.hunt_crossley > 0.0 {
                 format!("a {} s/m", felt.hunt_crossley)
+            } else if felt.dry_slip > 0.0 {
+                format!("b {:.1e}, dry loss {}, slip {}", felt.damping, felt.dry_loss, felt.dry_slip)
+            } else if felt.dry_loss > 0.0 {
+                format!("b {:.1e}, dry loss {}", felt.damping, felt.dry_loss)
+            } else if felt.relaxed > 0.0 {
+                format!("relaxed {} in {} ms", felt.relaxed, felt.relaxation_s * 1e3)
             } else {
                 format!("b {:.1e}", felt.damping)
             };

@@ -17,6 +17,7 @@ fn body(name: &str, parent: Option<usize>, pivot_m: [f64; 2]) -> Body {
         center_of_mass_m: [0.05, 0.0],
         friction_torque_n_m: 0.0,
         viscous_n_m_s: 0.0,
+        dwell: None,
         is_bend: false,
         turn_rad: None,
     }
@@ -39,6 +40,7 @@ pub(crate) fn two_levers() -> Instrument {
             curve: Curve::Line { point_m: [0.16, 0.01], normal: [0.0, 1.0] },
             felt: Felt { stiffness: 1e8, exponent: 2.0, ..Felt::default() },
             friction_coefficient: 0.0,
+            dwell: None,
         }],
         roles: Roles::default(),
         finger: Finger { stiffness_n_per_m: 1e4, damping_n_s_per_m: 1.0 },

@@ -8,11 +8,13 @@
 //! the same every time, but for times on the clock, which stand in tables that say so and in no figure.
 
 mod blow;
+mod bushings;
 mod conformance_rows;
 mod control;
 mod convergence;
 mod drives;
 mod energy;
+mod felt_losses;
 mod friction;
 mod gives;
 mod levers;
@@ -196,6 +198,8 @@ pub fn subjects() -> Vec<Subject> {
         subject("scheme-control", "Fixed and error-controlled steps", 14.0, control::section),
         subject("scheme-energy", "Energy ledger", 1.5, energy::section),
         subject("scheme-solvers", "Agreement of the solvers", 1.5, solvers::section),
+        subject("felt-losses", "Which loss the felts should have", 4.0, felt_losses::section),
+        subject("bushings", "Pivots that give", 1.0, bushings::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),

@@ -51,6 +51,12 @@ pub(super) fn section(_: &Instrument, _: &mut Progress) -> Result<Section, Repro
         "as an option",
         "`press --hand`: a mass that muscle moves behind the fingertip; the built-in strokes were played by it",
     );
-    row("wear, humidity, hysteresis of felt beyond its law", "-", "no", "F = k g^r + b g^2 dg/dt only");
+    row(
+        "felt with hysteresis, bushings, friction that depends on how long it has rested",
+        "[H]",
+        "as options",
+        "`dry_loss`, `relaxed`, `bushing_N_per_m`, `static_friction_ratio` in instrument files; `erard reproduce --only felt-losses,bushings`",
+    );
+    row("wear, humidity", "-", "no", "");
     Ok(Section { tables: vec![table], ..Section::default() })
 }

@@ -50,6 +50,9 @@ fn standing(angles: &[f64], pivot_friction: &[f64]) -> State {
         tangential: [0.0; 32],
         side: [0.0; 32],
         rigid_force: 0.0,
+        memory: [0.0; 32],
+        pivot_rested: [0.0; 12],
+        rested: [0.0; 32],
     }
 }
 
@@ -160,7 +163,9 @@ fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> 
         let finger = player::Input::Motion { position_m: begins_at_m, velocity_m_s: 0.0 };
         action.settle(instrument, finger, &mut || true)?;
     }
-    Ok(standing(action.angles(), action.mechanism().pivot_friction()))
+    // What the felts remember belongs to the pose.
+    let memory = action.mechanism().save().state.memory;
+    Ok(State { memory, ..standing(action.angles(), action.mechanism().pivot_friction()) })
 }
 
 /// One lane while it is played.
@@ -315,7 +320,9 @@ fn step_all(
         lane.look(setup.start_s, &angles, &velocities);
         lane.sample(setup.start_s, &angles, &velocities);
         lane.books = setup.ledger.then(|| {
-            Books::open(lane.player.instrument, setup.settings.theta, h, &angles[..bodies], &velocities[..bodies])
+            let (angles, velocities) = (&angles[..bodies], &velocities[..bodies]);
+            let state = group.state(i);
+            Books::open(lane.player.instrument, setup.settings.theta, h, [angles, velocities, &state.memory])
         });
     }
     for n in 0..steps {

@@ -64,25 +64,22 @@ impl Instrument {
         }
         let count = self.bodies.len();
         // Of every piece: the rigid body that it becomes a part of, and its place in that body's frame.
-        let (mut becomes, mut placed) = (vec![0; count], vec![Placement::SAME; count]);
+        let (mut becomes, mut placed) = (vec![None; count], vec![Placement::SAME; count]);
         let mut bodies: Vec<Body> = Vec::new();
         for (i, body) in self.bodies.iter().enumerate() {
-            let Some(parent) = body.parent.filter(|_| body.is_bend) else {
-                becomes[i] = bodies.len();
-                let on = body.parent.map(|parent| (becomes[parent], placed[parent]));
-                bodies.push(Body {
-                    parent: on.map(|(body, _)| body),
-                    pivot_m: on.map_or(body.pivot_m, |(_, place)| place.point(body.pivot_m)),
-                    ..body.clone()
-                });
+            // What it is hinged on: a body of the rigid ones, or the ground, and where in that its frame stands.
+            let (on, place, drawn) =
+                body.parent.map_or((None, Placement::SAME, 0.0), |p| (becomes[p], placed[p], self.bodies[p].angle_rad));
+            if !body.is_bend {
+                becomes[i] = Some(bodies.len());
+                bodies.push(Body { parent: on, pivot_m: place.point(body.pivot_m), ..body.clone() });
                 continue;
-            };
-            becomes[i] = becomes[parent];
-            placed[i] = Placement {
-                offset: placed[parent].point(body.pivot_m),
-                angle: placed[parent].angle + body.angle_rad - self.bodies[parent].angle_rad,
-            };
-            let whole = &mut bodies[becomes[i]];
+            }
+            becomes[i] = on;
+            let angle = place.angle + body.angle_rad - drawn;
+            placed[i] = Placement { offset: place.point(body.pivot_m), angle };
+            // The arm of a bushing on the ground is a piece of the ground.
+            let Some(whole) = on.map(|on| &mut bodies[on]) else { continue };
             add(whole, body, placed[i].point(body.center_of_mass_m));
             if self.roles.key == Some(i) || self.roles.hammer == Some(i) {
                 whole.name.clone_from(&body.name);
@@ -126,13 +123,13 @@ fn add(whole: &mut Body, piece: &Body, center: Vec2) {
 
 /// What becomes of the pieces.
 struct Rigid {
-    becomes: Vec<usize>,
+    becomes: Vec<Option<usize>>,
     placed: Vec<Placement>,
 }
 
 impl Rigid {
     fn body(&self, body: Option<usize>) -> Option<usize> {
-        body.map(|body| self.becomes[body])
+        body.and_then(|body| self.becomes[body])
     }
 
     fn place(&self, body: Option<usize>) -> Placement {
@@ -162,10 +159,10 @@ impl Rigid {
     fn springs(&self, instrument: &Instrument) -> (Vec<Spring>, Vec<Option<usize>>) {
         let (mut springs, mut kept) = (Vec::new(), Vec::new());
         for spring in &instrument.springs {
-            let of_bend = instrument.bodies[spring.body].is_bend;
-            kept.push((!of_bend).then_some(springs.len()));
-            if !of_bend {
-                springs.push(Spring { body: self.becomes[spring.body], ..spring.clone() });
+            let body = self.becomes[spring.body].filter(|_| !instrument.bodies[spring.body].is_bend);
+            kept.push(body.map(|_| springs.len()));
+            if let Some(body) = body {
+                springs.push(Spring { body, ..spring.clone() });
             }
         }
         (springs, kept)

@@ -7,13 +7,13 @@ use super::format::{
     BodyToml, DiscToml, FORMAT, FeltToml, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml,
     SpringToml, ZoneToml,
 };
-use super::quantity::{At, Num, Pair, Real};
+use super::quantity::{At, Num, Pair, Positive, Real};
 use super::reader::{
     G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title,
 };
 use super::{
-    Body, Curve, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
-    Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
+    Body, Curve, Dwell, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS,
+    MAX_ZONES, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 
 /// How much smaller than a point mass's an inertia may be before it is called impossible: rounding of decimals only.
@@ -79,6 +79,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
         let part = read_part(part, &mut reader, &instrument)?;
         instrument.parts.push(part);
     }
+    read_bushings(&file.body, &mut reader, &mut instrument)?;
     Ok((instrument, reader.numbers))
 }
 
@@ -118,10 +119,65 @@ fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mu
         place[old] = new;
     }
     for &index in &order {
-        let parent = parents[index].map(|parent| place[parent]);
-        instrument.bodies.push(read_body(&tables[index], &names[index], parent, reader)?);
+        let (table, parent) = (&tables[index], parents[index].map(|parent| place[parent]));
+        instrument.bodies.push(read_body(table, &names[index], parent, reader)?);
     }
     Ok(())
+}
+
+/// Puts bodies on their bushings: after all that names bodies has been read.
+fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<(), Fault> {
+    for table in tables {
+        let Some(stiffness) = &table.bushing_n_per_m else {
+            if let Some(damping) = &table.bushing_n_s_per_m {
+                let message = "this key does not stand alone";
+                return Err(Fault::at(damping.span(), message, "`bushing_N_per_m` beside it"));
+            }
+            continue;
+        };
+        let n_per_m = reader.scalar(stiffness, Limits::between(1e2, 1e9, "N/m"))?;
+        let n_s_per_m = reader.scalar_or_zero(table.bushing_n_s_per_m.as_ref(), Limits::up_to(1e6, "N s/m"))?;
+        let body = index_of(&table.name, "body", instrument.bodies.iter().map(|body| body.name.as_str()))?;
+        if instrument.bodies[body].is_bend {
+            let expected = "a bushing where the part's own pivot is";
+            return Err(Fault::at(stiffness.span(), "a bend has no pin", expected));
+        }
+        let name = instrument.bushing_name(body);
+        let taken = instrument.bodies.iter().map(|b| &b.name).chain(instrument.springs.iter().map(|s| &s.name));
+        if taken.into_iter().any(|other| *other == name) {
+            let message = format!("there is a `{name}` already, which is what the reader calls this bushing");
+            return Err(Fault::at(stiffness.span(), message, "another name for that one"));
+        }
+        if instrument.bodies.len() >= MAX_BODIES || instrument.springs.len() >= MAX_SPRINGS {
+            let expected = format!("at most {MAX_BODIES} bodies, every bushing among them");
+            return Err(Fault::at(stiffness.span(), "there is no room for a bushing", expected));
+        }
+        *instrument = instrument.with_bushing(body, n_per_m, n_s_per_m);
+    }
+    Ok(())
+}
+
+/// Both keys of friction that grows at rest, or none; only where there is friction.
+fn read_dwell(
+    ratio: Option<&Num<Positive>>,
+    time: Option<&Num<Positive>>,
+    friction: f64,
+    reader: &mut Reader<'_>,
+) -> Result<Option<Dwell>, Fault> {
+    match (ratio, time) {
+        (None, None) => Ok(None),
+        (Some(ratio), Some(time)) if friction > 0.0 => Ok(Some(Dwell {
+            ratio: reader.scalar(ratio, Limits::between(1.0, 100.0, ""))?,
+            time_s: reader.scalar(time, Limits::between(1e-6, 1e6, "s"))?,
+        })),
+        (Some(ratio), Some(_)) => {
+            Err(Fault::at(ratio.span(), "there is no dry friction that could grow", "a friction greater than 0"))
+        }
+        (Some(one), None) => Err(Fault::at(one.span(), "this key does not stand alone", "`dwell_s` beside it")),
+        (None, Some(one)) => {
+            Err(Fault::at(one.span(), "this key does not stand alone", "`static_friction_ratio` beside it"))
+        }
+    }
 }
 
 /// The order in which every parent precedes its children and which otherwise keeps the file's; `Err` is a member of a cycle.
@@ -162,6 +218,8 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
             format!("at least mass times distance squared, {point_mass:.3e} kg m2"),
         ));
     }
+    let friction_torque_n_m = reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?;
+    let (ratio, time) = (table.static_friction_ratio.as_ref(), table.dwell_s.as_ref());
     Ok(Body {
         name: name.to_owned(),
         parent,
@@ -170,7 +228,8 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
         mass_kg,
         inertia_kg_m2,
         center_of_mass_m,
-        friction_torque_n_m: reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?,
+        friction_torque_n_m,
+        dwell: read_dwell(ratio, time, friction_torque_n_m, reader)?,
         viscous_n_m_s: reader.scalar_or_zero(table.viscous_n_m_s.as_ref(), Limits::up_to(1e6, "N m s"))?,
         is_bend: read_bend(table, parent)?,
         turn_rad: table.turn_deg.as_ref().map(|turn| read_turn(turn, reader)).transpose()?,
@@ -249,6 +308,8 @@ fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrum
     if disc_body == curve_body {
         return Err(Fault::at(curve_body_span, "both sides of this zone are on the same body", "another body"));
     }
+    let friction_coefficient = reader.scalar_or_zero(table.friction_coefficient.as_ref(), Limits::up_to(100.0, ""))?;
+    let (ratio, time) = (table.static_friction_ratio.as_ref(), table.dwell_s.as_ref());
     Ok(Zone {
         name,
         label,
@@ -258,7 +319,8 @@ fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrum
         curve_body,
         curve,
         felt: read_felt(&table.felt, reader)?,
-        friction_coefficient: reader.scalar_or_zero(table.friction_coefficient.as_ref(), Limits::up_to(100.0, ""))?,
+        friction_coefficient,
+        dwell: read_dwell(ratio, time, friction_coefficient, reader)?,
     })
 }
 
@@ -319,15 +381,46 @@ fn read_curve(
 }
 
 fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Felt, Fault> {
-    if let (Some(_), Some(second)) = (&table.damping_n_s_per_m3, &table.hunt_crossley_s_per_m) {
-        let expected = "either `damping_N_s_per_m3` or `hunt_crossley_s_per_m`";
-        return Err(Fault::at(second.value_span(), "a felt has one law", expected).found("both"));
+    let losses = [
+        ("damping_N_s_per_m3", table.damping_n_s_per_m3.as_ref().map(Num::value_span)),
+        ("dry_loss", table.dry_loss.as_ref().map(Num::value_span)),
+        ("hunt_crossley_s_per_m", table.hunt_crossley_s_per_m.as_ref().map(Num::value_span)),
+        ("relaxed", table.relaxed.as_ref().map(Num::value_span)),
+    ];
+    let mut given = losses.into_iter().filter_map(|(key, span)| span.map(|span| (key, span)));
+    // Only a viscous loss and a dry one that slips go together.
+    let first = given.next();
+    let together = table.dry_slip.is_some() && matches!(first, Some(("damping_N_s_per_m3", _)));
+    let mut others = given.filter(|(key, _)| !(together && *key == "dry_loss"));
+    if let (Some((first, _)), Some((second, span))) = (first.as_ref(), others.next()) {
+        return Err(Fault::at(span, "a felt has one law", format!("either `{first}` or `{second}`")).found("both"));
     }
+    if let (Some(slip), None) = (&table.dry_slip, &table.dry_loss) {
+        return Err(Fault::at(slip.span(), "this key does not stand alone", "`dry_loss` beside it"));
+    }
+    if let (Some(time), None) = (&table.relaxation_ms, &table.relaxed) {
+        return Err(Fault::at(time.span(), "this key does not stand alone", "`relaxed` beside it"));
+    }
+    let relaxation_ms = match (&table.relaxed, &table.relaxation_ms) {
+        (Some(relaxed), None) => {
+            return Err(Fault::missing(relaxed.span(), "relaxation_ms", "the time in which the felt forgets"));
+        }
+        (_, Some(time)) => reader.scalar(time, Limits::between(1e-6, 1e6, "ms"))?,
+        (_, None) => 0.0,
+    };
+    let part = Limits::between(0.0, 0.99, "");
     Ok(Felt {
         stiffness: reader.scalar(&table.stiffness_n_per_m_r, Limits::up_to(1e18, "N/m^r"))?,
         exponent: reader.scalar(&table.exponent, Limits::between(1.0, 6.0, ""))?,
         damping: reader.scalar_or_zero(table.damping_n_s_per_m3.as_ref(), Limits::up_to(1e18, "N s/m3"))?,
         hunt_crossley: reader.scalar_or_zero(table.hunt_crossley_s_per_m.as_ref(), Limits::up_to(1e6, "s/m"))?,
+        dry_loss: reader.scalar_or_zero(table.dry_loss.as_ref(), part)?,
+        dry_slip: match &table.dry_slip {
+            None => 0.0,
+            Some(slip) => reader.scalar(slip, Limits::between(1e-3, 0.99, ""))?,
+        },
+        relaxed: reader.scalar_or_zero(table.relaxed.as_ref(), part)?,
+        relaxation_s: relaxation_ms / 1e3,
         thickness_m: match &table.thickness_mm {
             None => None,
             Some(thickness) => Some(reader.scalar(thickness, Limits::between(1e-3, 1e3, "mm"))? / MM_PER_M),

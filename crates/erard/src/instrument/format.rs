@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::provenance::{Certainty, Source};
-use super::quantity::{At, Exponent, NonNegative, Num, Pair, Positive, Real};
+use super::quantity::{At, Exponent, NonNegative, Num, Pair, Part, Positive, Real};
 use super::{MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Material};
 
 /// What the key `format` must say.
@@ -91,6 +91,17 @@ pub(crate) struct BodyToml {
     /// Viscous friction of the pivot, N m s per radian; 0 when absent.
     #[serde(rename = "viscous_N_m_s")]
     pub viscous_n_m_s: Option<Num<NonNegative>>,
+    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has lost that. With `dwell_s`.
+    pub static_friction_ratio: Option<Num<Positive>>,
+    /// tau of that, s.
+    pub dwell_s: Option<Num<Positive>>,
+    /// Stiffness of the pivot's bushing, N/m: the pivot may then move, across the x axis of what it is hinged on (for the ground, up and down).
+    /// It stands at the end of an arm of 300 mm, a body of its own that the reader adds (`<name>_bushing`). Rigid when absent.
+    #[serde(rename = "bushing_N_per_m")]
+    pub bushing_n_per_m: Option<Num<Positive>>,
+    /// Damping of the bushing, N s/m; 0 when absent.
+    #[serde(rename = "bushing_N_s_per_m")]
+    pub bushing_n_s_per_m: Option<Num<NonNegative>>,
     /// Whether the hinge is a bend, false when absent: this body and what it is hinged on are two pieces of one part (a key, a shank), and the
     /// hinge stands for the bending of its wood. Its stiffness is that of a spring on this body. What means the rigid geometry or
     /// the weights of parts takes both for one body.
@@ -141,6 +152,10 @@ pub(crate) struct ZoneToml {
     pub felt: At<FeltToml>,
     /// Coulomb friction coefficient; no friction when absent.
     pub friction_coefficient: Option<Num<NonNegative>>,
+    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has lost that. With `dwell_s`.
+    pub static_friction_ratio: Option<Num<Positive>>,
+    /// tau of that, s.
+    pub dwell_s: Option<Num<Positive>>,
 }
 
 /// A disc; a point when its radius is absent or 0.
@@ -184,8 +199,9 @@ pub(crate) struct SegmentToml {
     pub rounding_mm: Option<Num<NonNegative>>,
 }
 
-/// Felt law for the compression g in metres: F = k g^r + b g^2 dg/dt, or with `hunt_crossley_s_per_m` F = k g^r (1 + a dg/dt). It never
-/// pulls.
+/// Felt law for the compression g in metres: F = k g^r + b g^2 dg/dt; with `dry_loss` and `dry_slip` and beside b a slider in series with a
+/// spring. In place of b `dry_loss` alone, F = k g^r (1 + eta Sign(dg/dt)); `hunt_crossley_s_per_m`, F = k g^r (1 + a dg/dt); or `relaxed` and
+/// `relaxation_ms`, Stulov's felt with memory. It never pulls.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Felt")]
@@ -200,6 +216,17 @@ pub(crate) struct FeltToml {
     pub damping_n_s_per_m3: Option<Num<NonNegative>>,
     /// a of Hunt and Crossley's law, s/m; in place of `damping_N_s_per_m3`.
     pub hunt_crossley_s_per_m: Option<Num<NonNegative>>,
+    /// eta, from 0 to below 1: the part of the force that resists whichever way the felt moves, however slowly. A felt loses 2 eta / (1 + eta) of
+    /// the energy that pressed it, and with `dry_slip` (1 - s) / (1 + s) of that. Without `dry_slip` the loss is set-valued: a felt that is held does not give at all to small changes of its load.
+    pub dry_loss: Option<Num<Part>>,
+    /// With `dry_loss`: how far the felt gives elastically before its dry loss slips, as a part of g^((r+1)/2), above 0 and below 1. A felt that is
+    /// held then goes on vibrating a little.
+    pub dry_slip: Option<Num<Part>>,
+    /// eps of Stulov's hereditary felt, from 0 to below 1: the part of the quick force that relaxes. k is the stiffness of a slow compression; a
+    /// quick one meets k / (1 - eps).
+    pub relaxed: Option<Num<Part>>,
+    /// With `relaxed`: tau, the time in which the felt forgets, ms.
+    pub relaxation_ms: Option<Num<Positive>>,
     /// Thickness of felt, cloth or leather, of both sides together, mm. It takes no part in the mechanics: a run that compresses it by more is
     /// not trusted. Not looked at when absent.
     pub thickness_mm: Option<Num<Positive>>,

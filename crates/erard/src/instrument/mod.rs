@@ -11,6 +11,7 @@
 // Hidden modules are the reader that all kinds of files share; the linkage files of `erard-workshop` are read by it, too. They promise
 // nothing to others.
 mod bends;
+mod bushing;
 mod convert;
 pub(crate) mod edit;
 #[doc(hidden)]
@@ -100,7 +101,9 @@ pub struct Body {
     pub friction_torque_n_m: f64,
     /// Viscous friction of the pivot, N m s/rad.
     pub viscous_n_m_s: f64,
-    /// Whether the hinge is a bend: this body and what it is hinged on are pieces of one part, and the hinge stands for its bending.
+    /// How its dry friction grows while it sticks; `None`: it does not.
+    pub dwell: Option<Dwell>,
+    /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces of one part, and the hinge stands for its bending.
     pub is_bend: bool,
     /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and the highest. It moves
     /// nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not known.
@@ -142,6 +145,17 @@ pub struct Zone {
     pub felt: Felt,
     /// Coulomb friction coefficient; 0 is none.
     pub friction_coefficient: f64,
+    /// How its friction grows while it sticks; `None`: it does not.
+    pub dwell: Option<Dwell>,
+}
+
+/// Dry friction that grows while it sticks, and is lost when it slips ([`moreau::Dwell`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dwell {
+    /// Static over kinetic friction, at least 1.
+    pub ratio: f64,
+    /// tau, s.
+    pub time_s: f64,
 }
 
 /// The other side of a zone.
@@ -172,7 +186,7 @@ pub enum Curve {
     },
 }
 
-/// F = k g^r + b g^2 dg/dt, or Hunt and Crossley's F = k g^r (1 + a dg/dt); never pulling.
+/// F = k g^r + b g^2 dg/dt, with a dry loss beside b or another in place of it ([`moreau::Loss`]); never pulling.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Felt {
     /// k, N/m^r.
@@ -183,6 +197,14 @@ pub struct Felt {
     pub damping: f64,
     /// a, s/m; 0 for the papers' law.
     pub hunt_crossley: f64,
+    /// eta of a dry loss, below 1; 0 where there is none.
+    pub dry_loss: f64,
+    /// The part of g^((r+1)/2) by which the felt gives before its dry loss slips, below 1; 0: the loss is set-valued.
+    pub dry_slip: f64,
+    /// eps of Stulov's hereditary felt, below 1; 0 where there is none.
+    pub relaxed: f64,
+    /// Its tau, s.
+    pub relaxation_s: f64,
     /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is not to be trusted
     /// ([`crate::trust`]). `None`: not known.
     pub thickness_m: Option<f64>,
@@ -191,18 +213,23 @@ pub struct Felt {
 impl Felt {
     /// Whether it loses energy.
     pub fn is_lossy(&self) -> bool {
-        self.damping > 0.0 || self.hunt_crossley > 0.0
+        self.damping > 0.0 || self.hunt_crossley > 0.0 || self.dry_loss > 0.0 || self.relaxed > 0.0
     }
 
-    /// Multiplies its loss, whichever law it has.
+    /// Multiplies its loss, whichever law it has; parts of a whole stay below one.
     pub fn scale_loss(&mut self, factor: f64) {
+        const MOST: f64 = 0.99;
         self.damping *= factor;
         self.hunt_crossley *= factor;
+        if factor != 1.0 {
+            self.dry_loss = (self.dry_loss * factor).min(MOST);
+            self.relaxed = (self.relaxed * factor).min(MOST);
+        }
     }
 
     /// Takes all its force away.
     pub fn remove(&mut self) {
-        (self.stiffness, self.damping, self.hunt_crossley) = (0.0, 0.0, 0.0);
+        *self = Felt { exponent: self.exponent, thickness_m: self.thickness_m, ..Felt::default() };
     }
 }
 

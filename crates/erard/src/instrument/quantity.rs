@@ -96,6 +96,9 @@ scalar_kind!(
     /// Zero or more.
     NonNegative, "NonNegative", "a number that is not negative", { "type": "number", "minimum": 0 });
 scalar_kind!(
+    /// A part of a whole that is never all of it.
+    Part, "Part", "a number from 0 to below 1", { "type": "number", "minimum": 0, "exclusiveMaximum": 1 });
+scalar_kind!(
     /// A felt's exponent.
     Exponent, "Exponent", "a number from 1 to 6", { "type": "number", "minimum": 1, "maximum": 6 });
 

@@ -69,7 +69,7 @@ impl Losses {
         let zones = instrument.zones.iter().zip(m.contacts()).zip(m.tangential_forces());
         for (((zone, contact), tangential), loss) in zones.zip(contacts) {
             let Some(contact) = contact else { continue };
-            loss.felt_j += contact.damping_force * contact.rate * h;
+            loss.felt_j += contact.damping_force * contact.rate * h - contact.gained;
             if zone.friction_coefficient > 0.0 {
                 let tangent = [contact.normal[1], -contact.normal[0]];
                 let slip = |rate: &[f64]| {

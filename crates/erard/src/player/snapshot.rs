@@ -36,6 +36,15 @@ pub struct Snapshot {
     pivot_friction: [f64; BODIES],
     tangential: [f64; ZONES],
     side: [f64; ZONES],
+    /// What the felts remember; a snapshot from before there were such felts has none.
+    #[serde(default)]
+    memory: [f64; ZONES],
+    /// How far the pivots' and the zones' friction has grown at rest.
+    #[serde(default)]
+    pivot_rested: [f64; BODIES],
+    /// See `pivot_rested`.
+    #[serde(default)]
+    rested: [f64; ZONES],
     rigid_force: f64,
     aimed_m: Option<f64>,
     flight: [Option<[f64; 3]>; 2],
@@ -80,6 +89,9 @@ impl Snapshot {
             pivot_friction: state.pivot_friction,
             tangential: state.tangential,
             side: state.side,
+            memory: state.memory,
+            pivot_rested: state.pivot_rested,
+            rested: state.rested,
             rigid_force: state.rigid_force,
             aimed_m,
             flight,
@@ -93,13 +105,16 @@ impl Snapshot {
         if self.instrument != instrument {
             return Err(SnapshotError::Instrument);
         }
-        let lists: [&[f64]; 6] = [
+        let lists: [&[f64]; 9] = [
             &self.angle_rad,
             &self.velocity_rad_s,
             &self.increment,
             &self.pivot_friction,
             &self.tangential,
             &self.side,
+            &self.memory,
+            &self.pivot_rested,
+            &self.rested,
         ];
         let single = [self.time_s, self.origin_s, self.rigid_force, self.aimed_m.unwrap_or(0.0)];
         let mut all = lists.into_iter().flatten().chain(&single).chain(self.flight.iter().flatten().flatten());
@@ -114,6 +129,9 @@ impl Snapshot {
             tangential: self.tangential,
             side: self.side,
             rigid_force: self.rigid_force,
+            memory: self.memory,
+            pivot_rested: self.pivot_rested,
+            rested: self.rested,
         };
         let Snapshot { origin_s, steps, time_s, flight, aimed_m, .. } = *self;
         Ok((Saved { state, origin_s, steps, now_s: time_s, flight }, aimed_m))

@@ -20,6 +20,8 @@ struct Moment {
     bodies: Vec<Placed>,
     /// Of every zone: compression, m, and slip, m/s (0 where there is no friction or no touch).
     zones: Vec<[f64; 2]>,
+    /// What every felt remembers ([`moreau::State::memory`]).
+    memory: Vec<f64>,
     /// The driven point along its direction, m, and its speed, m/s.
     site: [f64; 2],
 }
@@ -84,9 +86,14 @@ pub struct Books<'a> {
 }
 
 impl<'a> Books<'a> {
-    /// Opens the books at absolute angles, rad, and velocities, rad/s, for steps of so many s at a theta.
+    /// Opens the books at absolute angles, rad, velocities, rad/s, and what the felts remember, for steps of so many s at a theta.
     #[must_use]
-    pub fn open(instrument: &'a Instrument, theta: f64, step_s: f64, angles: &[f64], velocities: &[f64]) -> Self {
+    pub fn open(
+        instrument: &'a Instrument,
+        theta: f64,
+        step_s: f64,
+        [angles, velocities, memory]: [&[f64]; 3],
+    ) -> Self {
         let mut books = Books {
             instrument,
             theta,
@@ -98,7 +105,7 @@ impl<'a> Books<'a> {
             before: Moment::default(),
             now: Moment::default(),
         };
-        books.place(angles, velocities);
+        books.place(angles, velocities, memory);
         books.start_j = books.stored_j();
         books.before = books.now.clone();
         books
@@ -107,7 +114,7 @@ impl<'a> Books<'a> {
     /// Books a step that ended in such a state, under an input of the engine's.
     pub fn look(&mut self, input: &Input<f64>, after: &State) {
         std::mem::swap(&mut self.before, &mut self.now);
-        self.place(&after.angle, &after.velocity);
+        self.place(&after.angle, &after.velocity, &after.memory);
         let (h, theta) = (self.step_s, self.theta);
         let at_theta = |before: f64, after: f64| (1.0 - theta) * before + theta * after;
         let [place, speed] = [0, 1].map(|k| at_theta(self.before.site[k], self.now.site[k]));
@@ -133,13 +140,18 @@ impl<'a> Books<'a> {
         }
         for (z, zone) in self.instrument.zones.iter().enumerate() {
             let ([gap_before, slip_before], [gap, slip]) = (self.before.zones[z], self.now.zones[z]);
-            if gap_before.max(gap) > 0.0 && zone.felt.is_lossy() {
+            let memory = [self.before.memory[z], self.now.memory[z]];
+            if zone.felt.dry_loss > 0.0 || zone.felt.relaxed > 0.0 {
+                self.lost_j += lost_with_memory_j(&zone.felt, [gap_before, gap], memory);
+            }
+            if gap_before.max(gap) > 0.0 && zone.felt.damping + zone.felt.hunt_crossley > 0.0 {
                 let rate = (gap - gap_before) / h;
                 // Two points of Gauss: a felt may begin or end to be touched within the step.
                 for share in GAUSS {
                     let deep = gap_before + share * (gap - gap_before);
                     if deep > 0.0 {
-                        self.lost_j += 0.5 * loss_n(&zone.felt, deep, rate) * rate * h;
+                        let dry = dry_n(&zone.felt, deep, 0.5 * (memory[0] + memory[1]));
+                        self.lost_j += 0.5 * loss_n(&zone.felt, deep, rate, dry) * rate * h;
                     }
                 }
             }
@@ -160,9 +172,11 @@ impl<'a> Books<'a> {
         left.abs() / self.work_in_j.max(self.lost_j).max(LEAST_TURNOVER_J)
     }
 
-    fn place(&mut self, angles: &[f64], velocities: &[f64]) {
+    fn place(&mut self, angles: &[f64], velocities: &[f64], memory: &[f64]) {
         let Self { instrument, now, .. } = self;
         now.bodies.clear();
+        now.memory.clear();
+        now.memory.extend_from_slice(&memory[..instrument.zones.len()]);
         for (body, (&angle, &rate)) in instrument.bodies.iter().zip(angles.iter().zip(velocities)) {
             let parent = body.parent.map_or(Placed::GROUND, |parent| now.bodies[parent]);
             let (sin, cos) = libm::sincos(angle);
@@ -211,7 +225,8 @@ impl<'a> Books<'a> {
             let turned = now.bodies[spring.body].angle - parent.map_or(0.0, |p| now.bodies[p].angle) - drawn;
             energy += 0.5 * spring.stiffness_n_m_per_rad * turned * turned - spring.torque_n_m * turned;
         }
-        for (zone, [gap, _]) in instrument.zones.iter().zip(&now.zones) {
+        for ((zone, [gap, _]), memory) in instrument.zones.iter().zip(&now.zones).zip(&now.memory) {
+            energy += held_j(&zone.felt, *gap, *memory);
             if *gap > 0.0 {
                 let power = zone.felt.exponent + 1.0;
                 energy += zone.felt.stiffness * libm::pow(*gap, power) / power;
@@ -246,10 +261,65 @@ fn touch(curve: &Curve, body: &Placed, center: Vec2, radius: f64) -> (f64, Vec2,
 }
 
 /// The part of a felt's force that is lost, N; what the clamp at zero leaves of it where the felt opens fast.
-fn loss_n(felt: &Felt, gap: f64, rate: f64) -> f64 {
+fn loss_n(felt: &Felt, gap: f64, rate: f64, dry: f64) -> f64 {
     let elastic = felt.stiffness * libm::pow(gap, felt.exponent);
     let loss = if felt.hunt_crossley > 0.0 { elastic * felt.hunt_crossley } else { felt.damping * gap * gap };
-    (loss * rate).max(-elastic)
+    (loss * rate).max(-elastic - dry)
+}
+
+/// m = (r + 1)/2, x = g^m, and the constant of the spring in series with the slider, per x^2.
+fn slider(felt: &Felt) -> (f64, impl Fn(f64) -> f64) {
+    let m = 0.5 * (felt.exponent + 1.0);
+    (felt.dry_loss * felt.stiffness / (m * felt.dry_slip), move |gap: f64| libm::pow(gap.max(0.0), m))
+}
+
+/// The force of the slider's spring, N.
+fn dry_n(felt: &Felt, gap: f64, memory: f64) -> f64 {
+    if felt.dry_slip > 0.0 {
+        let m = 0.5 * (felt.exponent + 1.0);
+        slider(felt).0 * memory * m * libm::pow(gap, m - 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// The energy that a felt's memory holds, J.
+fn held_j(felt: &Felt, gap: f64, memory: f64) -> f64 {
+    if felt.dry_slip > 0.0 {
+        0.5 * slider(felt).0 * memory * memory
+    } else if felt.relaxed > 0.0 && felt.stiffness > 0.0 {
+        let (quick, power) = (felt.stiffness / (1.0 - felt.relaxed), felt.exponent + 1.0);
+        // Where the felt's own surface is, and the compression with which its memory would be at rest.
+        let [surface, rest] = [quick, quick * felt.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent));
+        let g = gap.max(surface);
+        let relaxing = felt.relaxed * felt.exponent * quick * libm::pow(rest, power) / power;
+        quick * libm::pow(g, power) / power - memory * g + relaxing
+            - felt.stiffness * libm::pow(gap.max(0.0), power) / power
+    } else {
+        0.0
+    }
+}
+
+/// What a felt with memory has lost in a step, J, given compressions and memories before and after.
+fn lost_with_memory_j(felt: &Felt, [gap_before, gap]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
+    if felt.dry_slip > 0.0 {
+        let (spring, x) = slider(felt);
+        // How far the slider went, and the mean of its force, which follows its bound.
+        let slid = x(gap) - x(gap_before) - (after - before);
+        let along = felt.dry_slip * slid.signum();
+        let mean = after - 0.5 * along * slid / (1.0 - along);
+        spring * mean.abs() * slid.abs()
+    } else if felt.dry_loss > 0.0 {
+        after * (gap.max(0.0) - gap_before.max(0.0))
+    } else {
+        // The force that relaxes times the way that the felt is behind.
+        let quick = felt.stiffness / (1.0 - felt.relaxed);
+        let behind = |gap: f64, memory: f64| {
+            let [surface, rest] = [quick, quick * felt.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent));
+            gap.max(surface) - rest
+        };
+        if quick > 0.0 { 0.5 * (behind(gap_before, before) + behind(gap, after)) * (after - before) } else { 0.0 }
+    }
 }
 
 /// Mean of |u| over a step in which u runs linearly.

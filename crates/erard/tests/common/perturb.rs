@@ -159,12 +159,16 @@ const STOCK: u64 = 20;
 
 /// Plays a random stroke on a random instrument. Never panics, or the test has found something.
 pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: f64) -> Fate {
-    let instrument = perturbed(grand, seed);
+    play_on(&perturbed(grand, seed), seed, settings, duration_s)
+}
+
+/// Plays a random stroke on an instrument.
+pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, duration_s: f64) -> Fate {
     let mut r = Random::new(seed ^ 0x5eed_0000_0000_0000);
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
-    let mut action = Action::as_drawn(&instrument, settings).expect("a valid instrument assembles");
-    match action.settle(&instrument, Input::Free, &mut || true) {
+    let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
+    match action.settle(instrument, Input::Free, &mut || true) {
         Ok(time) => fate.settling_s = time,
         Err(EquilibriumError::NoRest { .. }) => fate.restless = true,
         Err(_) => {
@@ -172,7 +176,7 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
             return fate;
         }
     }
-    action.rest_here(&instrument);
+    action.rest_here(instrument);
     let mut ledger = action.mechanism_mut().open_ledger();
     let (h, theta) = (settings.step, settings.theta);
     fate.steps = (duration_s / h) as u64;

@@ -72,16 +72,30 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
                 let u = [w[half][i], w[half + 1][i]];
                 let slope = if half == 0 { history * increment[i] } else { w[1][i] - w[0][i] };
                 let force = states[half + 1].pivot_friction[i];
-                let law = Law { half, side: u.map(|u| sign(u, still)), u, slope, force, bound: model.dry[i] };
+                // What sticks may have grown; what slips has the kinetic bound.
+                let bound = model.dry[i];
+                let law = Law { half, side: u.map(|u| sign(u, still)), u, slope, force, bound };
                 held_back = held_back.max(found.look(&law));
             }
             if w[1][i] == T::ZERO && w[2][i] == T::ZERO {
                 let force = [halves.middle.pivot_friction[i], halves.end.pivot_friction[i]];
-                held_back = held_back.max(found.about_to_let_go(force, [model.dry[i]; 2]));
+                let gain = model.dwelling.pivot_gain[i];
+                let bound = [&halves.middle, &halves.end].map(|s| model.dry[i] * (T::ONE + gain * s.pivot_rested[i]));
+                held_back = held_back.max(found.about_to_let_go(force, bound));
             }
             hidden[i] = held_back * k / model.inertia[i];
         }
         let joints = halves.joints(model, start);
+        // A dry felt's force jumps where dg/dt turns around.
+        for &z in model.dry_zones() {
+            let [a, b] = [0, 1].map(|half| {
+                let row = &halves.workspace[half].contacts.states[z].row;
+                let touched = halves.workspace[half].touched_in(z);
+                let side = |w: &[T; B]| sign(model.supports[z].product(row, w), still);
+                (touched, joints[half].each_ref().map(side))
+            });
+            found.changed |= (a.0 && a.1[0] != a.1[1]) || (b.0 && b.1[0] != b.1[1]) || a.0 != b.0;
+        }
         for &z in &model.sliding_zones[..model.sliding_count] {
             let Some(mu) = model.zones[z].friction else { continue };
             let side = states.map(|s| s.side[z]);
@@ -112,6 +126,9 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
                 }
             }
             if touched[1] && touched[2] && side[1] == T::ZERO && side[2] == T::ZERO {
+                let gain = model.dwelling.zone_gain[z];
+                let grown = [&halves.middle, &halves.end].map(|s| T::ONE + gain * s.rested[z]);
+                let bound = [bound[0] * grown[0], bound[1] * grown[1]];
                 held_back = held_back.max(found.about_to_let_go(force, bound));
             }
             if T::ZERO < held_back {

@@ -1,6 +1,6 @@
 //! The one-step problem as data: the linearised step, its set-valued laws, and the guess of where they stand.
 
-use crate::linear::Symmetric;
+use crate::linear::{Symmetric, product};
 use crate::real::{Mask, Real, Scalar};
 
 /// One linearised step, in relative velocities.
@@ -47,6 +47,14 @@ impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
         let z = T::ZERO;
         let law = SlidingLaw { row: [z; B], target: z, bound: z, slope: [z; B], rigid: false };
         System { a: Symmetric::zero(), b: [z; B], pivot_bound: [z; B], sliding: [law; N], count: 0 }
+    }
+}
+
+impl<T: Real, const B: usize, const N: usize> System<T, B, N> {
+    /// The velocity of a sliding law, m/s, where the joints move at `w`.
+    pub(crate) fn slip(&self, law: usize, w: &[T; B]) -> T {
+        let SlidingLaw { row, target, .. } = &self.sliding[law];
+        product(row, w) - *target
     }
 }
 

@@ -4,7 +4,7 @@ use super::{BODIES, Snapshot, SnapshotError, VERSION, ZONES};
 
 const MARK: [u8; 8] = *b"erardsav";
 /// Numbers of eight bytes between the head and the check sum.
-const WORDS: usize = 1 + 3 + 4 * BODIES + 2 * ZONES + 1 + 2 + 2 * 4;
+const WORDS: usize = 1 + 3 + 5 * BODIES + 4 * ZONES + 1 + 2 + 2 * 4;
 
 /// How many bytes a snapshot takes: a mark, the version, the numbers, and a check sum.
 pub const BYTES: usize = MARK.len() + 8 + 8 * WORDS + 8;
@@ -26,6 +26,9 @@ impl Snapshot {
         }
         out.numbers(&self.tangential);
         out.numbers(&self.side);
+        out.numbers(&self.memory);
+        out.numbers(&self.pivot_rested);
+        out.numbers(&self.rested);
         out.number(self.rigid_force);
         out.word(u64::from(self.aimed_m.is_some()));
         out.number(self.aimed_m.unwrap_or(0.0));
@@ -68,6 +71,9 @@ impl Snapshot {
             pivot_friction: read.numbers(),
             tangential: read.numbers(),
             side: read.numbers(),
+            memory: read.numbers(),
+            pivot_rested: read.numbers(),
+            rested: read.numbers(),
             rigid_force: read.number(),
             aimed_m: {
                 let is_there = read.word() != 0;
