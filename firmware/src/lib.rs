@@ -37,8 +37,14 @@ impl<T: Scalar> Grand<T> {
     pub fn new(step_s: T) -> Result<Self, ModelError> {
         let (bodies, springs, zones) = (grand::bodies(), grand::springs(), grand::zones());
         let site = Some(grand::site());
-        let description =
-            Description { bodies: &bodies, springs: &springs, zones: &zones, site, gravity: T::from_f64(grand::GRAVITY) };
+        let description = Description {
+            bodies: &bodies,
+            springs: &springs,
+            zones: &zones,
+            dwells: &[],
+            site,
+            gravity: T::from_f64(grand::GRAVITY),
+        };
         let model: Model<T, BODIES, ZONES> = description.compile()?;
         let state = State::at_rest(grand::REST.map(T::from_f64));
         let workspace = Workspace::for_model(&model)?;

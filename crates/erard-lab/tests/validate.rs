@@ -6,7 +6,10 @@ use erard_lab::validate::{NAMES, Published, PublishedError, Row, Verdict, valida
 /// Rows that the shipped grands do not meet; the table says why. Everything else is met.
 const MISSED: [(&str, &[&str]); 2] = [
     ("concert-grand", &["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]),
-    ("concert-grand-rigid", &["hammer_ahead_f", "hammer_ahead_loudest", "hammer_ahead_ff", "key_flex", "shank_flex"]),
+    (
+        "concert-grand-rigid",
+        &["hammer_ahead_f", "hammer_ahead_loudest", "struck_plateau", "hammer_ahead_ff", "key_flex", "shank_flex"],
+    ),
 ];
 /// Rows that the model cannot speak to.
 const SILENT: [&str; 1] = ["shank_modes"];

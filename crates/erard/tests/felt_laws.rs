@@ -48,7 +48,7 @@ fn the_books_close() {
             assert_eq!(run.work.unconverged_steps, 0, "{name}");
             assert!(ledger.residual_relative() < 3e-4, "{name}: {:.1e}", ledger.residual_relative());
             // An elastoplastic felt's loss is a difference of energies, and rounded as such; Stulov's has a sign to second order in the step only.
-            let least = if name == "hereditary" { -1e-5 * ledger.felt_damping } else { -1e-15 };
+            let least = if name == "hereditary" { -1e-4 * ledger.felt_damping } else { -1e-15 };
             assert!(ledger.smallest_term >= least, "{name}: {:.1e}", ledger.smallest_term);
             assert!(run.events.hammer_speed_m_s.is_some_and(|speed| speed > 1.0), "{name}");
         }

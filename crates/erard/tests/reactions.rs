@@ -303,8 +303,8 @@ fn controlled_steps_lose_what_the_ledger_says() {
 /// where a felt is met one row differs by what the force grows in a step).
 #[test]
 fn reactions_of_controlled_steps_are_the_limit_of_short_steps() {
-    let grand = grand();
-    let series = Series::builtin("f", Touch::Pressed).unwrap();
+    let grand = common::rigid_grand();
+    let series = Series::rigid("f", Touch::Pressed).unwrap();
     let play = |settings: Settings<f64>, record_every: u64, tolerance: Option<f64>| {
         let force = series.force.as_ref().unwrap().drive();
         let setup = Setup {

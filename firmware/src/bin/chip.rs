@@ -62,7 +62,8 @@ fn measured(work: fn()) -> usize {
     }
     work();
     // SAFETY: as above.
-    let untouched = (bottom..top).step_by(4).take_while(|place| unsafe { core::ptr::read_volatile(*place as *const u32) } == PAINT);
+    let untouched =
+        (bottom..top).step_by(4).take_while(|place| unsafe { core::ptr::read_volatile(*place as *const u32) } == PAINT);
     here - bottom - 4 * untouched.count()
 }
 

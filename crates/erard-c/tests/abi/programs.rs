@@ -82,7 +82,7 @@ fn a_press_in_c() {
     }
 }
 
-/// The haptic loop at 1 kHz sounds a note, stays bounded, and ends still, held by the finger.
+/// The haptic loop at 1 kHz sounds a note, stays bounded, and ends still, held by the finger. Its coupling of 500 N/m gives 12 mm under 6 N.
 #[test]
 fn a_haptic_loop_in_c() {
     if !has("cc") {
@@ -90,7 +90,7 @@ fn a_haptic_loop_in_c() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let said = run(&mut Command::new(compiled(folder.path(), "haptic", false, &[])));
-    assert!(number_after(&said, "force ") < 60.0 && number_after(&said, "deepest ") < 12.0, "{said}");
+    assert!(number_after(&said, "force ") < 60.0 && number_after(&said, "deepest ") < 24.0, "{said}");
     assert!(said.starts_with("1 blows"), "{said}");
     // At its end it gives back what the finger presses.
     assert!((number_after(&said, "mm and ") - 6.0).abs() < 0.5, "{said}");

@@ -30,7 +30,7 @@ macro_rules! strokes {
     ($nuance:expr, $touch:expr, $folder:literal) => {{
         macro_rules! stroke {
             ($name:literal) => {
-                include_str!(concat!("../../strokes/", $folder, $name, ".csv"))
+                include_str!(concat!("../../", $folder, "/", $name, ".csv"))
             };
         }
         Some(match ($nuance, $touch) {
@@ -58,13 +58,13 @@ impl Series {
 
     /// The text of a built-in stroke's file.
     pub fn builtin_text(nuance: &str, touch: Touch) -> Option<&'static str> {
-        strokes!(nuance, touch, "")
+        strokes!(nuance, touch, "strokes")
     }
 
     /// The stroke that belongs to `concert-grand-rigid`: a force that is a formula, and the position that the key of six rigid bodies has under it.
     /// The built-in strokes of before the grand bent; what was published with it stays as it was.
     pub fn rigid(nuance: &str, touch: Touch) -> Option<Self> {
-        Series::parse(strokes!(nuance, touch, "rigid/")?, nuance).ok()
+        Series::parse(strokes!(nuance, touch, "rigid-strokes")?, nuance).ok()
     }
 }
 
