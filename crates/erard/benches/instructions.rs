@@ -21,7 +21,7 @@ use moreau_sizes::Lanes;
 /// steps.
 type Subject = (&'static str, &'static str, u64, fn(u64));
 
-const SUBJECTS: [Subject; 12] = [
+const SUBJECTS: [Subject; 11] = [
     ("step", "--at-most", 1, |steps| {
         black_box(press(&grand(), &Settings::new(STEP_S), steps));
     }),
@@ -40,9 +40,6 @@ const SUBJECTS: [Subject; 12] = [
     ("step_of_9_bodies", "--at-most-9", 1, |steps| {
         black_box(action_note(&bending(9), steps));
     }),
-    ("action_step_with_set_valued_felts", "--at-most-set-valued", 1, |steps| {
-        black_box(action_note(&with_dry_felts(0.0), steps));
-    }),
     ("action_step_with_elastoplastic_felts", "--at-most-elastoplastic", 1, |steps| {
         black_box(action_note(&with_dry_felts(0.2), steps));
     }),
@@ -58,7 +55,7 @@ fn bending(bodies: usize) -> Instrument {
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 
-/// The concert grand, all felts with a dry loss, set-valued or through a spring.
+/// The concert grand, all felts with a dry loss through a spring. (With a set-valued one some steps of a whole action do not converge.)
 fn with_dry_felts(slip: f64) -> Instrument {
     let mut instrument = instrument();
     for zone in &mut instrument.zones {
