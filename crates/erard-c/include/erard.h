@@ -161,6 +161,17 @@ typedef struct ErardInstrument ErardInstrument;
 typedef struct ErardKeyboard ErardKeyboard;
 
 /**
+ * What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it, until
+ * erard_stroke_free. One thread at a time may use it.
+ */
+typedef struct ErardStroke ErardStroke;
+
+/**
+ * Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until erard_watch_free.
+ */
+typedef struct ErardWatch ErardWatch;
+
+/**
  * What there is to be read after a step: places and speeds at its end, from rest; forces as they acted in it.
  */
 typedef struct ErardReading {
@@ -266,6 +277,48 @@ typedef struct ErardBlow {
  * Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the work.
  */
 typedef int32_t (*ErardProgress)(double share, void *user);
+
+/**
+ * The instants of one press, s on the action's clock, and what follows from them; NaN for what has not happened.
+ */
+typedef struct ErardEvents {
+  /**
+   * The key front leaves its rest: a tenth of a millimetre.
+   */
+  double key_start_s;
+  /**
+   * The jack's toe meets the let-off button.
+   */
+  double toe_contact_s;
+  /**
+   * The last push on the knuckle before the string ends.
+   */
+  double let_off_s;
+  /**
+   * The hammer meets the string,
+   */
+  double blow_s;
+  /**
+   * and how fast, m/s.
+   */
+  double blow_m_s;
+  /**
+   * The key meets its front punching.
+   */
+  double key_bottom_s;
+  /**
+   * After the blow, the hammer's tail meets the back check.
+   */
+  double check_s;
+  /**
+   * From let-off to the blow, s.
+   */
+  double free_flight_s;
+  /**
+   * From the blow to the key's bottom, s: negative where the key is down first.
+   */
+  double key_bottom_after_blow_s;
+} ErardEvents;
 
 #ifdef __cplusplus
 extern "C" {
@@ -612,6 +665,132 @@ char *erard_regulate(const struct ErardInstrument *instrument,
                      void *user,
                      size_t *length,
                      ErardStatus *status);
+
+/**
+ * What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
+ * `data-body`), "bodies" with their hinges and angles as drawn, "zones" with the way their arrows point, "press", "labels", "views" and the law of
+ * arrows; mm of the picture. Give the text back with erard_text_free.
+ */
+char *erard_scene(const struct ErardInstrument *instrument,
+                  size_t *length,
+                  ErardStatus *status);
+
+/**
+ * The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure takes and gives it), "label", "unit",
+ * "decimals", and "usual" ([low, high], null where open) and "source" of its norm at a key, 1 to 88. Give the text back with erard_text_free.
+ */
+char *erard_sheet(uint32_t key,
+                  size_t *length,
+                  ErardStatus *status);
+
+/**
+ * What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit", "decimals", "value", "from" and
+ * "to". Give the text back with erard_text_free.
+ */
+char *erard_dials(const struct ErardInstrument *instrument,
+                  size_t *length,
+                  ErardStatus *status);
+
+/**
+ * The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off": -0.5, "hammer": 9.5}. All count from
+ * this instrument, which stays as it is. What the file may not be is refused. It belongs to the caller, until erard_instrument_free.
+ */
+struct ErardInstrument *erard_turned(const struct ErardInstrument *instrument,
+                                     const char *turns,
+                                     ErardStatus *status);
+
+/**
+ * Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the hammer does not reach the string) and
+ * "warnings", sentences about what cannot be trusted or does not work. Takes a tenth of a second. Give the text back with erard_text_free.
+ */
+char *erard_try(const struct ErardInstrument *instrument,
+                size_t *length,
+                ErardStatus *status);
+
+/**
+ * A watch for one press on an action of this instrument. NULL where there is no instrument. Real time: no.
+ */
+struct ErardWatch *erard_watch_new(const struct ErardInstrument *instrument, ErardStatus *status);
+
+/**
+ * Ends a watch. NULL does nothing. Real time: no.
+ */
+void erard_watch_free(struct ErardWatch *watch);
+
+/**
+ * Forgets what was seen: the next press is watched. Real time: no.
+ */
+ErardStatus erard_watch_again(struct ErardWatch *watch);
+
+/**
+ * Looks once: before the first step of a press, and after every one. Real time: no.
+ */
+ErardStatus erard_watch_look(struct ErardWatch *watch, const struct ErardAction *action);
+
+/**
+ * What has been seen so far. Real time: no.
+ */
+ErardStatus erard_watch_read(const struct ErardWatch *watch, struct ErardEvents *events);
+
+/**
+ * From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes no bit. Real time: no.
+ */
+ErardStatus erard_keep_contacts(struct ErardAction *action);
+
+/**
+ * How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back and y up; the unit normal along
+ * which its disc's side is pushed. Zeros where nothing touches, and before erard_keep_contacts. `count` is the room in `numbers`, at least five times
+ * erard_zone_count. Real time: no.
+ */
+ErardStatus erard_contacts(const struct ErardAction *action,
+                           double *numbers,
+                           size_t count);
+
+/**
+ * Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL. Real time: no.
+ */
+uint32_t erard_rests(const struct ErardAction *action);
+
+/**
+ * A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck one. It drives by its force.
+ * Real time: no.
+ */
+struct ErardStroke *erard_stroke_builtin(const struct ErardInstrument *instrument,
+                                         const char *nuance,
+                                         uint32_t struck,
+                                         ErardStatus *status);
+
+/**
+ * A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
+ * it drives by its force where it has one, else by its position. What is wrong with it erard_last_error says with line and column. Real time: no.
+ */
+struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
+                                     const char *text,
+                                     size_t length,
+                                     ErardStatus *status);
+
+/**
+ * Ends a stroke. NULL does nothing. Real time: no.
+ */
+void erard_stroke_free(struct ErardStroke *stroke);
+
+/**
+ * How long it takes, with what `erard press` lets the action swing out after it, s; 0 for NULL. Real time: no.
+ */
+double erard_stroke_duration(const struct ErardStroke *stroke);
+
+/**
+ * Begins it anew. Real time: no.
+ */
+ErardStatus erard_stroke_rewind(struct ErardStroke *stroke);
+
+/**
+ * One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error leaves both as they were.
+ * `reading` may be NULL. Real time: no.
+ */
+ErardStatus erard_step_stroke(struct ErardAction *action,
+                              struct ErardStroke *stroke,
+                              struct ErardReading *reading);
 
 #ifdef __cplusplus
 }  // extern "C"

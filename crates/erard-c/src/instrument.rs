@@ -62,7 +62,7 @@ fn builtin(name: &str) -> Result<&'static str, Fault> {
     })
 }
 
-fn boxed(file: InstrumentFile, text: String) -> *mut ErardInstrument {
+pub(crate) fn boxed(file: InstrumentFile, text: String) -> *mut ErardInstrument {
     Box::into_raw(Box::new(ErardInstrument { file, text }))
 }
 

@@ -4,14 +4,19 @@ use std::cell::Cell;
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
+use erard::instrument::InstrumentFile;
+use erard::keyboard::KEYS;
 use erard_figures::drawing::{PoseOptions, pose_svg};
+use erard_figures::page::scene;
+use erard_workshop::dials::{dials, turned};
 use erard_workshop::distances::Protocol;
-use erard_workshop::measure::norms::{Line, lines};
+use erard_workshop::measure::norms::{GROUPS, Line, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
 use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
-use serde_json::{Map, Value};
+use erard_workshop::trying::try_once;
+use serde_json::{Map, Value, json};
 
-use crate::instrument::{ErardInstrument, given};
+use crate::instrument::{ErardInstrument, boxed, file_fault, given};
 use crate::status::{ErardStatus, Fault, told};
 use crate::text::{give, name};
 
@@ -160,4 +165,107 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
         Ok((goal, target))
     });
     each.collect()
+}
+
+/// What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
+/// `data-body`), "bodies" with their hinges and angles as drawn, "zones" with the way their arrows point, "press", "labels", "views" and the law of
+/// arrows; mm of the picture. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_scene(
+    instrument: *const ErardInstrument,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let instrument = unsafe { given(instrument) }?.instrument();
+        give(scene(instrument).to_string(), length)
+    })
+}
+
+/// The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure takes and gives it), "label", "unit",
+/// "decimals", and "usual" ([low, high], null where open) and "source" of its norm at a key, 1 to 88. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
+    told(null_mut(), status, || {
+        let key = key as usize;
+        if !(1..=KEYS).contains(&key) {
+            return Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")));
+        }
+        let groups = GROUPS.iter().map(|group| {
+            let lines = group.lines.iter().map(|line| {
+                json!({
+                    "key": line.key,
+                    "label": line.label.trim_start(),
+                    "unit": line.unit,
+                    "decimals": line.decimals,
+                    "usual": line.range(key),
+                    "source": line.norm.map(|norm| norm.source),
+                })
+            });
+            json!({ "heading": group.heading, "lines": lines.collect::<Vec<_>>() })
+        });
+        give(Value::Array(groups.collect()).to_string(), length)
+    })
+}
+
+/// What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit", "decimals", "value", "from" and
+/// "to". Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_dials(
+    instrument: *const ErardInstrument,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let own = unsafe { given(instrument) }?;
+        let text = serde_json::to_string(&dials(&own.file));
+        give(text.map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?, length)
+    })
+}
+
+/// The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off": -0.5, "hammer": 9.5}. All count from
+/// this instrument, which stays as it is. What the file may not be is refused. It belongs to the caller, until erard_instrument_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_turned(
+    instrument: *const ErardInstrument,
+    turns: *const c_char,
+    status: *mut ErardStatus,
+) -> *mut ErardInstrument {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let (own, turns) = (unsafe { given(instrument) }?, unsafe { name(turns, "the turns") }?);
+        let wrong = |text: String| Fault::new(ErardStatus::Argument, text);
+        let turns: Map<String, Value> =
+            serde_json::from_str(turns).map_err(|error| wrong(format!("the turns are no JSON object: {error}")))?;
+        let wanted: Result<Vec<(String, f64)>, Fault> = turns
+            .into_iter()
+            .map(|(name, value)| {
+                let number = value.as_f64().ok_or_else(|| wrong(format!("{name}: {value}; expected a number")))?;
+                Ok((name, number))
+            })
+            .collect();
+        let text = turned(&own.file, &own.text, &wanted?).map_err(wrong)?;
+        let file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
+        Ok(boxed(file, text))
+    })
+}
+
+/// Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the hammer does not reach the string) and
+/// "warnings", sentences about what cannot be trusted or does not work. Takes a tenth of a second. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_try(
+    instrument: *const ErardInstrument,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let instrument = unsafe { given(instrument) }?.instrument();
+        let tried =
+            try_once(instrument, &|| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
+        let warnings: Vec<&str> = tried.warnings.iter().map(|warning| warning.what.as_str()).collect();
+        give(json!({ "hammer_speed_m_s": tried.hammer_speed_m_s, "warnings": warnings }).to_string(), length)
+    })
 }

@@ -5,6 +5,7 @@
 pub mod advice;
 pub mod balance;
 pub mod cores;
+pub mod dials;
 pub mod distances;
 pub mod fmu;
 pub mod kinematics;

@@ -12,7 +12,7 @@ pub const KEY_START_M: f64 = 1e-4;
 const NEAR_M: f64 = 0.02;
 
 /// Watches a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Watch {
     roles: Roles,
     events: Events,
@@ -136,10 +136,21 @@ impl Watch {
 
     /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
     pub fn finish(mut self) -> Events {
+        self.conclude();
+        self.events
+    }
+
+    /// What has been seen so far, as if the run ended now.
+    pub fn so_far(&self) -> Events {
+        let mut now = self.clone();
+        now.conclude();
+        now.events
+    }
+
+    fn conclude(&mut self) {
         if self.events.hammer_contact_s.is_none() && self.events.key_start_s.is_some() {
             self.events.let_off_s = self.released_at_apex_s.filter(|_| self.events.toe_contact_s.is_some());
         }
-        self.events
     }
 }
 

@@ -150,6 +150,11 @@ impl Events {
     pub fn free_flight_s(&self) -> Option<f64> {
         Some(self.hammer_contact_s? - self.let_off_s?)
     }
+
+    /// From the blow to the key's bottom, s: negative where the key is down before the hammer strikes.
+    pub fn key_bottom_after_blow_s(&self) -> Option<f64> {
+        Some(self.key_bottom_s? - self.hammer_contact_s?)
+    }
 }
 
 /// One blow on the string.

@@ -2,8 +2,18 @@
 
 use std::path::Path;
 
-const SOURCES: [&str; 8] =
-    ["version.rs", "status.rs", "text.rs", "reading.rs", "action.rs", "keyboard.rs", "instrument.rs", "workshop.rs"];
+const SOURCES: [&str; 10] = [
+    "version.rs",
+    "status.rs",
+    "text.rs",
+    "reading.rs",
+    "action.rs",
+    "keyboard.rs",
+    "instrument.rs",
+    "workshop.rs",
+    "watch.rs",
+    "stroke.rs",
+];
 
 const FIRST: &str = "\
 /* liberard: the grand piano action, stepped from outside. Made from crates/erard-c/src by cbindgen: do not edit.

@@ -9,6 +9,7 @@ mod header;
 mod memory;
 mod object;
 mod pages;
+mod playing;
 mod programs;
 
 use std::ptr::{null, null_mut};

@@ -1,48 +1,20 @@
 // The action: turning the outlines, drawing the forces, moving the view.
 const picture = $("action");
 const SVG = "http://www.w3.org/2000/svg";
-const element = (name, attributes, into) => {
-  const made = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  into.append(made);
-  return made;
-};
 
 // What moves: an element turns with its body, or follows a point of it without turning (`data-point`, from `data-drawn`), a guided one up and
 // down only. `placed` is where its frame is now.
-const pair = (text) => text.split(" ").map(Number);
 data.actions.forEach((action, index) => {
   action.group = picture.querySelector(`[data-action="${index}"]`);
   action.pieces = [...action.group.querySelectorAll(".parts > path")];
   action.layers = { forces: element("g", {}, $("forces")), numbers: element("g", {}, $("numbers")) };
-  action.moving = [...action.group.querySelectorAll("[data-body]")].map((element) => {
-    const { body, point, drawn, guided } = element.dataset;
-    return { element, body: +body, point: point && pair(point), drawn: drawn && pair(drawn), guided: guided !== undefined };
-  });
+  action.moving = movingIn(action.group);
 });
-const STILL = { x: 0, y: 0, cos: 1, sin: 0, angle: 0 };
-const carry = (on, [x, y]) => [on.x + on.cos * x - on.sin * y, on.y + on.sin * x + on.cos * y];
 
 const pose = (where) => {
   for (const action of data.actions) {
-    const placed = [];
-    for (const body of action.bodies) {
-      const angle = mix(body.angle, where);
-      const [x, y] = body.parent === null ? body.pivot : carry(placed[body.parent], body.pivot);
-      placed.push({ x, y, angle, cos: Math.cos(angle), sin: Math.sin(angle) });
-    }
-    action.placed = placed;
-    for (const moving of action.moving) {
-      const on = placed[moving.body];
-      let frame = on;
-      if (moving.point) {
-        const [x, y] = carry(on, moving.point);
-        frame = { ...STILL, x: moving.guided ? 0 : x - moving.drawn[0], y: y - moving.drawn[1] };
-      }
-      moving.element.frame = frame;
-      const degrees = (-frame.angle * 180) / Math.PI;
-      moving.element.setAttribute("transform", `translate(${frame.x.toFixed(3)} ${(-frame.y).toFixed(3)}) rotate(${degrees.toFixed(4)})`);
-    }
+    action.placed = placeBodies(action.bodies, (body) => mix(action.bodies[body].angle, where));
+    move(action.moving, action.placed);
   }
 };
 
@@ -90,39 +62,6 @@ data.actions.forEach((action, index) => {
 });
 pinForces?.addEventListener("change", () => show());
 
-// Whether a line, with some room, crosses a box [left, top, right, bottom]: Liang and Barsky's clipping.
-const crosses = ([from, to], box, room) => {
-  let enter = 0, leave = 1;
-  for (const axis of [0, 1]) {
-    const low = box[axis] - room, high = box[axis + 2] + room, way = to[axis] - from[axis];
-    if (Math.abs(way) < 1e-12) {
-      if (from[axis] < low || from[axis] > high) return false;
-      continue;
-    }
-    const a = (low - from[axis]) / way, b = (high - from[axis]) / way;
-    enter = Math.max(enter, Math.min(a, b));
-    leave = Math.min(leave, Math.max(a, b));
-  }
-  return enter <= leave;
-};
-const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
-const TURNS = [0, 0.5, -0.5, 1, -1, 1.5, -1.5, 2, -2, 2.5, -2.5, 3.1];
-
-// The nearest place for a number about its arrow's tip that no arrow and no other number crosses.
-const freePlace = ([from, tip], wide, tall, shafts, taken) => {
-  const heading = Math.atan2(tip[1] - from[1], tip[0] - from[0]);
-  for (let ring = 0; ring < 40; ring++) {
-    for (const turn of TURNS) {
-      const cos = Math.cos(heading + turn), sin = Math.sin(heading + turn);
-      const away = (2 + 4 * ring) * pixel + 0.5 * (wide * Math.abs(cos) + tall * Math.abs(sin));
-      const x = tip[0] + away * cos, y = tip[1] + away * sin;
-      const place = [x - wide / 2, y - tall / 2, x + wide / 2, y + tall / 2];
-      if (!taken.some((other) => overlap(other, place)) && !shafts.some((shaft) => crosses(shaft, place, 2.2))) return place;
-    }
-  }
-  return null;
-};
-
 const push = (where) => {
   const law = data.arrow, on = $("arrows").checked;
   const shown = [];
@@ -135,12 +74,8 @@ const push = (where) => {
     path.style.display = visible ? "" : "none";
     text.style.display = "none";
     if (!visible) continue;
-    const { x, ux, uy } = force, y = -force.y;
-    const length = law.base + law.decade * Math.log10(1 + force.force / law.knee);
-    const neck = length - 4, half = 1.9;
-    const point = (along, across) => `${(x + ux * along - uy * across).toFixed(2)} ${(y + uy * along + ux * across).toFixed(2)}`;
-    path.setAttribute("d", `M${point(0, 0)}L${point(neck, 0)}M${point(length, 0)}L${point(neck, half)}L${point(neck, -half)}Z`);
-    const shaft = [[x, y], [x + ux * length, y + uy * length]];
+    const { path: outline, shaft } = arrowOf(law, force);
+    path.setAttribute("d", outline);
     of(action).shafts.push(shaft);
     shown.push({ action, text, force: force.force, shaft });
   }
@@ -148,7 +83,7 @@ const push = (where) => {
     const { shafts, taken } = of(action);
     if (force < law.labelled) continue;
     const label = newtons(force);
-    const place = freePlace(shaft, 7.6 * label.length * pixel, 13 * pixel, shafts, taken);
+    const place = freePlace(shaft, 7.6 * label.length * pixel, 13 * pixel, shafts, taken, pixel);
     if (!place) continue;
     taken.push(place);
     text.style.display = "";

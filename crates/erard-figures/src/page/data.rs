@@ -1,7 +1,8 @@
 //! Runs as the page's script reads it: one JSON object, long series in base64.
 
+use super::scene::{self, Sides};
 use super::{Shown, Views, frames};
-use crate::drawing::{self, ARROW, Drawing, MM};
+use crate::drawing::{Drawing, MM};
 use crate::figure::{self, Dash, Figure, Layout, Panel};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -43,14 +44,8 @@ pub(crate) fn data(shown: &[Shown<'_>], drawings: &[Drawing], figure: &Figure<'_
         "panels": panels,
         "events": events,
         "windows": figure.windows.iter().map(|window| [window.from, window.to]).collect::<Vec<_>>(),
-        "arrow": {
-            "base": ARROW.base_mm,
-            "decade": ARROW.per_decade_mm,
-            "knee": ARROW.knee_n,
-            "drawn": ARROW.smallest_drawn_n,
-            "labelled": ARROW.smallest_labelled_n,
-        },
-        "views": {"whole": views.whole, "close": views.close},
+        "arrow": scene::arrow(),
+        "views": scene::views_value(views),
         "rows": shown.iter().map(|one| one.run.time_s.len()).max(),
     })
 }
@@ -92,7 +87,9 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
         .map(|(index, body)| {
             let still = vec![body.angle_rad; run.time_s.len()];
             let angle = frames.of(run.bodies.get(index).map_or(&still, |series| &series.angle_rad));
-            json!({"parent": body.parent, "pivot": body.pivot_m.map(|c| c * MM), "angle": angle})
+            let mut hinge = scene::hinge(instrument, index);
+            hinge["angle"] = angle.into();
+            hinge
         })
         .collect();
     let zones: Vec<Value> = run
@@ -100,10 +97,7 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
         .iter()
         .enumerate()
         .map(|(index, zone)| {
-            let known = instrument.zones.get(index);
-            let sign = known.map_or(1.0, |_| drawing::arrow_sign(instrument, index));
-            let is_unseen = |body: Option<usize>| body.is_some_and(|body| drawing.unseen.contains(&body));
-            let unseen = known.is_some_and(|zone| is_unseen(zone.disc_body) || is_unseen(zone.curve_body));
+            let Sides { sign, unseen } = scene::sides(instrument, drawing, index);
             contacts(zone, frames, sign, unseen)
         })
         .collect();
@@ -116,26 +110,14 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
             json!({"body": body, "label": pin.name, "x": frames.of(&pin.pin_x_n), "y": frames.of(&pin.pin_y_n)})
         })
         .collect();
-    let press =
-        instrument.roles.key.map(|body| json!({"body": body, "point": instrument.roles.key_front_m.map(|c| c * MM)}));
-    // An outline that encloses nothing is not written into the picture.
-    let written: Vec<usize> =
-        (0..drawing.pieces.len()).filter(|&piece| !drawing::path(&drawing.pieces[piece]).is_empty()).collect();
-    let labels: Vec<Value> = drawing::named_points(instrument, &drawing.pieces)
-        .into_iter()
-        .filter_map(|(piece, point_m)| {
-            let at = written.iter().position(|&index| index == piece)?;
-            Some(json!({"text": drawing.pieces[piece].name, "piece": at, "at": point_m.map(|c| c * MM)}))
-        })
-        .collect();
     json!({
         "name": shown.name,
         "bodies": bodies,
         "zones": zones,
         "force": frames.of(&run.force_n),
-        "press": press,
+        "press": scene::press(instrument),
         "pins": pins,
-        "labels": labels,
+        "labels": scene::labels(instrument, drawing),
     })
 }
 

@@ -5,6 +5,9 @@
 
 mod data;
 mod frames;
+mod scene;
+
+pub use scene::scene;
 
 use crate::drawing::{self, ChangedNote, Drawing, Piece, changed_marks, gradients, placements, shapes};
 use crate::figure::{self, Figure};
@@ -15,8 +18,9 @@ use erard::run::Run;
 use std::fmt::Write;
 
 /// The script, in the order of its parts: later ones use earlier ones.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("read.js"),
+    include_str!("moving.js"),
     include_str!("action.js"),
     include_str!("names.js"),
     include_str!("curves.js"),
@@ -165,7 +169,8 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
     let _ = write!(out, "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n", inline(&data));
     out.push_str("\"use strict\";\n(() => {\n");
     for script in SCRIPTS {
-        out.push_str(script);
+        // One of them is a module for other pages.
+        out.push_str(&script.replace("\nexport const ", "\nconst "));
     }
     out.push_str("})();\n</script>\n</body>\n</html>\n");
     out

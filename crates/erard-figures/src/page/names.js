@@ -5,34 +5,12 @@ const named = data.actions[0].labels.map(({ text, piece, at }) => {
   const end = element("circle", { class: "leader-end", r: 0.9 }, group);
   const label = element("text", { class: "label", "text-anchor": "middle" }, group);
   label.textContent = text;
-  return { text, piece: data.actions[0].pieces[piece], at, leader, end, label };
+  const moving = data.actions[0].moving.find((one) => one.element === data.actions[0].pieces[piece]);
+  return { text, moving, at, leader, end, label };
 });
-const anchorOf = ({ piece, at }) => {
-  const [x, y] = carry(piece.frame ?? STILL, at);
+const anchorOf = ({ moving, at }) => {
+  const [x, y] = carry(moving?.frame ?? STILL, at);
   return [x, -y];
-};
-
-// Puts the labels of one side into two rows, in the order of what they name, pushed apart until none covers another.
-const spread = (side, left, right) => {
-  side.sort((a, b) => a.anchor[0] - b.anchor[0]);
-  side.forEach((label, index) => {
-    label.row = index % 2;
-    label.x = label.anchor[0];
-  });
-  const apart = (a, b, room) => {
-    const lack = room - (b.x - a.x);
-    if (lack > 0) {
-      a.x -= lack / 2;
-      b.x += lack / 2;
-    }
-  };
-  for (let round = 0; round < 600; round++) {
-    for (let i = 1; i < side.length; i++) {
-      apart(side[i - 1], side[i], (side[i].row ? side[i - 1] : side[i]).wide / 2 + 6 * pixel);
-      if (i > 1) apart(side[i - 2], side[i], (side[i - 2].wide + side[i].wide) / 2 + 8 * pixel);
-    }
-    for (const label of side) label.x = Math.max(Math.min(label.x, right - label.wide / 2), left + label.wide / 2);
-  }
 };
 
 let layoutOfNames = "";
@@ -53,20 +31,7 @@ const nameParts = () => {
     const [l, t] = isBeside() ? [left, top] : edge(frame.left, frame.top);
     const [r, b] = isBeside() ? [left + wide, top + tall] : edge(frame.right, frame.bottom);
     for (const label of named) label.placed = false;
-    const heights = inside.map(({ anchor }) => anchor[1]).sort((p, q) => p - q);
-    const middle = heights[heights.length >> 1];
-    for (const above of [true, false]) {
-      let side = inside.filter(({ anchor }) => anchor[1] < middle === above);
-      for (const label of side) label.wide = 7.4 * label.text.length * pixel;
-      // a narrow view has no room for all: the longest chains of neighbours lose every other name
-      while (side.length > 1 && side.reduce((sum, { wide }) => sum + wide + 8 * pixel, 0) > 1.8 * (r - l)) side = side.filter((_, i) => i % 2 === 0);
-      spread(side, l + 3 * pixel, r - 3 * pixel);
-      for (const label of side) {
-        label.placed = true;
-        label.y = above ? t + (14 + 16 * (1 - label.row)) * pixel : b - (6 + 16 * (1 - label.row)) * pixel;
-        label.from = above ? label.y + 3 * pixel : label.y - 12 * pixel;
-      }
-    }
+    layNames(inside, [l, t, r, b], pixel);
   }
   for (const label of named) {
     const shown = label.placed && inside.includes(label);

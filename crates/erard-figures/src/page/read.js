@@ -58,4 +58,3 @@ const between = (t) => {
 const mix = (series, { i, j, share }) => series[i] + share * (series[j] - series[i]);
 
 const milliseconds = (t) => `${(1e3 * t).toFixed(2)} ms`;
-const newtons = (f) => `${f.toFixed(f >= 99.95 ? 0 : f >= 9.995 ? 1 : 2)} N`;

@@ -7,6 +7,7 @@ use super::Input;
 use super::course::{RIGID_CORRECTION, Rest};
 use super::snapshot::{Snapshot, SnapshotError, digest};
 use crate::equilibrium::{self, EquilibriumError};
+use crate::events::Watch;
 use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, View, mechanism};
 use crate::run::Strike;
@@ -341,6 +342,12 @@ impl Action {
     /// What there is to be seen now, before it is referred to the rest.
     pub(crate) fn view(&self) -> &View {
         &self.view
+    }
+
+    /// Lets a watch look at it: before the first step of a press, and after every one.
+    pub fn watched_by(&self, watch: &mut Watch) {
+        let now = self.reading();
+        watch.look(self.time_s(), now.key_m, now.hammer_m, self.view.met, self.mechanism.as_ref());
     }
 
     /// The mechanism that is played: energies, rows, contacts.

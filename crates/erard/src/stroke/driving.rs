@@ -1,8 +1,9 @@
 //! A stroke, ready to drive: what it prescribes, from when on and for how long.
 
+use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{ForceSeries, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
+use super::{Cursor, ForceSeries, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
 use crate::instrument::Finger;
 use crate::player::{self, Input};
 
@@ -185,6 +186,30 @@ impl Stroke {
             Prescribed::Motion => Box::new(player::motion(position)),
             _ => Box::new(player::rigid(position)),
         })
+    }
+
+    /// The same, owned.
+    ///
+    /// # Errors
+    /// See [`DrivingError`].
+    pub fn into_inputs(self, finger: &Finger) -> Result<Box<dyn Fn(f64) -> Input + Send>, DrivingError> {
+        let (wanted, rigid) = match self.drive {
+            Prescribed::Force => {
+                let (force, constant) = (self.series.and_then(|series| series.force), self.force_n);
+                let Some(force) = force else { return Ok(Box::new(move |_| Input::Force(constant))) };
+                let cursor = Cell::new(Cursor::default());
+                return Ok(Box::new(move |t| {
+                    let mut at = cursor.get();
+                    let force_n = force.at(t, &mut at);
+                    cursor.set(at);
+                    Input::Force(force_n)
+                }));
+            }
+            Prescribed::Motion => (PositionOf::Fingertip, false),
+            Prescribed::Rigid => (PositionOf::Key, true),
+        };
+        let position = self.position(wanted, finger)?.shared_drive();
+        Ok(if rigid { Box::new(player::rigid(position)) } else { Box::new(player::motion(position)) })
     }
 
     /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.

@@ -1,0 +1,165 @@
+//! What is seen of a press while it goes on: its instants, and where parts touch.
+
+use std::ptr::null_mut;
+
+use erard::events::Watch;
+use erard::instrument::Instrument;
+
+use crate::action::ErardAction;
+use crate::instrument::{ErardInstrument, given};
+use crate::status::{ErardStatus, Fault, tell, told};
+
+/// Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until erard_watch_free.
+pub struct ErardWatch {
+    instrument: Instrument,
+    watch: Watch,
+}
+
+/// The instants of one press, s on the action's clock, and what follows from them; NaN for what has not happened.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErardEvents {
+    /// The key front leaves its rest: a tenth of a millimetre.
+    pub key_start_s: f64,
+    /// The jack's toe meets the let-off button.
+    pub toe_contact_s: f64,
+    /// The last push on the knuckle before the string ends.
+    pub let_off_s: f64,
+    /// The hammer meets the string,
+    pub blow_s: f64,
+    /// and how fast, m/s.
+    pub blow_m_s: f64,
+    /// The key meets its front punching.
+    pub key_bottom_s: f64,
+    /// After the blow, the hammer's tail meets the back check.
+    pub check_s: f64,
+    /// From let-off to the blow, s.
+    pub free_flight_s: f64,
+    /// From the blow to the key's bottom, s: negative where the key is down first.
+    pub key_bottom_after_blow_s: f64,
+}
+
+/// A watch for one press on an action of this instrument. NULL where there is no instrument. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_watch_new(
+    instrument: *const ErardInstrument,
+    status: *mut ErardStatus,
+) -> *mut ErardWatch {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let instrument = unsafe { given(instrument) }?.instrument();
+        Ok(Box::into_raw(Box::new(ErardWatch { instrument: instrument.clone(), watch: Watch::new(instrument) })))
+    })
+}
+
+/// Ends a watch. NULL does nothing. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_watch_free(watch: *mut ErardWatch) {
+    if !watch.is_null() {
+        told((), null_mut(), || {
+            // SAFETY: the caller's promise: it comes from this library, and is used no more.
+            drop(unsafe { Box::from_raw(watch) });
+            Ok(())
+        });
+    }
+}
+
+/// Forgets what was seen: the next press is watched. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or a watch.
+        let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
+        own.watch = Watch::new(&own.instrument);
+        Ok(())
+    })
+}
+
+/// Looks once: before the first step of a press, and after every one. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const ErardAction) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or what their types say.
+        let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
+        // SAFETY: as above.
+        let action = unsafe { action.as_ref() }.ok_or_else(|| Fault::null("the action"))?;
+        let played = &action.play.action;
+        if played.angles().len() != own.instrument.bodies.len() || action.play.zones != own.instrument.zones.len() {
+            return Err(Fault::new(ErardStatus::Foreign, "the watch is another instrument's"));
+        }
+        played.watched_by(&mut own.watch);
+        Ok(())
+    })
+}
+
+/// What has been seen so far. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut ErardEvents) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or a watch.
+        let own = unsafe { watch.as_ref() }.ok_or_else(|| Fault::null("the watch"))?;
+        // SAFETY: the caller's promise: NULL, or a place for events.
+        let place = unsafe { events.as_mut() }.ok_or_else(|| Fault::null("the place for the events"))?;
+        let seen = own.watch.so_far();
+        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        *place = ErardEvents {
+            key_start_s: or_nan(seen.key_start_s),
+            toe_contact_s: or_nan(seen.toe_contact_s),
+            let_off_s: or_nan(seen.let_off_s),
+            blow_s: or_nan(seen.hammer_contact_s),
+            blow_m_s: or_nan(seen.hammer_speed_m_s),
+            key_bottom_s: or_nan(seen.key_bottom_s),
+            check_s: or_nan(seen.check_s),
+            free_flight_s: or_nan(seen.free_flight_s()),
+            key_bottom_after_blow_s: or_nan(seen.key_bottom_after_blow_s()),
+        };
+        Ok(())
+    })
+}
+
+/// From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes no bit. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or an action.
+        let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
+        action.play.action.mechanism_mut().keep_contacts();
+        Ok(())
+    })
+}
+
+/// How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back and y up; the unit normal along
+/// which its disc's side is pushed. Zeros where nothing touches, and before erard_keep_contacts. `count` is the room in `numbers`, at least five times
+/// erard_zone_count. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mut f64, count: usize) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or an action.
+        let action = unsafe { action.as_ref() }.ok_or_else(|| Fault::null("the action"))?;
+        let zones = action.play.zones;
+        if numbers.is_null() {
+            return Err(Fault::null("the place for the numbers"));
+        }
+        if count < 5 * zones {
+            return Err(Fault::new(ErardStatus::Size, format!("{count} numbers for {zones} zones of five")));
+        }
+        // SAFETY: there is room for at least so many.
+        let out = unsafe { core::slice::from_raw_parts_mut(numbers, 5 * zones) };
+        out.fill(0.0);
+        let contacts = action.play.action.mechanism().contacts();
+        for (place, contact) in out.chunks_exact_mut(5).zip(contacts) {
+            if let Some(contact) = contact {
+                let ([x, y], [nx, ny]) = (contact.point, contact.normal);
+                place.copy_from_slice(&[contact.force, x, y, nx, ny]);
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_rests(action: *const ErardAction) -> u32 {
+    // SAFETY: the caller's promise: NULL, or an action.
+    u32::from(unsafe { action.as_ref() }.is_some_and(|action| action.play.action.rests()))
+}

@@ -1,0 +1,321 @@
+//! What a page that plays asks beside a control loop: strokes as `erard press` plays them, the instants of a press, where parts touch, dials.
+
+use std::ffi::{CStr, CString};
+use std::ptr::{null, null_mut};
+
+use erard::instrument::InstrumentFile;
+use erard::simulation::{Setup, simulate};
+use erard::stroke::{NUANCES, Stroke, Touch};
+use erard::{Instrument, Run};
+use erard_c::*;
+use serde_json::{Value, json};
+
+use crate::{Action, last_error, taken};
+
+struct Owned(*mut ErardInstrument);
+
+impl Owned {
+    fn grand() -> Self {
+        let instrument = unsafe { erard_instrument_new(null(), 0, null_mut()) };
+        assert!(!instrument.is_null(), "{}", last_error());
+        Owned(instrument)
+    }
+
+    fn text(&self) -> String {
+        taken(unsafe { erard_instrument_text(self.0, null_mut(), null_mut()) })
+    }
+}
+
+impl Drop for Owned {
+    fn drop(&mut self) {
+        unsafe { erard_instrument_free(self.0) };
+    }
+}
+
+fn pressed(instrument: &Instrument, nuance: &str, touch: Touch) -> Run {
+    let (stroke, _) = Stroke::builtin(nuance, touch, None).unwrap().unwrap();
+    let setup = Setup { start_s: stroke.start_s, record_every: Some(1), ..Setup::new(stroke.duration_s) };
+    simulate(instrument, &*stroke.inputs(&instrument.finger).unwrap(), &setup, &mut |_| true).unwrap()
+}
+
+/// Ten strokes, every row: angles, key and hammer to the bit, and the instants that a run finds; the forces are those of the last step, which a row
+/// centres on its instant by the next step's.
+#[test]
+fn strokes_are_those_of_press() {
+    let (grand, native) = (Owned::grand(), Instrument::builtin("concert-grand").unwrap());
+    let watch = unsafe { erard_watch_new(grand.0, null_mut()) };
+    for nuance in NUANCES {
+        for touch in [Touch::Pressed, Touch::Struck] {
+            let run = pressed(&native, nuance, touch);
+            let action = Action::grand();
+            let called = CString::new(nuance).unwrap();
+            let struck = u32::from(touch == Touch::Struck);
+            let stroke = unsafe { erard_stroke_builtin(grand.0, called.as_ptr(), struck, null_mut()) };
+            assert!(!stroke.is_null(), "{}", last_error());
+            let mut force_before = 0.0;
+            let mut reading = ErardReading::default();
+            let mut contacts = vec![0.0; 5 * native.zones.len()];
+            unsafe {
+                assert_eq!(erard_watch_again(watch), ErardStatus::Ok);
+                assert_eq!(erard_keep_contacts(action.0), ErardStatus::Ok);
+                assert_eq!(erard_watch_look(watch, action.0), ErardStatus::Ok);
+            }
+            for row in 1..run.time_s.len() {
+                unsafe {
+                    assert!(erard_step_stroke(action.0, stroke, &raw mut reading) as i32 >= 0);
+                    assert_eq!(erard_watch_look(watch, action.0), ErardStatus::Ok);
+                }
+                let expected: Vec<u64> = run.bodies.iter().map(|body| body.angle_rad[row].to_bits()).collect();
+                assert_eq!(action.angles(), expected, "{nuance} {} row {row}", touch.name());
+                assert_eq!(reading.key_m.to_bits(), run.key_m[row].to_bits());
+                assert_eq!(reading.hammer_m.to_bits(), run.hammer_head_m[row].to_bits());
+                if row > 1 {
+                    let centred = 0.5 * (force_before + reading.finger_n);
+                    assert!(
+                        (centred - run.force_n[row - 1]).abs() < 1e-12 * (1.0 + centred.abs()),
+                        "{nuance} row {row}"
+                    );
+                }
+                force_before = reading.finger_n;
+                // Every hundredth row: where what pushes does.
+                if row % 100 == 0 {
+                    let status = unsafe { erard_contacts(action.0, contacts.as_mut_ptr(), contacts.len()) };
+                    assert_eq!(status, ErardStatus::Ok);
+                    let mut forces = vec![0.0; native.zones.len()];
+                    unsafe { erard_contact_forces(action.0, forces.as_mut_ptr(), forces.len()) };
+                    for (zone, five) in contacts.chunks(5).enumerate() {
+                        assert_eq!(five[0].to_bits(), forces[zone].to_bits());
+                        let place = run.zones[zone].contact[row].map(f64::from);
+                        if five[0] > 0.0 {
+                            assert!(
+                                five[1..].iter().zip(place).all(|(a, b)| (a - b).abs() < 1e-6),
+                                "{five:?} {place:?}"
+                            );
+                        }
+                    }
+                }
+            }
+            let mut seen = ErardEvents {
+                key_start_s: 0.0,
+                toe_contact_s: 0.0,
+                let_off_s: 0.0,
+                blow_s: 0.0,
+                blow_m_s: 0.0,
+                key_bottom_s: 0.0,
+                check_s: 0.0,
+                free_flight_s: 0.0,
+                key_bottom_after_blow_s: 0.0,
+            };
+            assert_eq!(unsafe { erard_watch_read(watch, &raw mut seen) }, ErardStatus::Ok);
+            let e = &run.events;
+            for (found, expected) in [
+                (seen.key_start_s, e.key_start_s),
+                (seen.toe_contact_s, e.toe_contact_s),
+                (seen.let_off_s, e.let_off_s),
+                (seen.blow_s, e.hammer_contact_s),
+                (seen.blow_m_s, e.hammer_speed_m_s),
+                (seen.key_bottom_s, e.key_bottom_s),
+                (seen.check_s, e.check_s),
+                (seen.free_flight_s, e.free_flight_s()),
+                (seen.key_bottom_after_blow_s, e.key_bottom_after_blow_s()),
+            ] {
+                // The action's clock begins at 0, the stroke's where it says; both are the same sums but for their rounding.
+                match expected {
+                    Some(expected) => assert!((found - expected).abs() < 1e-12, "{nuance}: {found} {expected}"),
+                    None => assert!(found.is_nan(), "{nuance}: {found}"),
+                }
+            }
+            unsafe { erard_stroke_free(stroke) };
+        }
+    }
+    unsafe { erard_watch_free(watch) };
+}
+
+/// A recording drives by its force; what is wrong with it is said with its line; it can be played again.
+#[test]
+fn recordings_are_played() {
+    let grand = Owned::grand();
+    let read = |text: &str, status: &mut ErardStatus| unsafe {
+        erard_stroke_new(grand.0, text.as_ptr().cast(), text.len(), &raw mut *status)
+    };
+    let mut status = ErardStatus::Internal;
+    let stroke = read("time_s,force_N\n0,0\n0.01,6\n0.15,6\n0.16,0\n", &mut status);
+    assert_eq!(status, ErardStatus::Ok, "{}", last_error());
+    assert!((unsafe { erard_stroke_duration(stroke) } - 0.46).abs() < 1e-12);
+    let mut speeds = Vec::new();
+    for _ in 0..2 {
+        let action = Action::grand();
+        for _ in 0..4000 {
+            assert!(unsafe { erard_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
+        }
+        speeds.push(action.read().blow_m_s.to_bits());
+        assert_eq!(unsafe { erard_stroke_rewind(stroke) }, ErardStatus::Ok);
+    }
+    assert!(f64::from_bits(speeds[0]) > 1.0 && speeds[0] == speeds[1]);
+    unsafe { erard_stroke_free(stroke) };
+
+    assert!(read("time_s,force_N\n0,0\n0.01,much\n", &mut status).is_null());
+    assert_eq!(status, ErardStatus::File);
+    assert!(last_error().contains(":3:"), "{}", last_error());
+    // More than an action takes, and a stroke that is not built in.
+    let wild = read("time_s,position_m\n0,0\n0.00005,0.05\n1,0.05\n", &mut status);
+    assert_eq!(status, ErardStatus::Ok, "{}", last_error());
+    let action = Action::grand();
+    let before = action.save();
+    assert_eq!(unsafe { erard_step_stroke(action.0, wild, null_mut()) }, ErardStatus::Range);
+    assert_eq!(action.save(), before);
+    unsafe { erard_stroke_free(wild) };
+    let place = &raw mut status;
+    assert!(unsafe { erard_stroke_builtin(grand.0, c"mezzo".as_ptr(), 0, place) }.is_null());
+    assert!(status == ErardStatus::NoSuch && last_error().contains("mf"), "{}", last_error());
+}
+
+fn dials_of(instrument: *const ErardInstrument) -> Vec<Value> {
+    let text = taken(unsafe { erard_dials(instrument, null_mut(), null_mut()) });
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn turned(instrument: *const ErardInstrument, turns: &Value) -> Result<Owned, (ErardStatus, String)> {
+    let mut status = ErardStatus::Internal;
+    let turns = CString::new(turns.to_string()).unwrap();
+    let made = unsafe { erard_turned(instrument, turns.as_ptr(), &raw mut status) };
+    if made.is_null() { Err((status, last_error())) } else { Ok(Owned(made)) }
+}
+
+/// Every dial of every built-in grand changes the instrument, leaves it as it is at its own value, and reads at both ends.
+#[test]
+fn dials_turn() {
+    for called in ["concert-grand", "concert-grand-rigid", "heavy-touch", "steinway-o"] {
+        let name = CString::new(called).unwrap();
+        let base = Owned(unsafe { erard_instrument_builtin(name.as_ptr(), null_mut()) });
+        let native = Instrument::builtin(called).unwrap();
+        let dials = dials_of(base.0);
+        assert!(dials.len() > native.screws.len() + 6, "{called}: {dials:?}");
+        for dial in &dials {
+            let name = dial["name"].as_str().unwrap();
+            let [value, from, to] = ["value", "from", "to"].map(|key| dial[key].as_f64().unwrap());
+            assert!(from <= value && value <= to && from < to, "{called}: {dial}");
+            let same = turned(base.0, &json!({ name: value })).unwrap();
+            let same = Instrument::parse(&same.text(), "same").unwrap();
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-8 * (1e-6 + a.abs());
+            for (a, b) in native.bodies.iter().zip(&same.bodies) {
+                assert!(near(a.mass_kg, b.mass_kg) && near(a.inertia_kg_m2, b.inertia_kg_m2), "{called}: {name}");
+                assert!((0..2).all(|k| near(a.pivot_m[k], b.pivot_m[k])), "{called}: {name}");
+            }
+            for end in [from, to] {
+                let changed = turned(base.0, &json!({ name: end }))
+                    .unwrap_or_else(|error| panic!("{called}: {name} {end}: {error:?}"));
+                assert!(end == value || changed.text() != base.text(), "{called}: {name}");
+            }
+            let (status, said) =
+                turned(base.0, &json!({ name: to + 0.1 * (to - from) })).err().expect("beyond its range");
+            assert!(status == ErardStatus::Argument && said.contains(name), "{said}");
+        }
+        // What they are called for: the spread is the distance of the two centres, a lead weighs what it says.
+        let by = |name: &str| dials.iter().find(|dial| dial["name"] == name).unwrap()["value"].as_f64().unwrap();
+        let moved = turned(base.0, &json!({ "spread": by("spread") + 1.0, "leads": 10.0 })).unwrap();
+        assert!((spread_mm(&Instrument::parse(&moved.text(), "moved").unwrap()) - by("spread") - 1.0).abs() < 1e-6);
+        let parts = erard::grand::Parts::of(&native).unwrap();
+        let moved = Instrument::parse(&moved.text(), "moved").unwrap();
+        let front = |i: &Instrument| erard::grand::front_weight_g(i, &parts, 0.265);
+        assert!(
+            (front(&moved) - front(&native) - 10.0 * 155.0 / 265.0).abs() < 0.01,
+            "{}",
+            front(&moved) - front(&native)
+        );
+    }
+    let grand = Owned::grand();
+    for (turns, part) in
+        [(json!({ "let_of": 1.0 }), "let_off"), (json!({ "let_off": "far" }), "a number"), (json!([]), "JSON object")]
+    {
+        let (status, said) = turned(grand.0, &turns).err().expect("refused");
+        assert!(status == ErardStatus::Argument && said.contains(part), "{said}");
+    }
+}
+
+fn spread_mm(instrument: &Instrument) -> f64 {
+    let parts = erard::grand::Parts::of(instrument).unwrap();
+    let mut hammer = parts.hammer;
+    while let Some(parent) = instrument.bodies[hammer].parent {
+        hammer = parent;
+    }
+    let [a, b] = [hammer, parts.whippen].map(|body| instrument.bodies[body].pivot_m);
+    1e3 * (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The picture that moves is the picture of a run; the sheet's lines are those that are measured; an action that does not play says so.
+#[test]
+fn scenes_sheets_and_trials() {
+    let grand = Owned::grand();
+    let native = Instrument::builtin("concert-grand").unwrap();
+    let scene: Value = serde_json::from_str(&taken(unsafe { erard_scene(grand.0, null_mut(), null_mut()) })).unwrap();
+    assert_eq!(scene, erard_figures::page::scene(&native));
+    assert_eq!(scene["bodies"].as_array().unwrap().len(), native.bodies.len());
+    assert_eq!(scene["zones"].as_array().unwrap().len(), native.zones.len());
+    assert!(scene["shapes"].as_str().unwrap().contains("data-body") && scene["labels"].as_array().unwrap().len() > 10);
+
+    let sheet: Value = serde_json::from_str(&taken(erard_sheet(40, null_mut(), null_mut()))).unwrap();
+    let keys: Vec<&str> = sheet
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|group| group["lines"].as_array().unwrap().iter().map(|line| line["key"].as_str().unwrap()))
+        .collect();
+    assert_eq!(keys, erard_workshop::measure::norms::lines().map(|line| line.key).collect::<Vec<_>>());
+    let mut status = ErardStatus::Ok;
+    assert!(erard_sheet(89, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
+
+    let tried = |instrument: *const ErardInstrument| -> Value {
+        serde_json::from_str(&taken(unsafe { erard_try(instrument, null_mut(), null_mut()) })).unwrap()
+    };
+    let sound = tried(grand.0);
+    assert!(sound["hammer_speed_m_s"].as_f64().unwrap() > 1.0 && sound["warnings"] == json!([]), "{sound}");
+    let high = turned(grand.0, &json!({ "string_height": 5.0, "let_off": -4.0, "hammer": 13.0 })).unwrap();
+    let lame = tried(high.0);
+    assert_ne!(lame, sound);
+    let file = InstrumentFile::parse(&high.text(), "high").unwrap();
+    assert_eq!(file.instrument.bodies.len(), native.bodies.len());
+}
+
+/// NULL everywhere, too little room, another instrument's watch: a status, and nothing happens.
+#[test]
+fn bad_callers_of_a_player() {
+    let (grand, action) = (Owned::grand(), Action::grand());
+    let mut status = ErardStatus::Ok;
+    let place = &raw mut status;
+    unsafe {
+        assert!(erard_watch_new(null(), place).is_null() && status == ErardStatus::Null);
+        for status in [
+            erard_watch_again(null_mut()),
+            erard_watch_look(null_mut(), action.0),
+            erard_watch_read(null(), null_mut()),
+            erard_keep_contacts(null_mut()),
+            erard_contacts(null(), null_mut(), 0),
+            erard_contacts(action.0, null_mut(), 0),
+            erard_stroke_rewind(null_mut()),
+            erard_step_stroke(null_mut(), null_mut(), null_mut()),
+            erard_step_stroke(action.0, null_mut(), null_mut()),
+        ] {
+            assert_eq!(status, ErardStatus::Null);
+        }
+        let mut small = [0.0; 4];
+        assert_eq!(erard_contacts(action.0, small.as_mut_ptr(), 4), ErardStatus::Size);
+        let rigid = Owned(erard_instrument_builtin(c"concert-grand-rigid".as_ptr(), null_mut()));
+        let watch = erard_watch_new(rigid.0, null_mut());
+        assert_eq!(erard_watch_look(watch, action.0), ErardStatus::Foreign);
+        erard_watch_free(watch);
+        erard_watch_free(null_mut());
+        erard_stroke_free(null_mut());
+        assert_eq!((erard_rests(null()), erard_stroke_duration(null())), (0, 0.0));
+        assert_eq!(erard_rests(action.0), 0);
+        for _ in 0..10 {
+            erard_step_free(action.0, null_mut());
+        }
+        assert_eq!(erard_rests(action.0), 1);
+        for call in [erard_scene, erard_dials, erard_try] {
+            assert!(call(null(), null_mut(), place).is_null() && status == ErardStatus::Null);
+        }
+        assert!(erard_turned(grand.0, null(), place).is_null() && status == ErardStatus::Null);
+        assert!(CStr::from_ptr(erard_last_error()).to_str().is_ok_and(|text| text.contains("NULL")));
+    }
+}

@@ -1,0 +1,160 @@
+// Moving a picture of the action: what a page of a run and a page that plays live share. Nothing here knows of a page. In the page of a run these
+// lines stand among its others; where scripts are modules it is one.
+
+/** A body's frame: where its pivot is, mm of the picture with y up, and how it is turned.
+ * @typedef {{ x: number, y: number, cos: number, sin: number, angle: number }} Frame */
+/** What a body is hinged on (null: the ground), and where, mm.
+ * @typedef {{ parent: number | null, pivot: number[] }} Hinge */
+/** An element that turns with its body, or follows a point of it without turning, a guided one up and down only; `frame` is where it is now.
+ * @typedef {{ element: SVGElement, body: number, point?: number[], drawn?: number[], guided: boolean, frame: Frame }} Moving */
+/** How long arrows are, mm, for forces in N.
+ * @typedef {{ base: number, decade: number, knee: number, drawn: number, labelled: number }} ArrowLaw */
+/** A force: where it acts, mm with y up, which way its arrow points in the picture (y down), and how much, N.
+ * @typedef {{ x: number, y: number, ux: number, uy: number, force: number }} Force */
+/** A name of a part, its place in the picture, and what it is laid out with.
+ * @typedef {{ text: string, anchor: number[], wide: number, row: number, x: number, y: number, from: number, placed: boolean }} Name */
+
+/** @type {(name: string, attributes: Record<string, string | number>, into: Element) => SVGElement} */
+export const element = (name, attributes, into) => {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
+  into.append(made);
+  return made;
+};
+
+/** @type {Frame} */
+export const STILL = { x: 0, y: 0, cos: 1, sin: 0, angle: 0 };
+/** A point of a frame in the picture. @type {(on: Frame, point: number[]) => number[]} */
+export const carry = (on, [x, y]) => [on.x + on.cos * x - on.sin * y, on.y + on.sin * x + on.cos * y];
+
+/** The frames of all bodies, whose absolute angles `angle` tells. @type {(bodies: Hinge[], angle: (body: number) => number) => Frame[]} */
+export const placeBodies = (bodies, angle) => {
+  /** @type {Frame[]} */
+  const placed = [];
+  bodies.forEach((body, index) => {
+    const turned = angle(index);
+    const [x, y] = body.parent === null ? body.pivot : carry(placed[body.parent], body.pivot);
+    placed.push({ x, y, angle: turned, cos: Math.cos(turned), sin: Math.sin(turned) });
+  });
+  return placed;
+};
+
+/** What moves in a group of shapes. @type {(group: Element) => Moving[]} */
+export const movingIn = (group) => {
+  const pair = (/** @type {string} */ text) => text.split(" ").map(Number);
+  return [.../** @type {NodeListOf<SVGElement>} */ (group.querySelectorAll("[data-body]"))].map((element) => {
+    const { body, point, drawn, guided } = element.dataset;
+    return {
+      element, body: Number(body), point: point ? pair(point) : undefined, drawn: drawn ? pair(drawn) : undefined,
+      guided: guided !== undefined, frame: STILL,
+    };
+  });
+};
+
+/** Moves them to where the bodies are. @type {(all: Moving[], placed: Frame[]) => void} */
+export const move = (all, placed) => {
+  for (const moving of all) {
+    const on = placed[moving.body];
+    let frame = on;
+    if (moving.point && moving.drawn) {
+      const [x, y] = carry(on, moving.point);
+      frame = { ...STILL, x: moving.guided ? 0 : x - moving.drawn[0], y: y - moving.drawn[1] };
+    }
+    moving.frame = frame;
+    const degrees = (-frame.angle * 180) / Math.PI;
+    moving.element.setAttribute("transform", `translate(${frame.x.toFixed(3)} ${(-frame.y).toFixed(3)}) rotate(${degrees.toFixed(4)})`);
+  }
+};
+
+/** @type {(f: number) => string} */
+export const newtons = (f) => `${f.toFixed(f >= 99.95 ? 0 : f >= 9.995 ? 1 : 2)} N`;
+
+/** An arrow's outline, and the line along it. @type {(law: ArrowLaw, force: Force) => { path: string, shaft: number[][] }} */
+export const arrowOf = (law, { x, y: up, ux, uy, force }) => {
+  const y = -up;
+  const length = law.base + law.decade * Math.log10(1 + force / law.knee);
+  const neck = length - 4, half = 1.9;
+  const point = (/** @type {number} */ along, /** @type {number} */ across) =>
+    `${(x + ux * along - uy * across).toFixed(2)} ${(y + uy * along + ux * across).toFixed(2)}`;
+  const path = `M${point(0, 0)}L${point(neck, 0)}M${point(length, 0)}L${point(neck, half)}L${point(neck, -half)}Z`;
+  return { path, shaft: [[x, y], [x + ux * length, y + uy * length]] };
+};
+
+/** Whether a line, with some room, crosses a box [left, top, right, bottom]: Liang and Barsky's clipping.
+ * @type {(line: number[][], box: number[], room: number) => boolean} */
+export const crosses = ([from, to], box, room) => {
+  let enter = 0, leave = 1;
+  for (const axis of [0, 1]) {
+    const low = box[axis] - room, high = box[axis + 2] + room, way = to[axis] - from[axis];
+    if (Math.abs(way) < 1e-12) {
+      if (from[axis] < low || from[axis] > high) return false;
+      continue;
+    }
+    const a = (low - from[axis]) / way, b = (high - from[axis]) / way;
+    enter = Math.max(enter, Math.min(a, b));
+    leave = Math.min(leave, Math.max(a, b));
+  }
+  return enter <= leave;
+};
+/** @type {(a: number[], b: number[]) => boolean} */
+export const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+const TURNS = [0, 0.5, -0.5, 1, -1, 1.5, -1.5, 2, -2, 2.5, -2.5, 3.1];
+
+/** The nearest place for a number about its arrow's tip that no arrow and no other number crosses; `pixel`: mm of the picture per pixel.
+ * @type {(line: number[][], wide: number, tall: number, shafts: number[][][], taken: number[][], pixel: number) => number[] | null} */
+export const freePlace = ([from, tip], wide, tall, shafts, taken, pixel) => {
+  const heading = Math.atan2(tip[1] - from[1], tip[0] - from[0]);
+  for (let ring = 0; ring < 40; ring++) {
+    for (const turn of TURNS) {
+      const cos = Math.cos(heading + turn), sin = Math.sin(heading + turn);
+      const away = (2 + 4 * ring) * pixel + 0.5 * (wide * Math.abs(cos) + tall * Math.abs(sin));
+      const x = tip[0] + away * cos, y = tip[1] + away * sin;
+      const place = [x - wide / 2, y - tall / 2, x + wide / 2, y + tall / 2];
+      if (!taken.some((other) => overlap(other, place)) && !shafts.some((shaft) => crosses(shaft, place, 2.2))) return place;
+    }
+  }
+  return null;
+};
+
+/** Puts the names of one side into two rows, in the order of what they name, pushed apart until none covers another.
+ * @type {(side: Name[], left: number, right: number, pixel: number) => void} */
+const spread = (side, left, right, pixel) => {
+  side.sort((a, b) => a.anchor[0] - b.anchor[0]);
+  side.forEach((label, index) => {
+    label.row = index % 2;
+    label.x = label.anchor[0];
+  });
+  const apart = (/** @type {Name} */ a, /** @type {Name} */ b, /** @type {number} */ room) => {
+    const lack = room - (b.x - a.x);
+    if (lack > 0) {
+      a.x -= lack / 2;
+      b.x += lack / 2;
+    }
+  };
+  for (let round = 0; round < 600; round++) {
+    for (let i = 1; i < side.length; i++) {
+      apart(side[i - 1], side[i], (side[i].row ? side[i - 1] : side[i]).wide / 2 + 6 * pixel);
+      if (i > 1) apart(side[i - 2], side[i], (side[i - 2].wide + side[i].wide) / 2 + 8 * pixel);
+    }
+    for (const label of side) label.x = Math.max(Math.min(label.x, right - label.wide / 2), left + label.wide / 2);
+  }
+};
+
+/** Lays names out around a box [left, top, right, bottom] of the picture: two rows above and two below.
+ * @type {(inside: Name[], box: number[], pixel: number) => void} */
+export const layNames = (inside, [left, top, right, bottom], pixel) => {
+  const heights = inside.map(({ anchor }) => anchor[1]).sort((p, q) => p - q);
+  const middle = heights[heights.length >> 1];
+  for (const above of [true, false]) {
+    let side = inside.filter(({ anchor }) => anchor[1] < middle === above);
+    for (const label of side) label.wide = 7.4 * label.text.length * pixel;
+    // a narrow view has no room for all: the longest chains of neighbours lose every other name
+    while (side.length > 1 && side.reduce((sum, { wide }) => sum + wide + 8 * pixel, 0) > 1.8 * (right - left)) side = side.filter((_, i) => i % 2 === 0);
+    spread(side, left + 3 * pixel, right - 3 * pixel, pixel);
+    for (const label of side) {
+      label.placed = true;
+      label.y = above ? top + (14 + 16 * (1 - label.row)) * pixel : bottom - (6 + 16 * (1 - label.row)) * pixel;
+      label.from = above ? label.y + 3 * pixel : label.y - 12 * pixel;
+    }
+  }
+};

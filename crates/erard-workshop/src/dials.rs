@@ -1,0 +1,365 @@
+//! What one turns at a bench or changes at a drawing board, each with its unit and its range: the screws of the file, and the numbers that designers
+//! speak of. A page makes sliders of them.
+//!
+//! A dial changes numbers of the instrument's file and nothing else: what comes out is a file again, which its reader checks.
+
+use erard::grand::Parts;
+use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
+use serde::Serialize;
+
+use crate::regulate::known_screw;
+
+/// What dials are listed under.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Group {
+    /// The screws of the file.
+    Screws,
+    /// Where parts stand.
+    Places,
+    /// Masses.
+    Weights,
+    /// Felts and springs.
+    Felts,
+    /// Pivots and rubbing surfaces.
+    Friction,
+}
+
+/// A slider: a name, a value with its unit, how far it goes, and which numbers of the file it changes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dial {
+    /// Its name, which no other dial of the instrument has: a screw's own, else e.g. `knuckle`.
+    pub name: String,
+    /// What it is called at the bench.
+    pub label: String,
+    /// What more of it does.
+    pub note: String,
+    /// Where it is listed.
+    pub group: Group,
+    /// Its unit: `mm`, `deg`, `g`, `N mm`, or `x` for a factor that is 1 as the file has it.
+    pub unit: &'static str,
+    /// Decimals that mean something.
+    pub decimals: usize,
+    /// Its value in this instrument.
+    pub value: f64,
+    /// How far down it goes.
+    pub from: f64,
+    /// How far up.
+    pub to: f64,
+    #[serde(skip)]
+    kind: Kind,
+}
+
+/// Numbers of the file, by path and place.
+type Numbers = Vec<(String, usize, f64)>;
+
+#[derive(Debug, Clone, PartialEq)]
+enum Kind {
+    /// The number itself, in file units that are so many of the dial's.
+    Itself(String, f64),
+    /// All of them by as much as the first.
+    Together(Numbers),
+    /// All of them times the same.
+    Times(Numbers),
+    /// The first to the dial's value, the others in proportion.
+    InProportion(Numbers),
+    /// A lead of the dial's mass more, at a place of a body with this mass (g), centre of mass (mm) and inertia (kg m2).
+    Lead { body: String, at_mm: Vec2, mass_g: f64, centre_mm: Vec2, inertia_kg_m2: f64 },
+    /// A horizontal place such that it has this distance from another that is so much higher, on this side of it.
+    Distance { path: String, to_mm: Vec2, height_mm: f64, side: f64 },
+}
+
+/// How far felts and friction go, either way, as a factor.
+const FACTOR: f64 = 3.0;
+/// Where a lead is put, mm in front of the balance pin: where the built-in grand's stand in the mean (0.62 and 0.55 of 265 mm).
+const LEAD_AT_MM: f64 = 155.0;
+
+/// All dials of an instrument; of what is no grand action, its screws.
+#[must_use]
+pub fn dials(file: &InstrumentFile) -> Vec<Dial> {
+    let mut all: Vec<Dial> = (0..file.instrument.screws.len()).filter_map(|screw| of_screw(file, screw)).collect();
+    if let Ok(parts) = Parts::of(&file.instrument) {
+        all.extend(places(file, &parts));
+        all.extend(weights(file, &parts));
+        all.extend(felts(file));
+        all.extend(friction(file));
+    }
+    all
+}
+
+/// The file's text with dials turned: names and values. Every dial counts from `file`, whatever else is turned.
+///
+/// # Errors
+/// A line that says which dial there is not, or beyond which range.
+pub fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Result<String, String> {
+    let all = dials(file);
+    let mut changes: Numbers = Vec::new();
+    for (name, value) in wanted {
+        let dial = all.iter().find(|dial| dial.name == *name).ok_or_else(|| {
+            let known = all.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
+            format!("there is no dial `{name}`; there are {known}")
+        })?;
+        let Dial { from, to, unit, .. } = *dial;
+        let slack = 1e-9 * (to - from);
+        if !(from - slack..=to + slack).contains(value) {
+            return Err(format!("`{name}` is {value} {unit}; expected a number from {from} to {to} {unit}"));
+        }
+        changes.extend(dial.changes(*value));
+    }
+    let borrowed: Vec<(&str, usize, f64)> =
+        changes.iter().map(|(path, which, value)| (path.as_str(), *which, *value)).collect();
+    with_numbers(text, &borrowed).ok_or_else(|| "the text has not the numbers of its instrument".to_owned())
+}
+
+impl Dial {
+    /// The numbers of the file for a value, in the file's own units.
+    #[must_use]
+    pub fn changes(&self, value: f64) -> Numbers {
+        let by = value - self.value;
+        match &self.kind {
+            Kind::Itself(path, units) => vec![(path.clone(), 0, tidy(value * units))],
+            Kind::Together(numbers) => moved(numbers, |old| old + by),
+            Kind::Times(numbers) => moved(numbers, |old| old * value),
+            Kind::InProportion(numbers) => moved(numbers, |old| old * value / self.value),
+            Kind::Lead { body, at_mm, mass_g, centre_mm, inertia_kg_m2 } => {
+                let mass = mass_g + value;
+                let centre = |k: usize| (mass_g * centre_mm[k] + value * at_mm[k]) / mass;
+                let arm2_m2 = 1e-6 * (at_mm[0] * at_mm[0] + at_mm[1] * at_mm[1]);
+                let path = |what: &str| format!("body.{body}.{what}");
+                vec![
+                    (path("mass_g"), 0, tidy(mass)),
+                    (path("center_of_mass_mm"), 0, tidy(centre(0))),
+                    (path("center_of_mass_mm"), 1, tidy(centre(1))),
+                    (path("inertia_kg_m2"), 0, tidy(inertia_kg_m2 + 1e-3 * value * arm2_m2)),
+                ]
+            }
+            Kind::Distance { path, to_mm, height_mm, side } => {
+                let across = (value * value - height_mm * height_mm).max(0.0).sqrt();
+                vec![(path.clone(), 0, tidy(to_mm[0] + side * across))]
+            }
+        }
+    }
+}
+
+fn moved(numbers: &Numbers, new: impl Fn(f64) -> f64) -> Numbers {
+    numbers.iter().map(|(path, which, old)| (path.clone(), *which, tidy(new(*old)))).collect()
+}
+
+/// Nine digits: what a file would hold, without the rounding errors of sums.
+fn tidy(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
+/// A number of the file in its own unit.
+fn number(file: &InstrumentFile, path: &str, which: usize) -> Option<f64> {
+    let numbers = &file.provenance.numbers;
+    numbers.iter().find(|number| number.key == path).and_then(|number| number.values.get(which)).copied()
+}
+
+fn numbers(file: &InstrumentFile, paths: impl IntoIterator<Item = (String, usize)>) -> Option<Numbers> {
+    let found: Option<Numbers> =
+        paths.into_iter().map(|(path, which)| number(file, &path, which).map(|value| (path, which, value))).collect();
+    found.filter(|found| !found.is_empty())
+}
+
+/// A name as it is spoken: `let_off` is the `let-off`.
+fn spoken(name: &str) -> String {
+    const HYPHENED: [(&str, &str); 3] =
+        [("let off", "let-off"), ("back rail", "back-rail"), ("balance rail", "balance-rail")];
+    HYPHENED.iter().fold(name.replace('_', " "), |text, (from, to)| text.replace(from, to))
+}
+
+fn of_screw(file: &InstrumentFile, screw: usize) -> Option<Dial> {
+    let instrument = &file.instrument;
+    let screw = &instrument.screws[screw];
+    let known = known_screw(&screw.name);
+    let limits = known.map(|known| known.limits(instrument, screw));
+    let (end, unit, si, decimals) = match screw.action {
+        ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => ("mm", "mm", 1e3, 2),
+        ScrewAction::Turn { .. } => ("deg", "deg", 1_f64.to_degrees(), 1),
+        ScrewAction::Spring { .. } => ("N_m", "N mm", 1e3, 1),
+    };
+    // The dial of a spring counts in N mm, its file in N m.
+    let units = if end == "N_m" { 1e-3 } else { 1.0 };
+    let path = format!("screw.{}.setting_{end}", screw.name);
+    let value = number(file, &path, 0)? / units;
+    let [from, to] = limits.map_or([value - 2.0, value + 2.0], |limits| limits.map(|limit| limit * si));
+    Some(Dial {
+        name: screw.name.clone(),
+        label: spoken(&screw.name),
+        note: screw.label.clone(),
+        group: Group::Screws,
+        unit,
+        decimals,
+        value,
+        from: from.min(value),
+        to: to.max(value),
+        kind: Kind::Itself(path, units),
+    })
+}
+
+struct Look {
+    name: &'static str,
+    label: &'static str,
+    note: &'static str,
+    group: Group,
+    unit: &'static str,
+    decimals: usize,
+}
+
+impl Look {
+    fn dial(&self, value: f64, [from, to]: [f64; 2], kind: Kind) -> Dial {
+        let Look { name, label, note, group, unit, decimals } = *self;
+        Dial { name: name.into(), label: label.into(), note: note.into(), group, unit, decimals, value, from, to, kind }
+    }
+}
+
+fn places(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
+    let i = &file.instrument;
+    let rides_on = |part: usize, body: Option<usize>| body.is_some_and(|body| root(i, body) == root(i, part));
+    let mut all = Vec::new();
+    let place = |name, label, note| Look { name, label, note, group: Group::Places, unit: "mm", decimals: 1 };
+    let capstan =
+        i.zones.iter().find(|zone| rides_on(parts.key, zone.disc_body) && zone.curve_body == Some(parts.whippen));
+    if let Some(zone) = capstan
+        && let Some(found) = numbers(file, [(format!("zone.{}.disc.center_mm", zone.name), 0)])
+    {
+        let at = found[0].2;
+        let look = place(
+            "capstan",
+            "capstan, from the balance pin",
+            "moves the capstan to the back: a lighter hammer feels heavier, and flies higher for the dip",
+        );
+        all.push(look.dial(at, [at - 8.0, at + 8.0], Kind::Together(found)));
+    }
+    let knuckle = i.roles.knuckle.iter().map(|&zone| (format!("zone.{}.disc.center_mm", i.zones[zone].name), 0));
+    if let Some(found) = numbers(file, knuckle) {
+        let at = found[0].2;
+        let look = place(
+            "knuckle",
+            "knuckle, from the hammer's centre",
+            "moves the knuckle outward: less leverage, a lighter touch, less blow",
+        );
+        all.push(look.dial(at, [at - 2.0, at + 2.0], Kind::Together(found)));
+    }
+    let hammer_root = &i.bodies[root(i, parts.hammer)];
+    let whippen = &i.bodies[parts.whippen];
+    if whippen.parent.is_none() {
+        let path = format!("body.{}.pivot_mm", whippen.name);
+        let [to, own] = [hammer_root.pivot_m, whippen.pivot_m].map(|pivot| pivot.map(|c| 1e3 * c));
+        let [x, y] = [own[0] - to[0], own[1] - to[1]];
+        let spread = x.hypot(y);
+        let look = place(
+            "spread",
+            "spread, whippen's to hammer's centre",
+            "moves the whippens away from the hammers' centres: the jack stands elsewhere under the knuckle",
+        );
+        let kind = Kind::Distance { path, to_mm: to, height_mm: y, side: x.signum() };
+        all.push(look.dial(spread, [spread - 2.0, spread + 2.0], kind));
+    }
+    all
+}
+
+fn weights(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
+    let i = &file.instrument;
+    let mut all = Vec::new();
+    let look = |name, label, note| Look { name, label, note, group: Group::Weights, unit: "g", decimals: 1 };
+    let hammer = &i.bodies[parts.hammer].name;
+    let found = ["mass_g", "inertia_kg_m2"].map(|what| (format!("body.{hammer}.{what}"), 0));
+    if let Some(found) = numbers(file, found) {
+        let mass = found[0].2;
+        let look = look(
+            "hammer",
+            "hammer, with what bends of its shank",
+            "a heavier hammer: every gram is five to six on the key",
+        );
+        all.push(look.dial(mass, [0.5 * mass, 1.6 * mass], Kind::InProportion(found)));
+    }
+    let key = &i.bodies[parts.key];
+    let path = |what: &str| format!("body.{}.{what}", key.name);
+    if let (Some(mass_g), Some(x), Some(y), Some(inertia_kg_m2)) = (
+        number(file, &path("mass_g"), 0),
+        number(file, &path("center_of_mass_mm"), 0),
+        number(file, &path("center_of_mass_mm"), 1),
+        number(file, &path("inertia_kg_m2"), 0),
+    ) {
+        let front_mm = i.roles.key_front_m.map(|c| 1e3 * c);
+        let pivot = pivot_as_drawn(i, parts.key).map(|c| 1e3 * c);
+        // On the line from the pin to the key's front, half-way up the stick.
+        let at_mm = [-LEAD_AT_MM - pivot[0], 0.5 * front_mm[1]];
+        let least = -0.25 * mass_g;
+        let look = look(
+            "leads",
+            "leads, 155 mm before the balance pin",
+            "more lead in the key: a lower down-weight and up-weight, and more inertia",
+        );
+        let kind = Kind::Lead { body: key.name.clone(), at_mm, mass_g, centre_mm: [x, y], inertia_kg_m2 };
+        all.push(look.dial(0.0, [least.max(-15.0), 30.0], kind));
+    }
+    all
+}
+
+fn felts(file: &InstrumentFile) -> Vec<Dial> {
+    let i = &file.instrument;
+    let mut all = Vec::new();
+    let mut felt = |zone: Option<usize>, look: Look| {
+        let path = zone.map(|zone| (format!("zone.{}.felt.stiffness_N_per_m_r", i.zones[zone].name), 0));
+        if let Some(found) = path.and_then(|path| numbers(file, [path])) {
+            all.push(look.dial(1.0, [1.0 / FACTOR, FACTOR], Kind::Times(found)));
+        }
+    };
+    let look = |name, label, note| Look { name, label, note, group: Group::Felts, unit: "x", decimals: 2 };
+    felt(
+        i.roles.string,
+        look("hammer_felt", "hammer felt's stiffness", "a harder hammer: a shorter contact with the string"),
+    );
+    let knuckle = i.roles.knuckle.first().copied();
+    felt(knuckle, look("knuckle_felt", "knuckle's stiffness", "a softer knuckle: the hammer follows the key later"));
+    felt(
+        i.roles.key_bottom,
+        look("front_felt", "front punching's stiffness", "a softer key bottom: more dip under a firm finger"),
+    );
+    felt(i.roles.check, look("check_felt", "back check's stiffness", "a softer leather: the hammer is caught lower"));
+    all
+}
+
+fn friction(file: &InstrumentFile) -> Vec<Dial> {
+    let i = &file.instrument;
+    let pivots: Vec<(String, usize)> = i
+        .bodies
+        .iter()
+        .filter(|body| body.friction_torque_n_m > 0.0 && !body.is_bend)
+        .map(|body| (format!("body.{}.friction_torque_N_m", body.name), 0))
+        .collect();
+    let look = |name, label, note| Look { name, label, note, group: Group::Friction, unit: "x", decimals: 2 };
+    let mut all = Vec::new();
+    if let Some(found) = numbers(file, pivots) {
+        let look = look("pivots", "friction of all pivots", "tighter pins: down-weight up, up-weight down");
+        all.push(look.dial(1.0, [1.0 / FACTOR, FACTOR], Kind::Times(found)));
+    }
+    let rubbing = i.roles.knuckle.iter().map(|&zone| (format!("zone.{}.friction_coefficient", i.zones[zone].name), 0));
+    if let Some(found) = numbers(file, rubbing.filter(|(path, _)| number(file, path, 0).is_some_and(|mu| mu > 0.0))) {
+        let look =
+            look("knuckle_friction", "friction at the knuckle", "rougher jack or knuckle: more is felt at let-off");
+        all.push(look.dial(1.0, [1.0 / FACTOR, 2.0], Kind::Times(found)));
+    }
+    all
+}
+
+/// What a body is hinged on in the end, short of the ground.
+fn root(instrument: &Instrument, mut body: usize) -> usize {
+    while let Some(parent) = instrument.bodies[body].parent {
+        body = parent;
+    }
+    body
+}
+
+/// Where a body's pivot is as drawn, m.
+fn pivot_as_drawn(instrument: &Instrument, body: usize) -> Vec2 {
+    let one = &instrument.bodies[body];
+    let Some(parent) = one.parent else { return one.pivot_m };
+    let [ox, oy] = pivot_as_drawn(instrument, parent);
+    let (sin, cos) = libm::sincos(instrument.bodies[parent].angle_rad);
+    let [x, y] = one.pivot_m;
+    [ox + cos * x - sin * y, oy + sin * x + cos * y]
+}
