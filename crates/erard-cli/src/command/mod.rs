@@ -16,6 +16,7 @@ mod press;
 mod press_pair;
 mod regulate;
 mod reproduce;
+mod studio;
 mod study;
 mod validate;
 mod weigh;
@@ -76,6 +77,8 @@ enum Sub {
     Reproduce(reproduce::Reproduce),
     /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
     Fmu(fmu::Fmu),
+    /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
+    Studio(studio::Studio),
     /// Measures how fast this machine simulates.
     Bench(bench::Bench),
     /// Lists what is built in, or prints one of it.
@@ -113,6 +116,7 @@ pub fn run() -> ExitCode {
         Sub::Compare(compare) => compare.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
         Sub::Fmu(fmu) => fmu.run(),
+        Sub::Studio(studio) => studio.run(),
         Sub::Bench(bench) => bench.run(),
         Sub::List(list) => list.run(),
         Sub::Completions(completions) => completions.run(),
