@@ -1,0 +1,14 @@
+// node built.mjs ENGINE.wasm: the engine packed into built/engine.bin, and the built-in concert grand at rest as built/picture.svg.
+import { readFile, writeFile } from "node:fs/promises";
+import { gzipSync } from "node:zlib";
+
+const bytes = await readFile(process.argv[2]);
+const { instance } = await WebAssembly.instantiate(bytes, {});
+const erard = instance.exports;
+const address = erard.erard_scene(erard.erard_instrument_new(0, 0, 0), 0, 0);
+const all = new Uint8Array(erard.memory.buffer);
+const scene = JSON.parse(new TextDecoder().decode(all.subarray(address, all.indexOf(0, address))));
+const [left, top, right, bottom] = scene.views.whole;
+const picture = `<svg class="action first" role="img" aria-label="A concert grand's action at rest" viewBox="${left} ${top} ${right - left} ${bottom - top}" preserveAspectRatio="xMidYMid meet"><defs>${scene.gradients}</defs>${scene.shapes}</svg>`;
+await writeFile(new URL("built/engine.bin", import.meta.url), gzipSync(bytes, { level: 9 }));
+await writeFile(new URL("built/picture.svg", import.meta.url), picture + "\n");

@@ -1,0 +1,180 @@
+// liberard in WebAssembly: texts, memory and errors across its C interface (crates/erard-c/include/erard.h). Knows nothing of pages or workers.
+
+/** The functions of erard.h that a page calls. Addresses and sizes are numbers; a text's length may be asked for or not. */
+export interface Exports {
+  memory: WebAssembly.Memory;
+  erard_abi(): number;
+  erard_version(): number;
+  erard_last_error(): number;
+  erard_status_text(status: number): number;
+  erard_text_free(text: number): void;
+  erard_memory_new(bytes: number): number;
+  erard_memory_free(memory: number, bytes: number): void;
+  erard_instrument_new(text: number, length: number, status: number): number;
+  erard_instrument_builtin(name: number, status: number): number;
+  erard_instrument_of_key(key: number, status: number): number;
+  erard_instrument_free(instrument: number): void;
+  erard_instrument_text(instrument: number, length: number, status: number): number;
+  erard_instrument_set(instrument: number, path: number, which: number, value: number): number;
+  erard_instrument_get(instrument: number, path: number, which: number, value: number): number;
+  erard_instrument_json(instrument: number, length: number, status: number): number;
+  erard_turned(instrument: number, turns: number, status: number): number;
+  erard_dials(instrument: number, length: number, status: number): number;
+  erard_scene(instrument: number, length: number, status: number): number;
+  erard_sheet(key: number, length: number, status: number): number;
+  erard_try(instrument: number, length: number, status: number): number;
+  erard_check(text: number, length: number, jsonLength: number, status: number): number;
+  erard_builtin(length: number, status: number): number;
+  erard_measure(instrument: number, wanted: number, progress: number, user: number, length: number, status: number): number;
+  erard_regulate(instrument: number, goals: number, progress: number, user: number, length: number, status: number): number;
+  erard_action_of(instrument: number, step: number, status: number): number;
+  erard_action_free(action: number): void;
+  erard_step_force(action: number, force: number, reading: number): number;
+  erard_step_motion(action: number, position: number, velocity: number, reading: number): number;
+  erard_step_free(action: number, reading: number): number;
+  erard_read(action: number, reading: number): number;
+  erard_reset(action: number): number;
+  erard_save(action: number, bytes: number, size: number): number;
+  erard_restore(action: number, bytes: number, size: number): number;
+  erard_rests(action: number): number;
+  erard_body_count(action: number): number;
+  erard_zone_count(action: number): number;
+  erard_angles(action: number, angles: number, count: number): number;
+  erard_keep_contacts(action: number): number;
+  erard_contacts(action: number, numbers: number, count: number): number;
+  erard_watch_new(instrument: number, status: number): number;
+  erard_watch_free(watch: number): void;
+  erard_watch_again(watch: number): number;
+  erard_watch_look(watch: number, action: number): number;
+  erard_watch_read(watch: number, events: number): number;
+  erard_stroke_builtin(instrument: number, nuance: number, struck: number, status: number): number;
+  erard_stroke_new(instrument: number, text: number, length: number, status: number): number;
+  erard_stroke_free(stroke: number): void;
+  erard_stroke_duration(stroke: number): number;
+  erard_stroke_rewind(stroke: number): number;
+  erard_step_stroke(action: number, stroke: number, reading: number): number;
+  erard_keyboard_new(text: number, length: number, step: number, status: number): number;
+  erard_keyboard_free(keyboard: number): void;
+  erard_keyboard_keys(keyboard: number): number;
+  erard_keyboard_awake(keyboard: number): number;
+  erard_keyboard_drive(keyboard: number, key: number, input: number): number;
+  erard_keyboard_step(keyboard: number, steps: number, blows: number, capacity: number, count: number): number;
+  erard_keyboard_read(keyboard: number, key: number, reading: number): number;
+}
+
+/** The version of the C interface that this page was written for. */
+const ABI = 1;
+
+/** What the library says went wrong: a line for people. */
+export class LibraryError extends Error {
+  override name = "LibraryError";
+}
+
+export class Library {
+  private buffer: ArrayBuffer | null = null;
+  private all = new Uint8Array();
+  private doubles = new Float64Array();
+  private words = new Uint32Array();
+
+  private constructor(readonly raw: Exports) {}
+
+  /** A library of its own: nothing is shared with another one of the same module. */
+  static async open(module: WebAssembly.Module): Promise<Library> {
+    const { exports } = await WebAssembly.instantiate(module, {});
+    const library = new Library(exports as unknown as Exports);
+    if (library.raw.erard_abi() !== ABI) throw new LibraryError("the library is of another version than the page");
+    return library;
+  }
+
+  /** Its memory as bytes, doubles and words. It moves when it grows: ask anew after every call that may allocate. */
+  private look(): void {
+    if (this.buffer === this.raw.memory.buffer) return;
+    this.buffer = this.raw.memory.buffer;
+    this.all = new Uint8Array(this.buffer);
+    this.doubles = new Float64Array(this.buffer);
+    this.words = new Uint32Array(this.buffer);
+  }
+
+  bytes(address: number, count: number): Uint8Array {
+    this.look();
+    return this.all.subarray(address, address + count);
+  }
+
+  f64(address: number, count: number): Float64Array {
+    this.look();
+    return this.doubles.subarray(address >> 3, (address >> 3) + count);
+  }
+
+  u32(address: number, count: number): Uint32Array {
+    this.look();
+    return this.words.subarray(address >> 2, (address >> 2) + count);
+  }
+
+  get memoryBytes(): number {
+    return this.raw.memory.buffer.byteLength;
+  }
+
+  version(): string {
+    return this.textAt(this.raw.erard_version());
+  }
+
+  lastError(): string {
+    return this.textAt(this.raw.erard_last_error());
+  }
+
+  statusText(status: number): string {
+    return this.textAt(this.raw.erard_status_text(status));
+  }
+
+  /** A text that stays the library's. */
+  textAt(address: number): string {
+    this.look();
+    return new TextDecoder().decode(this.all.slice(address, this.all.indexOf(0, address)));
+  }
+
+  /** A text of the library, given back to it; its error where there is none. */
+  taken(address: number): string {
+    if (address === 0) throw new LibraryError(this.lastError());
+    const text = this.textAt(address);
+    this.raw.erard_text_free(address);
+    return text;
+  }
+
+  json<T>(address: number): T {
+    return JSON.parse(this.taken(address)) as T;
+  }
+
+  /** An object of the library; its error where there is none. */
+  made(address: number): number {
+    if (address === 0) throw new LibraryError(this.lastError());
+    return address;
+  }
+
+  /** What a call that says how it ended has to say. */
+  done(status: number): void {
+    if (status < 0) throw new LibraryError(this.lastError() || this.statusText(status));
+  }
+
+  /** Passes a text, ended by a zero, to a call. */
+  given<T>(text: string, call: (address: number, length: number) => T): T {
+    const utf8 = new TextEncoder().encode(text);
+    const address = this.raw.erard_memory_new(utf8.length + 1);
+    if (address === 0) throw new LibraryError("there is no memory left");
+    try {
+      this.bytes(address, utf8.length).set(utf8);
+      return call(address, utf8.length);
+    } finally {
+      this.raw.erard_memory_free(address, utf8.length + 1);
+    }
+  }
+
+  /** The instrument of a text, for a call; freed after it. */
+  withInstrument<T>(text: string, call: (instrument: number) => T): T {
+    const instrument = this.made(this.given(text, (at, length) => this.raw.erard_instrument_new(at, length, 0)));
+    try {
+      return call(instrument);
+    } finally {
+      this.raw.erard_instrument_free(instrument);
+    }
+  }
+}

@@ -1,0 +1,247 @@
+// One action that is played: stepped, watched, and its last second kept.
+import { type Library, LibraryError } from "./library";
+import { Ring } from "./ring";
+import type { Events, Pose, Scene } from "./protocol";
+
+/** Length of a step, s: `erard press` takes the same. */
+export const STEP_S = 50e-6;
+/** What is kept, s: the last second, and enough before it that a press which swings out for long is still there from its beginning. */
+const KEPT_S = 3;
+/** Bytes of ErardReading and ErardEvents. */
+const READING_BYTES = 88;
+const EVENTS = [
+  "key_start_s", "toe_contact_s", "let_off_s", "blow_s", "blow_m_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_blow_s",
+] as const;
+
+/** What drives a key in a step. */
+export type Drive =
+  | { kind: "free" }
+  | { kind: "force"; force_n: number }
+  | { kind: "finger"; position_m: number; velocity_m_s: number }
+  | { kind: "stroke" };
+
+/** Numbers at the head of a row of the ring: then the angles, then five of every zone. */
+const HEAD = 5;
+
+export class Played {
+  readonly scene: Scene;
+  readonly ring: Ring;
+  private readonly instrument: number;
+  private readonly action: number;
+  private readonly watch: number;
+  private readonly reading: number;
+  private readonly events: number;
+  private readonly numbers: number;
+  private readonly bodies: number;
+  private readonly zones: number;
+  private stroke = 0;
+  strokeLeft_s = 0;
+  private blowsBefore = 0;
+  /** Steps that reached an iteration limit. */
+  limited = 0;
+
+  /** @param firmness_n_m how firm the fingertip is, N/m; its damping goes with it. */
+  constructor(private readonly library: Library, text: string, firmness_n_m: number) {
+    const { raw } = library;
+    this.instrument = library.made(library.given(text, (at, length) => raw.erard_instrument_new(at, length, 0)));
+    this.reading = raw.erard_memory_new(READING_BYTES);
+    this.events = raw.erard_memory_new(8 * EVENTS.length);
+    try {
+      this.scene = library.json<Scene>(raw.erard_scene(this.instrument, 0, 0));
+      this.firm(firmness_n_m);
+      this.action = library.made(raw.erard_action_of(this.instrument, STEP_S, 0));
+    } catch (error) {
+      raw.erard_instrument_free(this.instrument);
+      throw error;
+    }
+    this.watch = library.made(raw.erard_watch_new(this.instrument, 0));
+    library.done(raw.erard_keep_contacts(this.action));
+    this.bodies = raw.erard_body_count(this.action);
+    this.zones = raw.erard_zone_count(this.action);
+    this.numbers = raw.erard_memory_new(8 * (this.bodies + 5 * this.zones));
+    this.ring = new Ring(HEAD + this.bodies + 5 * this.zones, Math.round(KEPT_S / STEP_S));
+    library.done(raw.erard_read(this.action, this.reading));
+    this.keep();
+  }
+
+  /** A fingertip is as soft as the file says, in the proportion of its spring to its damper. */
+  private firm(firmness_n_m: number): void {
+    const { raw } = this.library;
+    const number = (path: string) =>
+      this.library.given(path, (at) => (raw.erard_instrument_get(this.instrument, at, 0, this.reading) < 0 ? NaN : this.library.f64(this.reading, 1)[0]!));
+    const stiffness = number("finger.stiffness_N_per_m"), damping = number("finger.damping_N_s_per_m");
+    // What has no fingertip in its file is pressed by the usual one.
+    if (!(stiffness > 0)) return;
+    const set = (path: string, value: number) =>
+      this.library.given(path, (at) => this.library.done(raw.erard_instrument_set(this.instrument, at, 0, value)));
+    set("finger.stiffness_N_per_m", firmness_n_m);
+    if (damping >= 0) set("finger.damping_N_s_per_m", (damping * firmness_n_m) / stiffness);
+  }
+
+  free(): void {
+    const { raw } = this.library;
+    this.endStroke();
+    raw.erard_watch_free(this.watch);
+    raw.erard_action_free(this.action);
+    raw.erard_instrument_free(this.instrument);
+    raw.erard_memory_free(this.reading, READING_BYTES);
+    raw.erard_memory_free(this.events, 8 * EVENTS.length);
+    raw.erard_memory_free(this.numbers, 8 * (this.bodies + 5 * this.zones));
+  }
+
+  /** A press begins: its instants are looked for. */
+  begin(): void {
+    this.blowsBefore = this.blows;
+    this.library.done(this.library.raw.erard_watch_again(this.watch));
+    this.library.done(this.library.raw.erard_watch_look(this.watch, this.action));
+  }
+
+  beginStroke(stroke: { nuance: string; struck: boolean } | { csv: string }): void {
+    const { raw } = this.library;
+    this.endStroke();
+    this.stroke = this.library.made(
+      "csv" in stroke
+        ? this.library.given(stroke.csv, (at, length) => raw.erard_stroke_new(this.instrument, at, length, 0))
+        : this.library.given(stroke.nuance, (at) => raw.erard_stroke_builtin(this.instrument, at, stroke.struck ? 1 : 0, 0)),
+    );
+    this.strokeLeft_s = raw.erard_stroke_duration(this.stroke);
+    this.begin();
+  }
+
+  endStroke(): void {
+    if (this.stroke) this.library.raw.erard_stroke_free(this.stroke);
+    this.stroke = 0;
+    this.strokeLeft_s = 0;
+  }
+
+  /** One step, kept and watched. */
+  step(drive: Drive): void {
+    const { raw } = this.library;
+    let status: number;
+    if (drive.kind === "finger") status = raw.erard_step_motion(this.action, drive.position_m, drive.velocity_m_s, this.reading);
+    else if (drive.kind === "force") status = raw.erard_step_force(this.action, drive.force_n, this.reading);
+    else if (drive.kind === "stroke" && this.stroke) {
+      status = raw.erard_step_stroke(this.action, this.stroke, this.reading);
+      this.strokeLeft_s -= STEP_S;
+      if (this.strokeLeft_s <= 0) this.endStroke();
+    } else status = raw.erard_step_free(this.action, this.reading);
+    if (status < 0) throw new LibraryError(this.library.statusText(status));
+    this.limited += status > 0 ? 1 : 0;
+    raw.erard_watch_look(this.watch, this.action);
+    this.keep();
+  }
+
+  private keep(): void {
+    const { library, bodies, zones, numbers } = this;
+    library.raw.erard_angles(this.action, numbers, bodies);
+    library.raw.erard_contacts(this.action, numbers + 8 * bodies, 5 * zones);
+    const [time, key, , finger, , hammer, speed, string] = library.f64(this.reading, 10) as unknown as number[];
+    const row = this.ring.push(time!);
+    row[0] = key!;
+    row[1] = hammer!;
+    row[2] = finger!;
+    row[3] = string!;
+    row[4] = speed!;
+    row.set(library.f64(numbers, bodies + 5 * zones), HEAD);
+  }
+
+  get rests(): boolean {
+    return this.library.raw.erard_rests(this.action) === 1;
+  }
+
+  get time_s(): number {
+    return this.library.f64(this.reading, 1)[0]!;
+  }
+
+  get blows(): number {
+    return this.library.u32(this.reading + 80, 1)[0]!;
+  }
+
+  get blow_m_s(): number {
+    return this.library.f64(this.reading, 10)[9]!;
+  }
+
+  get key_m(): number {
+    return this.library.f64(this.reading, 2)[1]!;
+  }
+
+  get peakFinger_n(): number {
+    return this.library.f64(this.reading, 4)[3]!;
+  }
+
+  seen(): Events {
+    this.library.done(this.library.raw.erard_watch_read(this.watch, this.events));
+    const values = this.library.f64(this.events, EVENTS.length);
+    const blows = this.blows - this.blowsBefore;
+    return { ...(Object.fromEntries(EVENTS.map((name, index) => [name, values[index]!])) as unknown as Events), blows };
+  }
+
+  /** How it stood at a time, straight between rows; now where none is given. */
+  pose(time: number | null): Pose {
+    const { ring, bodies } = this;
+    const index = time === null ? ring.length - 1 : ring.find(time);
+    const row = ring.row(index), next = ring.row(Math.min(index + 1, ring.length - 1));
+    const from = ring.timeOf(index), to = ring.timeOf(Math.min(index + 1, ring.length - 1));
+    const share = time === null || to <= from ? 0 : Math.min(Math.max((time - from) / (to - from), 0), 1);
+    const mixed = Float32Array.from(row, (value, k) => value + share * (next[k]! - value));
+    // A contact that is in one of the two rows only keeps its place and direction.
+    for (let k = HEAD + bodies; k < row.length; k += 5) {
+      const known = row[k]! > 0 ? row : next;
+      if (!(row[k]! > 0 && next[k]! > 0)) for (let j = 1; j < 5; j++) mixed[k + j] = known[k + j]!;
+    }
+    return {
+      time_s: time === null ? from : from + share * (to - from),
+      key_m: mixed[0]!, hammer_m: mixed[1]!, finger_n: mixed[2]!, string_n: mixed[3]!, hammer_m_s: mixed[4]!,
+      angles: mixed.slice(HEAD, HEAD + bodies),
+      contacts: mixed.slice(HEAD + bodies),
+    };
+  }
+
+  /** Key (mm), hammer (mm), finger (N) and string (N) at so many instants; of forces the largest since the instant before, so that no blow is lost. */
+  curves(times: Float64Array): Float64Array[] {
+    const out = [0, 1, 2, 3].map(() => new Float64Array(times.length).fill(NaN));
+    const [first, last] = this.ring.span;
+    let before = -1;
+    times.forEach((time, n) => {
+      if (time < first - 1e-9 || time > last + 1e-9) return;
+      const index = this.ring.find(time);
+      out[0]![n] = 1e3 * this.ring.at(index, 0);
+      out[1]![n] = 1e3 * this.ring.at(index, 1);
+      let finger = this.ring.at(index, 2), string = this.ring.at(index, 3);
+      for (let k = before + 1; before >= 0 && k < index; k++) {
+        finger = Math.max(finger, this.ring.at(k, 2));
+        string = Math.max(string, this.ring.at(k, 3));
+      }
+      out[2]![n] = finger;
+      out[3]![n] = string;
+      before = index;
+    });
+    return out;
+  }
+
+  save(): Uint8Array<ArrayBuffer> {
+    const { raw } = this.library;
+    const size = raw.erard_memory_new(8);
+    raw.erard_save(this.action, 0, size);
+    const bytes = this.library.u32(size, 1)[0]!;
+    const at = raw.erard_memory_new(bytes);
+    const status = raw.erard_save(this.action, at, size);
+    const saved = this.library.bytes(at, bytes).slice();
+    raw.erard_memory_free(at, bytes);
+    raw.erard_memory_free(size, 8);
+    this.library.done(status);
+    return saved as Uint8Array<ArrayBuffer>;
+  }
+
+  restore(saved: Uint8Array): void {
+    const { raw } = this.library;
+    const at = raw.erard_memory_new(saved.length);
+    this.library.bytes(at, saved.length).set(saved);
+    const status = raw.erard_restore(this.action, at, saved.length);
+    raw.erard_memory_free(at, saved.length);
+    this.library.done(status);
+    raw.erard_read(this.action, this.reading);
+    this.ring.clear();
+    this.keep();
+  }
+}

@@ -1,0 +1,133 @@
+// What page and workers say to each other. Lengths in m, forces in N, times in s, unless a name says otherwise.
+import type { ArrowLaw, Hinge } from "../../../crates/erard-figures/src/page/moving.js";
+
+/** What erard_scene tells of an instrument. */
+export interface Scene {
+  name: string;
+  shapes: string;
+  gradients: string;
+  bodies: (Hinge & { name: string; angle: number })[];
+  zones: { name: string; label: string; sign: number; unseen: boolean }[];
+  press: { body: number; point: number[] } | null;
+  labels: { text: string; piece: number; at: number[] }[];
+  arrow: ArrowLaw;
+  views: { whole: number[]; close: number[] | null };
+}
+
+/** The instants of a press; NaN for what has not happened. */
+export interface Events {
+  key_start_s: number;
+  toe_contact_s: number;
+  let_off_s: number;
+  blow_s: number;
+  blow_m_s: number;
+  key_bottom_s: number;
+  check_s: number;
+  free_flight_s: number;
+  key_bottom_after_blow_s: number;
+  /** Blows since the press began. */
+  blows: number;
+}
+
+/** An action at an instant: angles of its bodies, rad; of every zone force, point and normal. */
+export interface Pose {
+  time_s: number;
+  key_m: number;
+  hammer_m: number;
+  finger_n: number;
+  string_n: number;
+  hammer_m_s: number;
+  angles: Float32Array;
+  contacts: Float32Array;
+}
+
+/** A blow that was just struck. */
+export interface Blow {
+  action: number;
+  time_s: number;
+  speed_m_s: number;
+}
+
+/** What presses the key: the fingertip somewhere (null: lifted), or a force that grows and fades within milliseconds. */
+export type Touch = { kind: "finger"; position_m: number | null } | { kind: "force"; force_n: number };
+
+export type Stroke = { nuance: string; struck: boolean } | { csv: string; name: string };
+
+export type ToPlayer =
+  | { kind: "open"; module: WebAssembly.Module }
+  | { kind: "load"; id: number; texts: string[]; firmness_n_m: number; keep: boolean }
+  | { kind: "stroke"; stroke: Stroke }
+  | { kind: "stop" }
+  | { kind: "rest" }
+  | { kind: "frame"; wall_ms: number; touch: Touch; at_s: number | null; curves: { from: number; to: number; points: number } | null }
+  | { kind: "restore" };
+
+export type FromPlayer =
+  | { kind: "ready"; version: string }
+  | { kind: "loaded"; id: number; scenes: Scene[] }
+  | { kind: "refused"; id: number; which: number; message: string }
+  | { kind: "no-stroke"; message: string }
+  | {
+      kind: "frame"; wall_ms: number; poses: Pose[]; events: Events[]; span: [number, number]; blows: Blow[]; resting: boolean; striking: boolean;
+      limited: number; cost_ms: number; steps: number; curves: { times: Float64Array; series: Float64Array[][] } | null;
+    }
+  | { kind: "fault"; message: string }
+  | { kind: "restored"; scenes: Scene[] };
+
+/** A slider of erard_dials. */
+export interface Dial {
+  name: string;
+  label: string;
+  note: string;
+  group: string;
+  unit: string;
+  decimals: number;
+  value: number;
+  from: number;
+  to: number;
+}
+
+export interface SheetGroup {
+  heading: string;
+  lines: { key: string; label: string; unit: string; decimals: number; usual: [number | null, number | null]; source: string | null }[];
+}
+
+export interface Check {
+  kind: string;
+  sound: boolean;
+  name: string | null;
+  errors: { line: number; column: number; key: string; message: string; found: string; expected: string; begin: number; end: number; text: string }[];
+}
+
+export interface Regulated {
+  all_met: boolean;
+  goals: { goal: string; unit: string; asked: number; before: number | null; after: number | null; met: boolean; why_not: string | null }[];
+  screws: { screw: string; unit: string; from: number; to: number; turned_by: number; turns: number | null; way: string }[];
+  file: string;
+}
+
+export type Task =
+  | { kind: "builtin" }
+  | { kind: "base"; of: { builtin: string } | { key: number } | { text: string } }
+  | { kind: "turned"; text: string; turns: Record<string, number> }
+  | { kind: "dials"; text: string }
+  | { kind: "sheet"; key: number }
+  | { kind: "check"; text: string }
+  | { kind: "try"; text: string }
+  | { kind: "measure"; text: string; lines: string }
+  | { kind: "regulate"; text: string };
+
+export type ToWorkshop = { kind: "open"; module: WebAssembly.Module } | { kind: "task"; id: number; task: Task };
+export type FromWorkshop =
+  | { kind: "ready" }
+  | { kind: "done"; id: number; answer: unknown }
+  | { kind: "failed"; id: number; message: string; fault: boolean };
+
+/** How keys of the keyboard are pressed: key, from 1, and force, N; 0 lets go. */
+export type ToKeys =
+  | { kind: "open"; module: WebAssembly.Module }
+  | { kind: "frame"; wall_ms: number; forces: [number, number][] };
+export type FromKeys =
+  | { kind: "ready"; keys: number; took_ms: number }
+  | { kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_s: number }[]; awake: number; steps: number; cost_ms: number }
+  | { kind: "fault"; message: string };

@@ -1,0 +1,55 @@
+// A worker for what takes its time: files checked, sheets measured, screws turned. The player never waits for it.
+import { Library, LibraryError } from "./library";
+import type { FromWorkshop, Task, ToWorkshop } from "./protocol";
+
+let library: Library;
+const say = (message: FromWorkshop) => postMessage(message);
+
+const answer = (task: Task): unknown => {
+  const { raw } = library;
+  const textOf = (instrument: number): string => {
+    try {
+      return library.taken(raw.erard_instrument_text(instrument, 0, 0));
+    } finally {
+      raw.erard_instrument_free(instrument);
+    }
+  };
+  switch (task.kind) {
+    case "builtin":
+      return library.json(raw.erard_builtin(0, 0));
+    case "base": {
+      if ("text" in task.of) return task.of.text;
+      if ("key" in task.of) return textOf(library.made(raw.erard_instrument_of_key(task.of.key, 0)));
+      return textOf(library.made(library.given(task.of.builtin, (at) => raw.erard_instrument_builtin(at, 0))));
+    }
+    case "turned":
+      return library.withInstrument(task.text, (base) =>
+        textOf(library.made(library.given(JSON.stringify(task.turns), (at) => raw.erard_turned(base, at, 0)))));
+    case "dials":
+      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_dials(instrument, 0, 0)));
+    case "sheet":
+      return library.json(raw.erard_sheet(task.key, 0, 0));
+    case "check":
+      return library.given(task.text, (at, length) => library.json(raw.erard_check(at, length, 0, 0)));
+    case "try":
+      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_try(instrument, 0, 0)));
+    case "measure":
+      return library.withInstrument(task.text, (instrument) =>
+        library.given(task.lines, (at) => library.json(raw.erard_measure(instrument, at, 0, 0, 0, 0))));
+    case "regulate":
+      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_regulate(instrument, 0, 0, 0, 0, 0)));
+  }
+};
+
+addEventListener("message", async ({ data }: MessageEvent<ToWorkshop>) => {
+  if (data.kind === "open") {
+    library = await Library.open(data.module);
+    return say({ kind: "ready" });
+  }
+  try {
+    say({ kind: "done", id: data.id, answer: answer(data.task) });
+  } catch (error) {
+    const fault = !(error instanceof LibraryError);
+    say({ kind: "failed", id: data.id, message: error instanceof Error ? error.message : String(error), fault });
+  }
+});

@@ -1,0 +1,550 @@
+// The studio: what the panels share. It owns the state, the workers and the clock of frames, and knows nothing of the panels' insides.
+import type { Dial, Events, FromPlayer, Pose, Scene, Stroke, ToPlayer, Touch } from "../engine/protocol";
+import { Bench, Dropped } from "./bench";
+import { CurvePanel } from "./curves";
+import { byId, fixed, later, say } from "./dom";
+import { Picture } from "./picture";
+import { type Base, FIRST, fromHash, same, type Setting, type State, toHash } from "./state";
+
+/** What is known of an action that is played. */
+export interface Loaded {
+  setting: Setting;
+  /** The file before any dial is turned, and as it is. */
+  baseText: string;
+  text: string;
+  dials: Dial[];
+}
+
+type Frame = Extract<FromPlayer, { kind: "frame" }>;
+
+/** How much of the past the curves and the slider show, s. */
+const SHOWN_S = 1;
+/** What is shown before a key starts, s. */
+const BEFORE_S = 0.03;
+/** The curves show no less than this, s. */
+const LEAST_SHOWN_S = 0.1;
+/** How many points a curve has. */
+const POINTS = 600;
+/** How often curves are drawn, ms. */
+const CURVES_MS = 60;
+/** Without an answer for so long the worker is taken to hang, ms. */
+const PATIENCE_MS = 10_000;
+
+export class App {
+  state: State = structuredClone(FIRST);
+  loaded: Loaded[] = [];
+  scenes: Scene[] = [];
+  builtin: string[] = [];
+  readonly pictures: Picture[] = [];
+  private readonly curves = new CurvePanel(byId("curves"));
+  private player!: Worker;
+  readonly bench: Bench;
+  private past: State[] = [];
+  private future: State[] = [];
+  private loadId = 0;
+  private waitingFor: ((refused: { which: number; message: string } | null) => void) | null = null;
+  private touch: Touch = { kind: "finger", position_m: null };
+  /** The instant that is looked at; null is now. */
+  private at_s: number | null = null;
+  private playing = false;
+  private speed = 1 / 50;
+  private span: [number, number] = [0, 0];
+  private asked_ms: number | null = null;
+  private drawn_ms = 0;
+  private curves_ms = 0;
+  private needed = true;
+  private broken = false;
+  private latest: Frame | null = null;
+  /** For tests: how long frames and steps took. */
+  readonly timing = { frames: [] as number[], costs: [] as number[], steps: [] as number[] };
+
+  /** Told when the state or what is loaded has changed; when a frame is there; when the action came to rest. */
+  readonly onchange: (() => void)[] = [];
+  readonly onframe: ((frame: Frame) => void)[] = [];
+  readonly onfault: ((message: string) => void)[] = [];
+  readonly onrefused: ((which: number, message: string) => void)[] = [];
+
+  readonly keysTiming: [number, number, number][] = [];
+
+  constructor(readonly engine: WebAssembly.Module) {
+    this.bench = new Bench(engine);
+    this.startPlayer();
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ the player
+
+  private startPlayer(): void {
+    this.player?.terminate();
+    this.player = new Worker(new URL("../engine/player.worker.ts", import.meta.url), { type: "module" });
+    this.player.onmessage = ({ data }: MessageEvent<FromPlayer>) => this.hear(data);
+    this.player.onerror = (event) => this.fail(event.message || "the engine's worker failed");
+    this.tell({ kind: "open", module: this.engine });
+    this.asked_ms = null;
+  }
+
+  private tell(message: ToPlayer): void {
+    this.player.postMessage(message);
+  }
+
+  private hear(message: FromPlayer): void {
+    switch (message.kind) {
+      case "ready":
+        return;
+      case "loaded":
+        if (message.id !== this.loadId) return;
+        this.struck = this.replayNext = false;
+        this.at_s = null;
+        this.playing = false;
+        this.show(message.scenes);
+        this.waitingFor?.(null);
+        return;
+      case "refused":
+        if (message.id === this.loadId) this.waitingFor?.(message);
+        return;
+      case "no-stroke":
+        say(message.message);
+        this.notice(message.message);
+        return;
+      case "restored":
+        this.broken = false;
+        byId("fault").hidden = true;
+        this.show(message.scenes);
+        this.wake();
+        say("Restored.");
+        return;
+      case "fault":
+        return this.fail(message.message);
+      case "frame":
+        this.asked_ms = null;
+        this.take(message);
+    }
+  }
+
+  /** Says what went wrong in the engine, with a button that goes back to what was good. */
+  private fail(message: string): void {
+    this.broken = true;
+    this.asked_ms = null;
+    const place = byId("fault");
+    const again = document.createElement("button");
+    again.type = "button";
+    again.textContent = "Restore the last good state";
+    again.addEventListener("click", () => this.recover());
+    place.replaceChildren(`The engine has stopped: ${message}. `, again);
+    place.hidden = false;
+    this.onfault.forEach((told) => told(message));
+  }
+
+  private recover(): void {
+    // A worker that still answers restores itself; one that hangs is replaced, and begins at rest.
+    this.tell({ kind: "restore" });
+    const hung = setTimeout(() => {
+      this.startPlayer();
+      this.broken = false;
+      byId("fault").hidden = true;
+      void this.reload();
+    }, 3000);
+    const heard = ({ data }: MessageEvent<FromPlayer>) => {
+      if (data.kind === "restored") clearTimeout(hung);
+    };
+    this.player.addEventListener("message", heard);
+  }
+
+  notice(message: string | null): void {
+    const place = byId("notice");
+    place.textContent = message ?? "";
+    place.hidden = !message;
+  }
+
+  // ------------------------------------------------------------------------------------------------------------- pictures
+
+  private show(scenes: Scene[]): void {
+    const another = scenes.length !== this.scenes.length || this.state.beside !== this.pictures.length > 1;
+    this.scenes = scenes;
+    const beside = this.state.beside && scenes.length > 1;
+    const wanted = beside ? 2 : 1;
+    const place = byId("pictures");
+    byId("pictures").querySelector(".first")?.remove();
+    while (this.pictures.length > wanted) this.pictures.pop()!.svg.remove();
+    while (this.pictures.length < wanted) {
+      const picture = new Picture(place, this.pictures.length ? "Action B" : "The action", { press: (down_m) => this.press(down_m) });
+      picture.onview = (view) => this.pictures.forEach((other) => other !== picture && other.look(view, true));
+      this.pictures.push(picture);
+    }
+    const all = scenes.map((scene, index) => ({ scene, index }));
+    this.pictures.forEach((picture, index) => {
+      picture.arrows = byId<HTMLInputElement>("arrows").checked;
+      picture.naming = byId<HTMLInputElement>("naming").checked;
+      picture.show(beside ? [all[index]!] : all, scenes.length > 1 && !beside, !another);
+    });
+    place.classList.toggle("beside", beside);
+    for (const two of document.querySelectorAll<HTMLElement>(".two")) two.hidden = scenes.length < 2;
+    byId<HTMLInputElement>("beside").checked = beside;
+    byId("name-a").textContent = `A: ${this.title(0)}`;
+    byId("name-b").textContent = `B: ${this.title(1)}`;
+    this.wake();
+  }
+
+  /** What tells an action from the other. */
+  title(which: number): string {
+    const one = this.loaded[which];
+    if (!one) return "";
+    const { base, turns } = one.setting;
+    const of = "builtin" in base ? base.builtin : "key" in base ? `key ${base.key}` : (this.scenes[which]?.name ?? "a file");
+    const turned = Object.keys(turns).length;
+    return turned ? `${of}, ${turned} turned` : of;
+  }
+
+  get names(): string[] {
+    return this.scenes.length > 1 ? ["A", "B"] : ["A"];
+  }
+
+  // --------------------------------------------------------------------------------------------------------------- frames
+
+  /** A frame is wanted: something may move. */
+  wake(): void {
+    this.needed = true;
+    this.woken = true;
+  }
+  /** Since the last frame that was asked for: what that one says of rest is out of date. */
+  private woken = false;
+
+  private take(frame: Frame): void {
+    this.latest = frame;
+    const [, end] = frame.span;
+    const start = frame.events[0]?.key_start_s ?? NaN;
+    const wanted = Number.isFinite(start) ? Math.min(end - SHOWN_S, start - BEFORE_S) : end - SHOWN_S;
+    this.span = [Math.max(frame.span[0], wanted), end];
+    for (const picture of this.pictures) picture.draw(frame.poses);
+    this.timing.costs.push(frame.cost_ms);
+    this.timing.steps.push(frame.steps);
+    if (frame.curves) this.curves.draw(frame.curves, this.names, this.difference, this.at_s);
+    this.onframe.forEach((told) => told(frame));
+    if (frame.striking) this.struck = true;
+    else if (this.struck) {
+      this.struck = false;
+      if (this.replayNext) this.replay(true, null);
+      this.replayNext = false;
+    }
+    this.transport(frame);
+    // While nothing happens nothing is asked for.
+    if (frame.resting && frame.curves && !this.woken && !this.playing && this.at_s === null) this.needed = false;
+  }
+
+  difference = false;
+  private struck = false;
+
+  private readonly tick = (now: number): void => {
+    requestAnimationFrame(this.tick);
+    if (this.drawn_ms) this.timing.frames.push(now - this.drawn_ms);
+    if (this.timing.frames.length > 20_000) for (const list of Object.values(this.timing)) list.splice(0, 10_000);
+    const passed_s = this.drawn_ms ? Math.min((now - this.drawn_ms) / 1e3, 0.1) : 0;
+    this.drawn_ms = now;
+    if (this.broken || !this.scenes.length) return;
+    if (this.asked_ms !== null) {
+      if (now - this.asked_ms > PATIENCE_MS) this.fail("it does not answer");
+      return;
+    }
+    if (!this.needed) {
+      // The clock of what rests stands still: the next frame begins anew.
+      return;
+    }
+    if (this.playing && this.at_s !== null) {
+      const next = this.at_s + passed_s * this.speed;
+      this.at_s = next > this.span[1] ? this.span[0] : next;
+    }
+    const [from, to] = this.span;
+    // Curves follow more slowly than the picture, and are drawn once more where everything has come to rest.
+    const draws = now - this.curves_ms > CURVES_MS || this.latest?.resting === true;
+    if (draws) this.curves_ms = now;
+    const curves = draws ? { from: Math.min(from, to - LEAST_SHOWN_S), to, points: POINTS } : null;
+    this.asked_ms = now;
+    this.woken = false;
+    this.tell({ kind: "frame", wall_ms: now, touch: this.touch, at_s: this.at_s, curves });
+  };
+
+  private transport(frame: Frame): void {
+    const slider = byId<HTMLInputElement>("time"), clock = byId("clock");
+    const [from, to] = this.span;
+    slider.min = String(from);
+    slider.max = String(Math.max(to, from + 1e-6));
+    slider.value = String(this.at_s ?? to);
+    const at = this.at_s ?? to;
+    const start = frame.events[0]?.key_start_s;
+    const since = start !== undefined && Number.isFinite(start) ? start : to;
+    const text = this.at_s === null ? (frame.resting ? "at rest" : "now") : `${fixed(1e3 * (at - since), 2)} ms`;
+    clock.textContent = text;
+    slider.setAttribute("aria-valuetext", this.at_s === null ? text : `${text} from the key's start`);
+    byId("live").setAttribute("aria-pressed", String(this.at_s === null));
+    byId("replay").setAttribute("aria-pressed", String(this.playing));
+    byId("replay").textContent = this.playing ? "Pause" : "Replay";
+  }
+
+  get events(): Events[] {
+    return this.latest?.events ?? [];
+  }
+
+  get poses(): Pose[] {
+    return this.latest?.poses ?? [];
+  }
+
+  /** The first blow of the last press, m/s. */
+  blowOf(which: number): number | undefined {
+    const speed = this.events[which]?.blow_m_s;
+    return Number.isFinite(speed) ? speed : undefined;
+  }
+
+  // ------------------------------------------------------------------------------------------------------------- pressing
+
+  /** The finger, so far below where it touched the key, m; null lifts it. */
+  press(down_m: number | null): void {
+    this.goLive();
+    this.touch = { kind: "finger", position_m: down_m === null ? null : Math.min(Math.max(down_m, -0.005), 0.095) };
+    if (down_m !== null) document.getElementById("hint")?.remove();
+    this.begin();
+  }
+
+  /** A finger that presses with so much, N; 0 lifts it. */
+  push(force_n: number): void {
+    this.goLive();
+    this.touch = { kind: "force", force_n };
+    document.getElementById("hint")?.remove();
+    this.begin();
+  }
+
+  stroke(stroke: Stroke): void {
+    this.goLive();
+    this.notice(null);
+    this.touch = { kind: "finger", position_m: null };
+    this.tell({ kind: "stroke", stroke });
+    document.getElementById("hint")?.remove();
+    this.begin();
+  }
+
+  /** Lets go of everything: no finger, no stroke, no looking back. */
+  letGo(): void {
+    this.struck = this.replayNext = false;
+    this.touch = { kind: "finger", position_m: null };
+    this.tell({ kind: "stop" });
+    this.goLive();
+    this.begin();
+  }
+
+  private begin(): void {
+    if (!this.needed) this.tell({ kind: "rest" });
+    this.wake();
+  }
+
+  goLive(): void {
+    if (this.at_s === null) return;
+    this.at_s = null;
+    this.playing = false;
+    this.tell({ kind: "rest" });
+    this.wake();
+  }
+
+  /** Plays the last second again, from its beginning or from where one is. */
+  replay(on = !this.playing, from: number | null = null): void {
+    this.playing = on;
+    if (on) {
+      const start = this.events[0]?.key_start_s;
+      const first = start !== undefined && start > this.span[0] ? Math.max(start - 0.005, this.span[0]) : this.span[0];
+      this.at_s = from ?? (this.at_s === null || this.at_s >= this.span[1] ? first : this.at_s);
+    }
+    this.wake();
+  }
+
+  private replayNext = false;
+
+  /** Once the stroke that is played is over, it is shown again slowly. */
+  replayWhenOver(): void {
+    this.replayNext = true;
+  }
+
+  seek(time: number): void {
+    this.playing = false;
+    this.at_s = Math.min(Math.max(time, this.span[0]), this.span[1]);
+    this.wake();
+  }
+
+  setSpeed(speed: number): void {
+    this.speed = speed;
+  }
+
+  // ---------------------------------------------------------------------------------------------------------------- state
+
+  /** Begins with what the address asks for. */
+  async start(): Promise<void> {
+    this.builtin = (await this.bench.ask<{ instruments: string[] }>({ kind: "builtin" })).instruments;
+    const { state, fault } = await fromHash(location.hash);
+    this.state = state;
+    let said = fault;
+    if (!(await this.reload())) {
+      said ??= `The address asks for what cannot be had: ${this.refused?.message}`;
+      this.state = structuredClone(FIRST);
+      await this.reload();
+    }
+    this.notice(said);
+    addEventListener("hashchange", () => void this.follow());
+    requestAnimationFrame(this.tick);
+  }
+
+  private async follow(): Promise<void> {
+    if (location.hash.replace(/^#/, "") === this.written) return;
+    const { state, fault } = await fromHash(location.hash);
+    await this.change(state);
+    if (fault) this.notice(fault);
+  }
+
+  private written = "";
+  private readonly remember = later(250, async () => {
+    this.written = await toHash(this.state);
+    history.replaceState(null, "", this.written ? `#${this.written}` : location.pathname + location.search);
+  });
+
+  async link(): Promise<string> {
+    return `${location.href.split("#")[0]}#${await toHash(this.state)}`;
+  }
+
+  get canUndo(): boolean {
+    return this.past.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.future.length > 0;
+  }
+
+  /** Goes to another state. Changes of the same `gesture` that follow each other are undone as one. */
+  async change(change: Partial<State>, gesture: string | null = null): Promise<boolean> {
+    const before = this.state;
+    const next = { ...this.state, ...change };
+    if (same(before, next)) return true;
+    const instruments = !same([before.a, before.b, before.firmness], [next.a, next.b, next.firmness]);
+    this.state = next;
+    if (instruments) {
+      const goes = gesture !== null && gesture === this.gesture;
+      if (!goes) this.past.push(before);
+      if (this.past.length > 200) this.past.shift();
+      this.future = [];
+      this.gesture = gesture;
+    } else if (before.beside !== next.beside) this.show(this.scenes);
+    this.remember();
+    if (instruments) return this.reload();
+    this.onchange.forEach((told) => told());
+    return true;
+  }
+  private gesture: string | null = null;
+
+  async undo(): Promise<void> {
+    const to = this.past.pop();
+    if (!to) return;
+    this.future.push(this.state);
+    await this.goTo(to);
+  }
+
+  async redo(): Promise<void> {
+    const to = this.future.pop();
+    if (!to) return;
+    this.past.push(this.state);
+    await this.goTo(to);
+  }
+
+  private async goTo({ a, b, firmness }: State): Promise<void> {
+    this.gesture = null;
+    this.state = { ...this.state, a, b, firmness };
+    this.remember();
+    await this.reload();
+  }
+
+  /** Turns a dial of an action; where it has it already, takes the turn back. */
+  turn(which: number, name: string, value: number | null): Promise<boolean> {
+    const setting = which ? this.state.b! : this.state.a;
+    const turns = { ...setting.turns };
+    if (value === null) delete turns[name];
+    else turns[name] = value;
+    const changed: Setting = { ...setting, turns };
+    return this.change(which ? { b: changed } : { a: changed }, `${which}:${name}`);
+  }
+
+  setBase(which: number, base: Base): Promise<boolean> {
+    const setting: Setting = { base, turns: {} };
+    return this.change(which ? { b: setting } : { a: setting });
+  }
+
+  private reloading: Promise<boolean> | null = null;
+  private stale = false;
+
+  /** Loads what the state says into the player: the last one asked for, where several are. */
+  private reload(): Promise<boolean> {
+    this.stale = true;
+    this.reloading ??= (async () => {
+      let sound = true;
+      while (this.stale) {
+        this.stale = false;
+        sound = await this.load();
+      }
+      this.reloading = null;
+      return sound;
+    })();
+    return this.reloading;
+  }
+
+  private readonly bases = new Map<string, Promise<{ text: string; dials: Dial[] }>>();
+
+  /** A file without turns, and its dials. */
+  private base(base: Base): Promise<{ text: string; dials: Dial[] }> {
+    const key = JSON.stringify(base);
+    let known = this.bases.get(key);
+    if (!known) {
+      known = (async () => {
+        const text = await this.bench.ask<string>({ kind: "base", of: base });
+        return { text, dials: await this.bench.ask<Dial[]>({ kind: "dials", text }) };
+      })();
+      if (this.bases.size > 40) this.bases.clear();
+      this.bases.set(key, known);
+      known.catch(() => this.bases.delete(key));
+    }
+    return known;
+  }
+
+  private async load(): Promise<boolean> {
+    const { a, b, firmness } = this.state;
+    const settings = b ? [a, b] : [a];
+    const loaded: Loaded[] = [];
+    for (const [which, setting] of settings.entries()) {
+      try {
+        const { text: baseText, dials } = await this.base(setting.base);
+        const turned = Object.keys(setting.turns).length > 0;
+        const text = turned ? await this.bench.ask<string>({ kind: "turned", text: baseText, turns: setting.turns }) : baseText;
+        loaded.push({ setting, baseText, text, dials });
+      } catch (error) {
+        if (error instanceof Dropped) return false;
+        return this.refuse(which, (error as Error).message);
+      }
+    }
+    const id = ++this.loadId;
+    const was = this.loaded;
+    this.loaded = loaded;
+    const refused = await new Promise<{ which: number; message: string } | null>((resolve) => {
+      this.waitingFor = resolve;
+      this.tell({ kind: "load", id, texts: loaded.map(({ text }) => text), firmness_n_m: 1e3 * firmness, keep: true });
+    });
+    if (refused) {
+      this.loaded = was;
+      return this.refuse(refused.which, refused.message);
+    }
+    this.notice(null);
+    this.refused = null;
+    this.onchange.forEach((told) => told());
+    return true;
+  }
+
+  /** Why what is asked for does not work; what was there before goes on. */
+  refused: { which: number; message: string } | null = null;
+
+  private refuse(which: number, message: string): boolean {
+    this.refused = { which, message };
+    this.onrefused.forEach((told) => told(which, message));
+    this.onchange.forEach((told) => told());
+    return false;
+  }
+}

@@ -1,0 +1,261 @@
+// The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
+import type { FromKeys } from "../engine/protocol";
+import type { App } from "./app";
+import { fixed, h, say } from "./dom";
+
+const NAMES = ["C", "C\u266f", "D", "D\u266f", "E", "F", "F\u266f", "G", "G\u266f", "A", "A\u266f", "B"];
+/** Key 1 is the lowest A. */
+const nameOf = (key: number): string => `${NAMES[(key + 8) % 12]}${Math.floor((key + 8) / 12)}`;
+const isSharp = (key: number): boolean => [1, 3, 6, 8, 10].includes((key + 8) % 12);
+/** The computer's keys, as they lie: two rows are an octave and a half, from middle C. */
+const ROWS = ["KeyZ", "KeyS", "KeyX", "KeyD", "KeyC", "KeyV", "KeyG", "KeyB", "KeyH", "KeyN", "KeyJ", "KeyM", "Comma", "KeyL", "Period", "Semicolon", "Slash"];
+const UPPER = ["KeyQ", "Digit2", "KeyW", "Digit3", "KeyE", "KeyR", "Digit5", "KeyT", "Digit6", "KeyY", "Digit7", "KeyU", "KeyI", "Digit9", "KeyO", "Digit0", "KeyP"];
+const MIDDLE_C = 40;
+/** How hard a finger presses at a key's back and at its front edge, N. */
+const SOFT_N = 1.2, HARD_N = 18;
+/** What the drawing counts as a full dip and a full blow, m. */
+const DIP_M = 0.0105, BLOW_M = 0.048;
+const KEYS = 88;
+
+type Frame = Extract<FromKeys, { kind: "frame" }>;
+
+export const keyboardPanel = (app: App, into: HTMLElement): void => {
+  const canvas = h("canvas", { class: "keys", tabindex: 0, id: "keys", role: "application", "aria-label": "88 keys. Two rows of the computer's keys play from middle C; arrow keys choose a key, space presses it." });
+  const chosen = h("output", { id: "chosen" });
+  const told = h("p", { class: "quiet", id: "keys-said" }, "The 88 actions are made ready \u2026");
+  const list = h("ol", { class: "blows", id: "blows" });
+  const open = h("button", { type: "button", id: "open-key" }, "Look inside");
+  let worker: Worker | null = null;
+  let ready = false, waiting = false;
+  let frame: Frame | null = null;
+  let key = MIDDLE_C;
+  let changed = new Map<number, number>();
+  /** Who holds which key: pointers and computer keys. */
+  const held = new Map<string, number>();
+  const struck = new Float64Array(KEYS + 1);
+
+  const start = async () => {
+    if (worker) return;
+    worker = new Worker(new URL("../engine/keys.worker.ts", import.meta.url), { type: "module" });
+    worker.onmessage = ({ data }: MessageEvent<FromKeys>) => {
+      if (data.kind === "ready") {
+        ready = true;
+        told.textContent = "";
+      } else if (data.kind === "fault") {
+        ready = false;
+        told.textContent = `The keyboard has stopped: ${data.message}.`;
+        told.append(" ", h("button", { type: "button", onclick: () => restart() }, "Start it again"));
+      } else take(data);
+    };
+    worker.postMessage({ kind: "open", module: app.engine });
+  };
+  const restart = () => {
+    worker?.terminate();
+    worker = null;
+    ready = waiting = false;
+    held.clear();
+    changed.clear();
+    void start();
+  };
+  const take = (data: Frame) => {
+    waiting = false;
+    frame = data;
+    const now = performance.now();
+    for (const blow of data.blows) {
+      struck[blow.key] = now;
+      list.prepend(h("li", {}, `${nameOf(blow.key)} ${fixed(blow.speed_m_s, 2)} m/s`));
+    }
+    while (list.children.length > 8) list.lastChild!.remove();
+    if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);
+    if (app.keysTiming.length > 5000) app.keysTiming.splice(0, 2500);
+    const load = data.steps ? (data.cost_ms / (data.steps * 0.05)) * 100 : 0;
+    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time` : "All keys rest, and cost nothing.";
+    draw();
+  };
+
+  const press = (who: string, which: number | null, force: number) => {
+    const was = held.get(who);
+    if (was !== undefined && was !== which) {
+      held.delete(who);
+      if (![...held.values()].includes(was)) changed.set(was, 0);
+    }
+    if (which !== null) {
+      held.set(who, which);
+      changed.set(which, force);
+    }
+  };
+
+  // ------------------------------------------------------------------------------------------------------------- drawing
+  const whites = Array.from({ length: KEYS }, (_, n) => n + 1).filter((one) => !isSharp(one));
+  /** Where a screen is too narrow for fingers on all 88, so many white keys are shown, from the one that the buttons choose. */
+  const narrow = () => canvas.clientWidth > 0 && canvas.clientWidth < 640;
+  let first = whites.indexOf(MIDDLE_C) - 3;
+  const layout = () => {
+    const { width, height } = canvas;
+    const count = narrow() ? 15 : whites.length, from = narrow() ? first : 0;
+    const white = width / count, top = height * 0.42;
+    return { width, height, white, from, top, black: white * 0.62, blackDown: top + (height - top) * 0.6 };
+  };
+  const placeOf = (which: number): [number, number] => {
+    const { white, black, from } = layout();
+    if (!isSharp(which)) return [(whites.indexOf(which) - from) * white, white];
+    return [(whites.indexOf(which - 1) - from + 1) * white - black / 2, black];
+  };
+  const shift = (by: number) => {
+    first = Math.min(Math.max(first + by, 0), whites.length - 15);
+    draw();
+  };
+  const lower = h("button", { type: "button", onclick: () => shift(-7) }, "\u25c0 octave"), higher = h("button", { type: "button", onclick: () => shift(7) }, "octave \u25b6");
+  const octaves = h("div", { class: "row" }, lower, higher);
+  const draw = () => {
+    const context = canvas.getContext("2d");
+    const bounds = canvas.getBoundingClientRect();
+    if (!context || bounds.width === 0) return;
+    const scale = devicePixelRatio || 1;
+    const [w, tall] = [Math.round(bounds.width * scale), Math.round(bounds.height * scale)];
+    if (canvas.width !== w || canvas.height !== tall) [canvas.width, canvas.height] = [w, tall];
+    octaves.hidden = !narrow();
+    const { width, height, top, blackDown } = layout();
+    const style = getComputedStyle(canvas);
+    const ink = (name: string) => style.getPropertyValue(name).trim();
+    context.fillStyle = ink("--paper");
+    context.fillRect(0, 0, width, height);
+    // Hammers rise to their strings.
+    const string = top * 0.12, rest = top * 0.88;
+    context.strokeStyle = ink("--soft");
+    context.lineWidth = scale;
+    context.beginPath();
+    context.moveTo(0, string);
+    context.lineTo(width, string);
+    context.stroke();
+    const now = performance.now();
+    for (const sharps of [false, true]) {
+      for (let which = 1; which <= KEYS; which++) {
+        if (isSharp(which) !== sharps) continue;
+        const [x, wide] = placeOf(which);
+        const depth = frame ? Math.min(Math.max(frame.key_m[which - 1]! / DIP_M, 0), 1.2) : 0;
+        const down = depth * 5 * scale, bottom = sharps ? blackDown : height;
+        context.fillStyle = sharps ? mix([38, 36, 34], [120, 70, 40], depth) : mix([252, 250, 245], [236, 190, 120], depth);
+        context.fillRect(x + 0.5 * scale, top, wide - scale, bottom - top - 6 * scale + down);
+        if (!sharps) {
+          context.fillStyle = "#b9b2a4";
+          context.fillRect(x + wide - 0.5 * scale, top, scale, bottom - top);
+        }
+        context.fillStyle = sharps ? "#000" : "#c9c2b4";
+        context.fillRect(x + 0.5 * scale, bottom - 6 * scale + down, wide - scale, 3 * scale);
+        if (which === key) {
+          context.strokeStyle = ink("--accent");
+          context.lineWidth = 2.5 * scale;
+          context.strokeRect(x + 2 * scale, top + 2 * scale, wide - 4 * scale, bottom - top - 8 * scale);
+          context.lineWidth = scale;
+        }
+        const rise = frame ? frame.hammer_m[which - 1]! / BLOW_M : 0;
+        const y = rest + (string - rest) * Math.min(Math.max(rise, 0), 1.05);
+        const glow = Math.max(0, 1 - (now - struck[which]!) / 400);
+        const middle = x + wide / 2;
+        context.strokeStyle = ink("--grid-strong");
+        context.beginPath();
+        context.moveTo(middle, rest + 4 * scale);
+        context.lineTo(middle, y);
+        context.stroke();
+        context.fillStyle = struck[which]! > 0 && glow > 0 ? mix([208, 52, 44], [150, 140, 120], 1 - glow) : ink("--hammer");
+        context.beginPath();
+        context.ellipse(middle, y + 4 * scale, Math.max(wide * 0.3, 1.5 * scale), 5 * scale, 0, 0, 7);
+        context.fill();
+      }
+    }
+    context.fillStyle = "#6a655d";
+    context.font = `${10 * scale}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    if (layout().white > 13 * scale) for (const which of whites) if (nameOf(which).startsWith("C")) context.fillText(nameOf(which), placeOf(which)[0] + layout().white / 2, height - 12 * scale);
+  };
+  const mix = (from: number[], to: number[], share: number) => `rgb(${from.map((one, k) => Math.round(one + (to[k]! - one) * Math.min(share, 1))).join(" ")})`;
+
+  const hit = (event: PointerEvent): { which: number; force: number } | null => {
+    const bounds = canvas.getBoundingClientRect();
+    const x = ((event.clientX - bounds.left) / bounds.width) * canvas.width, y = ((event.clientY - bounds.top) / bounds.height) * canvas.height;
+    const { top, blackDown, white, height, from } = layout();
+    if (y < top || y > height) return null;
+    const strength = (back: number, front: number) => SOFT_N * (HARD_N / SOFT_N) ** Math.min(Math.max((y - back) / (front - back), 0), 1);
+    if (y < blackDown) {
+      for (let which = 1; which <= KEYS; which++) {
+        const [left, wide] = placeOf(which);
+        if (isSharp(which) && x >= left && x < left + wide) return { which, force: strength(top, blackDown) };
+      }
+    }
+    const which = whites[Math.floor(x / white) + from];
+    return which === undefined ? null : { which, force: strength(top, height) };
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    const at = hit(event);
+    if (!at) return;
+    canvas.setPointerCapture(event.pointerId);
+    choose(at.which, false);
+    press(`pointer ${event.pointerId}`, at.which, at.force);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!held.has(`pointer ${event.pointerId}`)) return;
+    const at = hit(event);
+    if (at) press(`pointer ${event.pointerId}`, at.which, at.force);
+  });
+  for (const over of ["pointerup", "pointercancel"] as const) canvas.addEventListener(over, (event) => press(`pointer ${event.pointerId}`, null, 0));
+  const choose = (which: number, aloud = true) => {
+    key = Math.min(Math.max(which, 1), KEYS);
+    const at = whites.indexOf(isSharp(key) ? key - 1 : key);
+    if (at < first || at >= first + 15) first = Math.min(Math.max(at - 7, 0), whites.length - 15);
+    chosen.textContent = `${nameOf(key)}, key ${key}`;
+    if (aloud) say(`${nameOf(key).replace("\u266f", " sharp ")}, key ${key}`);
+    draw();
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const steps: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -12, ArrowUp: 12 };
+    const lower = ROWS.indexOf(event.code), upper = UPPER.indexOf(event.code);
+    if (event.key in steps) choose(key + steps[event.key]!);
+    else if (event.key === " ") event.repeat || press("space", key, app.state.force);
+    else if (event.key === "Enter") open.click();
+    else if (lower >= 0) event.repeat || press(event.code, MIDDLE_C - 12 + lower, app.state.force);
+    else if (upper >= 0) event.repeat || press(event.code, MIDDLE_C + upper, app.state.force);
+    else return;
+    event.preventDefault();
+  });
+  canvas.addEventListener("keyup", (event) => press(event.key === " " ? "space" : event.code, null, 0));
+  canvas.addEventListener("blur", () => [...held.keys()].forEach((who) => press(who, null, 0)));
+  open.addEventListener("click", () => void app.change({ a: { base: { key }, turns: {} }, tab: "play" }));
+  const ten = h("button", { type: "button", id: "ten" }, "Ten keys at once");
+  ten.addEventListener("click", () => {
+    const chord = [16, 20, 23, 28, 32, 40, 44, 47, 52, 56];
+    chord.forEach((which, n) => press(`ten ${n}`, which, 8));
+    setTimeout(() => chord.forEach((_, n) => press(`ten ${n}`, null, 0)), 1500);
+  });
+
+  into.append(
+    h("p", {}, "Every key is an action of its own, from heavy bass hammers to light treble ones. Press near the front edge to play loud, further back to play softly."),
+    canvas,
+    octaves,
+    h("div", { class: "row" }, chosen, open, ten),
+    told,
+    h("h2", {}, "Blows"),
+    list,
+    h("p", { class: "quiet" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " and ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " play two octaves and a half; the force is that of the Play panel."),
+  );
+  choose(MIDDLE_C, false);
+  const tick = (now: number) => {
+    if (app.state.tab === "keyboard") {
+      if (ready && !waiting) {
+        waiting = true;
+        worker!.postMessage({ kind: "frame", wall_ms: now, forces: [...changed] });
+        changed = new Map();
+      }
+    }
+    requestAnimationFrame(tick);
+  };
+  requestAnimationFrame(tick);
+  new ResizeObserver(draw).observe(canvas);
+  app.onchange.push(() => {
+    if (app.state.tab === "keyboard") {
+      void start();
+      draw();
+    }
+  });
+};

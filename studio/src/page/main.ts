@@ -1,0 +1,150 @@
+// The page: gets the engine, and puts panels and keys to work.
+import "uplot/dist/uPlot.min.css";
+import { App } from "./app";
+import { byId, h, say } from "./dom";
+import { comparePanel } from "./compare";
+import { filePanel } from "./file";
+import { keyboardPanel } from "./keyboard";
+import { learnPanel } from "./learn";
+import { numbers } from "./numbers";
+import { playPanel } from "./play";
+import { screwsPanel } from "./screws";
+
+/** The engine's bytes, packed or not, whatever a server makes of them. */
+const engine = async (): Promise<WebAssembly.Module> => {
+  const answer = await fetch(new URL("engine.bin", document.baseURI));
+  if (!answer.ok) throw new Error(`the engine could not be had: ${answer.status}`);
+  const bytes = new Uint8Array(await answer.arrayBuffer());
+  if (bytes[0] !== 0x1f) return WebAssembly.compile(bytes);
+  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "Content-Type": "application/wasm" } }));
+};
+
+const SPEEDS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+
+const begin = async (): Promise<void> => {
+  const app = new App(await engine());
+  const on = (id: string, act: () => void) => byId(id).addEventListener("click", act);
+  const pictures = (act: (picture: App["pictures"][number]) => void) => app.pictures.forEach(act);
+  on("whole", () => pictures((picture) => picture.lookWhole()));
+  on("close-up", () => pictures((picture) => picture.lookClose()));
+  on("zoom-in", () => pictures((picture) => picture.zoom(0.8)));
+  on("zoom-out", () => pictures((picture) => picture.zoom(1.25)));
+  on("undo", () => void app.undo());
+  on("redo", () => void app.redo());
+  on("live", () => app.goLive());
+  on("replay", () => app.replay());
+  on("link", async () => {
+    const link = await app.link();
+    history.replaceState(null, "", link);
+    try {
+      await navigator.clipboard.writeText(link);
+      say("The link is copied.");
+      byId("link").textContent = "Copied";
+    } catch {
+      byId("link").textContent = "In the address";
+    }
+    setTimeout(() => (byId("link").textContent = "Copy link"), 2000);
+  });
+  for (const id of ["arrows", "naming"] as const) {
+    byId<HTMLInputElement>(id).addEventListener("change", ({ target }) => {
+      pictures((picture) => {
+        picture[id] = (target as HTMLInputElement).checked;
+        picture.draw(app.poses);
+      });
+    });
+  }
+  byId<HTMLInputElement>("beside").addEventListener("change", ({ target }) => void app.change({ beside: (target as HTMLInputElement).checked }));
+  const speed = byId<HTMLSelectElement>("speed");
+  for (const slower of SPEEDS) speed.add(new Option(slower === 1 ? "real time" : `1/${slower}`, String(1 / slower)));
+  speed.value = String(1 / 50);
+  speed.addEventListener("change", () => app.setSpeed(Number(speed.value)));
+  const time = byId<HTMLInputElement>("time");
+  time.addEventListener("input", () => app.seek(Number(time.value)));
+
+  const instrument = byId<HTMLSelectElement>("instrument");
+  instrument.addEventListener("change", () => void app.setBase(0, { builtin: instrument.value }));
+
+  // Panels, one at a time.
+  const panels = [
+    { id: "play", title: "Play", make: playPanel },
+    { id: "screws", title: "Screws", make: screwsPanel },
+    { id: "file", title: "File", make: filePanel },
+    { id: "compare", title: "Compare", make: comparePanel },
+    { id: "keyboard", title: "Keyboard", make: keyboardPanel },
+    { id: "learn", title: "Learn", make: learnPanel },
+  ];
+  const tabs = document.querySelector(".tabs")!;
+  const made = panels.map(({ id, title, make }) => {
+    const tab = h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, onclick: () => void app.change({ tab: id }) }, title);
+    tabs.append(tab);
+    const panel = h("div", { role: "tabpanel", id: `panel-${id}`, "aria-labelledby": `tab-${id}`, tabindex: 0 });
+    byId("panels").append(panel);
+    make(app, panel);
+    return { id, tab, panel };
+  });
+  const show = () => {
+    if (!made.some(({ id }) => id === app.state.tab)) app.state.tab = "play";
+    for (const { id, tab, panel } of made) {
+      const chosen = id === app.state.tab;
+      tab.setAttribute("aria-selected", String(chosen));
+      tab.tabIndex = chosen ? 0 : -1;
+      panel.hidden = !chosen;
+    }
+    const { base } = app.state.a;
+    const own = "builtin" in base ? [] : [new Option("key" in base ? `key ${base.key} of the keyboard` : "a file of yours", "")];
+    instrument.replaceChildren(...own, ...app.builtin.map((name) => new Option(name, name)));
+    instrument.value = "builtin" in base ? base.builtin : "";
+    document.body.className = app.state.tab;
+    byId<HTMLButtonElement>("undo").disabled = !app.canUndo;
+    byId<HTMLButtonElement>("redo").disabled = !app.canRedo;
+  };
+  tabs.addEventListener("keydown", (event) => {
+    const key = (event as KeyboardEvent).key;
+    const now = made.findIndex(({ id }) => id === app.state.tab);
+    const next = key === "ArrowRight" ? now + 1 : key === "ArrowLeft" ? now - 1 : key === "Home" ? 0 : key === "End" ? made.length - 1 : null;
+    if (next === null) return;
+    event.preventDefault();
+    const to = made[(next + made.length) % made.length]!;
+    void app.change({ tab: to.id });
+    to.tab.focus();
+  });
+  app.onchange.unshift(show);
+  numbers(app, byId("numbers"));
+
+  // Keys. The space bar is a finger, unless the focus is on something that takes it itself.
+  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input, textarea, select, button, [role=tab], summary, .keys");
+  window.addEventListener("keydown", (event) => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !(event.target instanceof HTMLTextAreaElement)) {
+      event.preventDefault();
+      void (event.shiftKey ? app.redo() : app.undo());
+      return;
+    }
+    if (event.ctrlKey || event.altKey || event.metaKey || takes(event.target)) return;
+    if (event.key === " " || event.key === "Enter") {
+      event.preventDefault();
+      if (!event.repeat) app.push(app.state.force);
+    } else if (event.key === "r") app.replay();
+    else if (event.key === "l") app.goLive();
+    else if (event.key === "0") pictures((picture) => picture.lookWhole());
+    else if (event.key === "9") pictures((picture) => picture.lookClose());
+    else if (event.key === "+") pictures((picture) => picture.zoom(0.8));
+    else if (event.key === "-") pictures((picture) => picture.zoom(1.25));
+  });
+  window.addEventListener("keyup", (event) => {
+    if ((event.key === " " || event.key === "Enter") && !takes(event.target)) app.push(0);
+  });
+  addEventListener("blur", () => app.push(0));
+  // For tests.
+  Object.assign(window, { studio: app });
+  await app.start();
+  show();
+  document.documentElement.dataset.ready = "true";
+};
+
+begin().catch((error: unknown) => {
+  const place = byId("fault");
+  place.textContent = `The studio cannot begin: ${error instanceof Error ? error.message : error}`;
+  place.hidden = false;
+});
+if ("serviceWorker" in navigator && import.meta.env.PROD) void navigator.serviceWorker.register("./sw.js").catch(() => {});

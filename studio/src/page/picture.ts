@@ -1,0 +1,291 @@
+// The picture of one or two actions: moved, pushed at by arrows, named, zoomed, and grasped by the key.
+import {
+  arrowOf, carry, element, freePlace, layNames, move, movingIn, newtons, placeBodies, STILL,
+} from "../../../crates/erard-figures/src/page/moving.js";
+import type { Frame, Moving, Name } from "../../../crates/erard-figures/src/page/moving.js";
+import type { Pose, Scene } from "../engine/protocol";
+
+interface Shown {
+  scene: Scene;
+  /** Which it is of all that are played: its tint. */
+  index: number;
+  group: SVGElement;
+  moving: Moving[];
+  placed: Frame[];
+  finger: { path: SVGElement; text: SVGElement };
+  zones: ({ path: SVGElement; text: SVGElement } | null)[];
+  pose: Pose | null;
+}
+
+interface Label extends Name {
+  moving: Moving | undefined;
+  at: number[];
+  leader: SVGElement;
+  end: SVGElement;
+  label: SVGElement;
+}
+
+/** [left, top, width, height], mm of the picture. */
+export type View = [number, number, number, number];
+const boxOf = (view: number[]): View => [view[0]!, view[1]!, view[2]! - view[0]!, view[3]! - view[1]!];
+
+export interface Grasp {
+  /** A finger is put on the key, moves it down by so much from where it was put down, m, or leaves it. */
+  press(down_m: number | null): void;
+}
+
+/** How far apart the wanted and the shown view may be, as a share of the view. */
+const CLOSE = 1e-3;
+
+export class Picture {
+  readonly svg: SVGSVGElement;
+  private shown: Shown[] = [];
+  private labels: Label[] = [];
+  private forces!: SVGElement;
+  private numbers!: SVGElement;
+  private names!: SVGElement;
+  private parts!: SVGElement;
+  private view: View = [0, 0, 1, 1];
+  private whole: View = [0, 0, 1, 1];
+  private close: View | null = null;
+  private pixel = 0.4;
+  private layout = "";
+  private fingers = new Map<number, { from: number[]; key: boolean }>();
+  arrows = true;
+  naming = false;
+  onview: (view: View) => void = () => {};
+
+  constructor(into: Element, private readonly title: string, private readonly grasp: Grasp) {
+    this.svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    this.svg.setAttribute("class", "action");
+    this.svg.setAttribute("role", "img");
+    this.svg.setAttribute("preserveAspectRatio", "xMidYMid meet");
+    into.append(this.svg);
+    this.listen();
+    new ResizeObserver(() => this.redraw()).observe(this.svg);
+  }
+
+  /** Shows other actions: numbers of those that are played, and their scenes. */
+  show(actions: { index: number; scene: Scene }[], tinted: boolean, keepView: boolean): void {
+    this.svg.replaceChildren();
+    this.svg.setAttribute("aria-label", `${this.title}: ${actions.map(({ scene }) => scene.name).join(" and ")}`);
+    const defs = element("defs", {}, this.svg);
+    defs.innerHTML = actions[0]?.scene.gradients ?? "";
+    this.parts = element("g", {}, this.svg);
+    this.names = element("g", { class: "names" }, this.svg);
+    this.forces = element("g", { class: "forces" }, this.svg);
+    this.numbers = element("g", { class: "numbers" }, this.svg);
+    this.shown = actions.map(({ index, scene }) => {
+      const tint = tinted ? ` a${index}` : "";
+      const group = element("g", { class: `one${tint}` }, this.parts);
+      group.innerHTML = scene.shapes;
+      const arrow = (kind: string) => ({
+        path: element("path", { class: `arrow ${kind}${tint}` }, this.forces),
+        text: element("text", { class: `newton ${kind}${tint}`, "text-anchor": "middle" }, this.numbers),
+      });
+      const key = scene.press?.body;
+      const pressed = new Set(key === undefined ? [] : [key, scene.bodies[key]?.parent ?? key]);
+      for (const part of group.querySelectorAll<SVGElement>("[data-body]")) {
+        if (pressed.has(Number(part.dataset.body))) part.classList.add("key");
+      }
+      return {
+        scene, index, group, moving: movingIn(group), placed: [], pose: null, finger: arrow("touch"),
+        zones: scene.zones.map((zone) => (zone.unseen ? null : arrow("contact"))),
+      };
+    });
+    const first = this.shown[0];
+    const pieces = first ? [...first.group.querySelectorAll(".parts > path")] : [];
+    this.labels = (first?.scene.labels ?? []).map(({ text, piece, at }) => {
+      const leader = element("path", { class: "leader" }, this.names), end = element("circle", { class: "leader-end" }, this.names);
+      const label = element("text", { class: "label", "text-anchor": "middle" }, this.names);
+      label.textContent = text;
+      const moving = first!.moving.find((one) => one.element === pieces[piece]);
+      return { text, at, moving, leader, end, label, anchor: [0, 0], wide: 0, row: 0, x: 0, y: 0, from: 0, placed: false };
+    });
+    this.layout = "";
+    const boxes = actions.map(({ scene }) => scene.views);
+    const around = (views: number[][]): View =>
+      boxOf([Math.min(...views.map((v) => v[0]!)), Math.min(...views.map((v) => v[1]!)), Math.max(...views.map((v) => v[2]!)), Math.max(...views.map((v) => v[3]!))]);
+    if (boxes.length) {
+      this.whole = around(boxes.map(({ whole }) => whole));
+      const near = boxes.map(({ close }) => close).filter((close) => close !== null);
+      this.close = near.length ? around(near) : null;
+    }
+    if (!keepView || this.view[2] === 1) this.view = this.whole;
+    this.look(this.view, true);
+  }
+
+  /** Moves everything to where it is. */
+  draw(poses: Pose[]): void {
+    for (const one of this.shown) {
+      const pose = poses[one.index];
+      if (!pose || pose.angles.length !== one.scene.bodies.length) continue;
+      one.pose = pose;
+      one.placed = placeBodies(one.scene.bodies, (body) => pose.angles[body]!);
+      move(one.moving, one.placed);
+    }
+    this.push();
+    this.name();
+  }
+
+  private redraw(): void {
+    this.measure();
+    this.push();
+    this.name();
+  }
+
+  private measure(): void {
+    const matrix = this.svg.getScreenCTM();
+    if (!matrix || !(matrix.a > 0)) return;
+    this.pixel = 1 / matrix.a;
+    this.svg.style.setProperty("--px", String(this.pixel));
+  }
+
+  private push(): void {
+    const shafts: number[][][] = [], taken: number[][] = [];
+    const numbered: { text: SVGElement; force: number; shaft: number[][]; law: Scene["arrow"] }[] = [];
+    const draw = (one: Shown, arrow: { path: SVGElement; text: SVGElement }, force: { x: number; y: number; ux: number; uy: number; force: number }) => {
+      const law = one.scene.arrow;
+      const visible = this.arrows && force.force >= law.drawn;
+      arrow.path.style.display = visible ? "" : "none";
+      arrow.text.style.display = "none";
+      if (!visible) return;
+      const { path, shaft } = arrowOf(law, force);
+      arrow.path.setAttribute("d", path);
+      shafts.push(shaft);
+      numbered.push({ text: arrow.text, force: force.force, shaft, law });
+    };
+    for (const one of this.shown) {
+      const { pose, scene, placed } = one;
+      if (!pose) continue;
+      if (scene.press) {
+        const [x, y] = carry(placed[scene.press.body]!, scene.press.point);
+        draw(one, one.finger, { x: x!, y: y!, ux: 0, uy: 1, force: pose.finger_n });
+      }
+      one.zones.forEach((arrow, zone) => {
+        if (!arrow) return;
+        const [force, x, y, nx, ny] = pose.contacts.subarray(5 * zone, 5 * zone + 5);
+        const sign = scene.zones[zone]!.sign;
+        draw(one, arrow, { x: 1e3 * x!, y: 1e3 * y!, ux: sign * nx!, uy: -sign * ny!, force: force! });
+      });
+    }
+    for (const { text, force, shaft, law } of numbered) {
+      if (force < law.labelled) continue;
+      const label = newtons(force);
+      const place = freePlace(shaft, 7.6 * label.length * this.pixel, 13 * this.pixel, shafts, taken, this.pixel);
+      if (!place) continue;
+      taken.push(place);
+      text.style.display = "";
+      text.textContent = label;
+      text.setAttribute("x", ((place[0]! + place[2]!) / 2).toFixed(2));
+      text.setAttribute("y", (place[3]! - 2.6 * this.pixel).toFixed(2));
+    }
+  }
+
+  private name(): void {
+    this.names.style.display = this.naming ? "" : "none";
+    if (!this.naming) return;
+    const matrix = this.svg.getScreenCTM(), frame = this.svg.getBoundingClientRect();
+    if (!matrix) return;
+    const [left, top, wide, tall] = this.view;
+    const inside = this.labels.filter((label) => {
+      const [x, y] = carry(label.moving?.frame ?? STILL, label.at);
+      label.anchor = [x!, -y!];
+      return x! > left && x! < left + wide && -y! > top && -y! < top + tall;
+    });
+    const layout = `${this.view} ${this.pixel} ${inside.map(({ text }) => text)}`;
+    if (layout !== this.layout) {
+      this.layout = layout;
+      // The element shows more than the view box where their shapes differ.
+      const at = (x: number, y: number) => [(x - matrix.e) / matrix.a, (y - matrix.f) / matrix.d];
+      for (const label of this.labels) label.placed = false;
+      layNames(inside, [...at(frame.left, frame.top), ...at(frame.right, frame.bottom)], this.pixel);
+    }
+    for (const label of this.labels) {
+      const shown = label.placed && inside.includes(label);
+      for (const part of [label.leader, label.end, label.label]) part.style.display = shown ? "" : "none";
+      if (!shown) continue;
+      const [x, y] = label.anchor;
+      label.leader.setAttribute("d", `M${label.x.toFixed(2)} ${label.from.toFixed(2)}L${x!.toFixed(2)} ${y!.toFixed(2)}`);
+      label.leader.setAttribute("stroke-width", this.pixel.toFixed(3));
+      label.end.setAttribute("cx", x!.toFixed(2));
+      label.end.setAttribute("cy", y!.toFixed(2));
+      label.end.setAttribute("r", (2 * this.pixel).toFixed(3));
+      label.label.setAttribute("x", label.x.toFixed(2));
+      label.label.setAttribute("y", label.y.toFixed(2));
+    }
+  }
+
+  /** Shows this view; one that is out of all proportion is not taken. */
+  look(to: View, quietly = false): void {
+    if (!to.every(Number.isFinite) || to[2] < 4 || to[2] > 4 * this.whole[2]) return;
+    const moved = to.some((value, k) => Math.abs(value - this.view[k]!) > CLOSE * this.view[2]);
+    this.view = to;
+    this.svg.setAttribute("viewBox", to.map((value) => value.toFixed(3)).join(" "));
+    this.redraw();
+    if (moved && !quietly) this.onview(to);
+  }
+
+  lookWhole(): void {
+    this.look(this.whole);
+  }
+
+  lookClose(): void {
+    this.look(this.close ?? this.whole);
+  }
+
+  get isWhole(): boolean {
+    return this.view.every((value, k) => Math.abs(value - this.whole[k]!) < CLOSE * this.whole[2]);
+  }
+
+  zoom(factor: number, x = this.view[0] + this.view[2] / 2, y = this.view[1] + this.view[3] / 2): void {
+    const [left, top, wide, tall] = this.view;
+    this.look([x + (left - x) * factor, y + (top - y) * factor, wide * factor, tall * factor]);
+  }
+
+  private at(event: { clientX: number; clientY: number }): number[] {
+    const matrix = this.svg.getScreenCTM()!;
+    return [(event.clientX - matrix.e) / matrix.a, (event.clientY - matrix.f) / matrix.d];
+  }
+
+  /** One finger on the key presses it, elsewhere it moves the picture; two zoom it. */
+  private listen(): void {
+    const { svg, fingers } = this;
+    svg.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      const [x, y] = this.at(event);
+      this.zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), x, y);
+    }, { passive: false });
+    svg.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      svg.setPointerCapture(event.pointerId);
+      const key = (event.target as Element).closest(".key") !== null && ![...fingers.values()].some((other) => other.key);
+      fingers.set(event.pointerId, { from: this.at(event), key });
+      svg.classList.toggle("grabbed", !key);
+      svg.classList.toggle("pressing", key);
+      if (key) this.grasp.press(0);
+    });
+    svg.addEventListener("pointermove", (event) => {
+      const finger = fingers.get(event.pointerId);
+      if (!finger) return;
+      const to = this.at(event), from = finger.from;
+      if (finger.key) return this.grasp.press(1e-3 * (to[1]! - from[1]!));
+      const [other] = [...fingers].filter(([id, one]) => id !== event.pointerId && !one.key).map(([, one]) => one.from);
+      if (other) {
+        const spread = (at: number[]) => Math.hypot(at[0]! - other[0]!, at[1]! - other[1]!);
+        this.zoom(Math.min(Math.max(spread(from) / Math.max(spread(to), 1e-3), 0.5), 2), other[0], other[1]);
+        finger.from = this.at(event);
+      } else this.look([this.view[0] + from[0]! - to[0]!, this.view[1] + from[1]! - to[1]!, this.view[2], this.view[3]]);
+    });
+    const over = (event: PointerEvent) => {
+      const finger = fingers.get(event.pointerId);
+      fingers.delete(event.pointerId);
+      if (finger?.key) this.grasp.press(null);
+      if (!fingers.size) svg.classList.remove("grabbed", "pressing");
+    };
+    svg.addEventListener("pointerup", over);
+    svg.addEventListener("pointercancel", over);
+    svg.addEventListener("dblclick", () => this.lookWhole());
+  }
+
+}

@@ -1,0 +1,94 @@
+// Play: how firm the finger is, how hard a key presses, strokes that are built in, and a recording that is dropped onto the page.
+import type { App } from "./app";
+import { fixed, h, say } from "./dom";
+
+/** A slider over decades: its place is the logarithm. */
+const decades = (label: string, unit: string, from: number, to: number, decimals: number, value: () => number, set: (value: number) => void) => {
+  const output = h("output");
+  const input = h("input", { type: "range", min: Math.log10(from), max: Math.log10(to), step: 0.01, "aria-label": label });
+  const show = () => {
+    input.value = String(Math.log10(value()));
+    output.textContent = `${fixed(value(), decimals)} ${unit}`;
+    input.setAttribute("aria-valuetext", output.textContent);
+  };
+  input.addEventListener("input", () => {
+    set(Number((10 ** Number(input.value)).toPrecision(2)));
+    show();
+  });
+  show();
+  return { row: h("label", { class: "slider" }, h("span", {}, label), output, input), show };
+};
+
+export const playPanel = (app: App, into: HTMLElement): void => {
+  const firm = decades("firmness of the fingertip", "N/mm", 0.1, 20, 2, () => app.state.firmness, (firmness) => void app.change({ firmness }, "firmness"));
+  const force = decades("force of a pressed key", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
+  const press = h("button", { type: "button", class: "press", id: "press" }, "Press");
+  const down = (event: PointerEvent) => {
+    press.setPointerCapture(event.pointerId);
+    app.push(app.state.force);
+  };
+  press.addEventListener("pointerdown", down);
+  for (const over of ["pointerup", "pointercancel"] as const) press.addEventListener(over, () => app.push(0));
+  press.addEventListener("keydown", (event) => {
+    if (event.key !== " " && event.key !== "Enter") return;
+    event.preventDefault();
+    if (!event.repeat) app.push(app.state.force);
+  });
+  press.addEventListener("keyup", () => app.push(0));
+
+  const strokes = h("div", { class: "strokes", role: "group", "aria-label": "Built-in strokes" });
+  for (const struck of [false, true]) {
+    const row = h("div", {}, h("span", {}, struck ? "struck" : "pressed"));
+    for (const nuance of ["pp", "p", "mf", "f", "ff"]) {
+      row.append(h("button", { type: "button", "aria-label": `${nuance}, ${struck ? "struck" : "pressed"}`, onclick: () => app.stroke({ nuance, struck }) }, nuance));
+    }
+    strokes.append(row);
+  }
+
+  const recorded = h("p", { class: "quiet", id: "recorded" });
+  let kept: { csv: string; name: string } | null = null;
+  const again = h("button", { type: "button", hidden: true, onclick: () => kept && app.stroke(kept) }, "Play it again");
+  const play = async (file: File) => {
+    if (file.size > 50_000_000) return app.notice(`${file.name} is larger than 50 MB; a stroke of some seconds is enough.`);
+    kept = { csv: await file.text(), name: file.name };
+    recorded.textContent = `${file.name}, ${Math.ceil(file.size / 1000)} kB`;
+    again.hidden = false;
+    app.stroke(kept);
+    say(`Plays ${file.name}.`);
+  };
+  const choose = h("input", { type: "file", accept: ".csv,.txt,text/csv,text/plain", class: "unseen", id: "recording", "aria-label": "Open a recorded stroke" });
+  choose.addEventListener("change", () => {
+    const file = choose.files?.[0];
+    choose.value = "";
+    if (file) void play(file);
+  });
+  // A file may be dropped anywhere: a stroke is played, an instrument is opened.
+  addEventListener("dragover", (event) => event.preventDefault());
+  window.addEventListener("drop", (event) => {
+    event.preventDefault();
+    const file = event.dataTransfer?.files[0];
+    if (!file) return;
+    if (/\.toml$/i.test(file.name)) void file.text().then((text) => document.dispatchEvent(new CustomEvent("instrument", { detail: text })));
+    else void play(file);
+  });
+
+  into.append(
+    h("p", {}, "Drag the key down in the picture: the pointer is the end of a soft fingertip. Or hold ", h("kbd", {}, "space"), ", or this:"),
+    press,
+    firm.row,
+    h("p", { class: "quiet" }, "Soft: the pointer goes far for little force. Firm: the key follows it."),
+    force.row,
+    h("h2", {}, "Strokes"),
+    strokes,
+    h("h2", {}, "A recording"),
+    h("p", { class: "quiet" }, "A CSV file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here."),
+    h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose.click() }, "Open a recording"), again, choose),
+    recorded,
+    h("h2", {}, "Looking back"),
+    h("p", { class: "quiet" }, "The last second is always kept, every step of it. ", h("kbd", {}, "R"), " replays it, ", h("kbd", {}, "L"), " goes back to now; drag the slider or the curves to look at an instant. Speeds go down to 1/1000."),
+  );
+  app.onchange.push(() => {
+    firm.show();
+    force.show();
+  });
+};

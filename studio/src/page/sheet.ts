@@ -1,0 +1,123 @@
+// The protocol sheet beside the screws: measured anew after every turn, line by line as they come, with what is usual.
+import type { SheetGroup } from "../engine/protocol";
+import type { App } from "./app";
+import { Dropped } from "./bench";
+import { fixed, h, later } from "./dom";
+
+/** Lines that are measured together, the cheap ones first: each costs what the others of its group have paid already. */
+const PARTS = [
+  ["dip_mm", "blow_mm", "let_off_mm", "drop_mm", "aftertouch_mm", "check_mm"],
+  ["repetition_rate_hz"],
+  ["effective_inertia_kg"],
+  ["down_weight_g", "up_weight_g", "balance_weight_g", "friction_weight_g", "strike_weight_ratio_weights", "strike_weight_g", "front_weight_g"],
+];
+/** In the order of the page. */
+const SHOWN = [
+  "down_weight_g", "up_weight_g", "balance_weight_g", "friction_weight_g", "strike_weight_ratio_weights", "effective_inertia_kg", "strike_weight_g", "front_weight_g",
+  "dip_mm", "blow_mm", "let_off_mm", "drop_mm", "aftertouch_mm", "check_mm", "repetition_rate_hz",
+];
+
+type Values = Record<string, number | null>;
+
+export class Sheet {
+  readonly table: HTMLTableElement;
+  private lines = new Map<string, SheetGroup["lines"][number]>();
+  private rows = new Map<string, { row: HTMLTableRowElement; now: HTMLTableCellElement; norm: HTMLElement; mark: HTMLElement }>();
+  private values: Values = {};
+  private text = "";
+  private readonly cache = new Map<string, Values>();
+  /** Whether it is looked at: what nobody sees is not measured. */
+  private seen = false;
+
+  constructor(private readonly app: App, private readonly which: number, private readonly group = `sheet-${which}`) {
+    this.table = h("table", { class: "sheet" }, h("caption", {}, "Protocol sheet"));
+    this.table.append(h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "measure"), h("th", { scope: "col" }, "now"), h("th", { scope: "col" }, "usual"))));
+    void this.build();
+  }
+
+  private async build(): Promise<void> {
+    const groups = await this.app.bench.ask<SheetGroup[]>({ kind: "sheet", key: 40 });
+    for (const line of groups.flatMap(({ lines }) => lines)) this.lines.set(line.key, line);
+    const body = h("tbody");
+    for (const key of SHOWN) {
+      const line = this.lines.get(key);
+      if (!line) continue;
+      const [low, high] = line.usual;
+      const number = (value: number) => fixed(value, line.decimals);
+      const usual = low !== null && high !== null ? `${number(low)}\u2013${number(high)}` : low !== null ? `from ${number(low)}` : high !== null ? `to ${number(high)}` : "";
+      const mark = h("span", { class: "mark" });
+      const norm = h("span", { class: "norm", "aria-hidden": "true", hidden: low === null || high === null }, h("span", { class: "range" }), mark);
+      const now = h("td");
+      const row = h("tr", { title: line.source ?? "" }, h("th", { scope: "row" }, line.label), now, h("td", {}, h("span", {}, usual), norm));
+      body.append(row);
+      this.rows.set(key, { row, now, norm, mark });
+    }
+    this.table.append(body);
+    this.show();
+  }
+
+  look(seen: boolean): void {
+    this.seen = seen;
+    if (seen) this.follow();
+    else this.app.bench.drop(this.group);
+  }
+
+  /** The text of the action that it belongs to may have changed. */
+  follow(): void {
+    const text = this.app.loaded[this.which]?.text;
+    if (!text || !this.seen) return;
+    if (text === this.text && PARTS.flat().every((key) => key in this.values)) return;
+    if (text !== this.text) {
+      this.text = text;
+      this.values = { ...(this.cache.get(text) ?? {}) };
+      this.show();
+    }
+    this.measure();
+  }
+
+  private readonly measure = later(120, () => {
+    const { app, group, text } = this;
+    app.bench.drop(group);
+    for (const part of PARTS) {
+      if (part.every((key) => key in this.values)) continue;
+      app.bench.ask<Values>({ kind: "measure", text, lines: part.join(",") }, group).then((values) => {
+        if (text !== this.text) return;
+        Object.assign(this.values, values);
+        if (this.cache.size > 60) this.cache.clear();
+        this.cache.set(text, { ...this.values });
+        this.show();
+      }).catch((error: Error) => {
+        if (error instanceof Dropped || text !== this.text) return;
+        for (const key of part) this.values[key] = null;
+        this.why = error.message;
+        this.show();
+      });
+    }
+  });
+
+  /** Why something could not be measured. */
+  why = "";
+  onmeasured: () => void = () => {};
+
+  private show(): void {
+    for (const [key, { row, now, norm, mark }] of this.rows) {
+      const line = this.lines.get(key)!, known = key in this.values, value = this.values[key];
+      row.classList.toggle("waiting", !known);
+      now.textContent = known ? `${fixed(value, line.decimals)} ${line.unit}`.trim() : "\u2026";
+      const [low, high] = line.usual;
+      const out = known && ((value === null && (low !== null || high !== null)) || (value !== null && value !== undefined && ((low !== null && value < low - 1e-9) || (high !== null && value > high + 1e-9))));
+      row.classList.toggle("out", out);
+      if (out) now.append(h("span", { class: "flag" }, value === null ? " none" : value! < (low ?? -Infinity) ? " low" : " high"));
+      if (low !== null && high !== null && value !== null && value !== undefined) {
+        const share = Math.min(Math.max((value - low) / (high - low), -0.5), 1.5);
+        mark.style.insetInlineStart = `${25 + 50 * share}%`;
+        norm.classList.add("known");
+      } else norm.classList.remove("known");
+    }
+    if (PARTS.flat().every((key) => key in this.values)) this.onmeasured();
+  }
+
+  get complete(): boolean {
+    return PARTS.flat().every((key) => key in this.values);
+  }
+}

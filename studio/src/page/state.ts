@@ -1,0 +1,105 @@
+// What the page shows, as one value: kept in the address, undone and redone.
+
+/** Where an action's file comes from. */
+export type Base = { builtin: string } | { key: number } | { text: string };
+/** A file, and the dials that were turned from where it has them. */
+export interface Setting {
+  base: Base;
+  turns: Record<string, number>;
+}
+
+export interface State {
+  a: Setting;
+  b: Setting | null;
+  beside: boolean;
+  tab: string;
+  scene: number;
+  /** How firm the fingertip is, N/mm. */
+  firmness: number;
+  /** How hard a computer key presses, N. */
+  force: number;
+}
+
+export const FIRST: State = {
+  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", scene: 0, firmness: 0.4, force: 5,
+};
+
+export const same = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
+
+const squeeze = async (text: string): Promise<string> => {
+  const stream = new Blob([text]).stream().pipeThrough(new CompressionStream("deflate-raw"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  let binary = "";
+  for (const byte of bytes) binary += String.fromCharCode(byte);
+  return btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+};
+
+/** Longest text that an address may hold once it is unpacked, bytes: a file is some 40 000. */
+const LONGEST = 2_000_000;
+
+const unsqueeze = async (text: string): Promise<string> => {
+  const binary = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
+  const bytes = Uint8Array.from(binary, (character) => character.charCodeAt(0));
+  const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader();
+  const decoder = new TextDecoder();
+  let out = "";
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return out + decoder.decode();
+    out += decoder.decode(value, { stream: true });
+    if (out.length > LONGEST) throw new Error("the file in the address is too long");
+  }
+};
+
+const written = async ({ base, turns }: Setting): Promise<string> => {
+  const of = "builtin" in base ? base.builtin : "key" in base ? `key:${base.key}` : `file:${await squeeze(base.text)}`;
+  return [of, ...Object.entries(turns).map(([name, value]) => `${name}:${Number(value.toPrecision(8))}`)].join(";");
+};
+
+const read = async (text: string): Promise<Setting> => {
+  const [of, ...changes] = text.split(";");
+  const turns: Record<string, number> = {};
+  for (const change of changes) {
+    const [name, value] = change.split(":");
+    if (name && Number.isFinite(Number(value))) turns[name] = Number(value);
+  }
+  if (of!.startsWith("file:")) return { base: { text: await unsqueeze(of!.slice(5)) }, turns };
+  if (of!.startsWith("key:")) return { base: { key: Number(of!.slice(4)) }, turns };
+  return { base: { builtin: of! }, turns };
+};
+
+/** The part of the address behind the #: what differs from the first state. */
+export const toHash = async (state: State): Promise<string> => {
+  const hash = new URLSearchParams();
+  if (!same(state.a, FIRST.a)) hash.set("a", await written(state.a));
+  if (state.b) hash.set("b", await written(state.b));
+  if (state.beside) hash.set("beside", "1");
+  if (state.tab !== FIRST.tab) hash.set("tab", state.tab);
+  if (state.tab === "learn" && state.scene) hash.set("scene", String(state.scene + 1));
+  if (state.firmness !== FIRST.firmness) hash.set("firm", String(state.firmness));
+  if (state.force !== FIRST.force) hash.set("force", String(state.force));
+  return hash.toString().replaceAll("%3A", ":").replaceAll("%3B", ";");
+};
+
+/** What an address asks for; what cannot be read in it is as at first, and said. */
+export const fromHash = async (text: string): Promise<{ state: State; fault: string | null }> => {
+  const hash = new URLSearchParams(text.replace(/^#/, ""));
+  const state: State = structuredClone(FIRST);
+  const number = (key: string, from: number, to: number, otherwise: number) => {
+    const value = Number(hash.get(key) ?? NaN);
+    return value >= from && value <= to ? value : otherwise;
+  };
+  let fault: string | null = null;
+  try {
+    if (hash.has("a")) state.a = await read(hash.get("a")!);
+    if (hash.has("b")) state.b = await read(hash.get("b")!);
+  } catch (error) {
+    fault = `The address holds a file that cannot be read: ${error instanceof Error ? error.message : error}`;
+  }
+  state.beside = hash.get("beside") === "1";
+  state.tab = hash.get("tab") ?? FIRST.tab;
+  state.scene = number("scene", 1, 6, 1) - 1;
+  state.firmness = number("firm", 0.05, 50, FIRST.firmness);
+  state.force = number("force", 0.1, 50, FIRST.force);
+  return { state, fault };
+};

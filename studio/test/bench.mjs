@@ -1,0 +1,251 @@
+// Screws, files, two actions, the keyboard, the scenes.
+import { assert, atRest, blow, percentile, struck, until } from "./help.mjs";
+
+const line = (page, name) => page.evaluate((name) => {
+  const row = [...document.querySelectorAll("#panel-screws .sheet tbody tr")].find((one) => one.cells[0].textContent === name);
+  return row && !row.classList.contains("waiting") ? Number.parseFloat(row.cells[1].textContent.replace("\u2212", "-")) : null;
+}, name);
+const measured = (page, name) => until(page, (name) => {
+  const row = [...document.querySelectorAll("#panel-screws .sheet tbody tr")].find((one) => one.cells[0].textContent === name);
+  return row && !row.classList.contains("waiting");
+}, name, 120_000);
+/** Waits until a line is measured and says something else. */
+const changed = (page, name, before) => until(page, ([name, before]) => {
+  const row = [...document.querySelectorAll("#panel-screws .sheet tbody tr")].find((one) => one.cells[0].textContent === name);
+  return row && !row.classList.contains("waiting") && Number.parseFloat(row.cells[1].textContent.replace("\u2212", "-")) !== before;
+}, [name, before], 120_000);
+const turn = (page, dial, value) => page.evaluate(([dial, value]) => {
+  const slider = document.querySelector(`[data-dial="${dial}"]`);
+  slider.value = value;
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+}, [dial, value]);
+
+export const screws = async ({ visit }) => {
+  const page = await visit();
+  await page.click("#tab-screws");
+  await measured(page, "let-off");
+  const before = await line(page, "let-off");
+  const drawn = await page.innerHTML("#pictures svg g.one");
+  await turn(page, "let_off", -1);
+  await until(page, () => "let_off" in studio.state.a.turns && studio.loaded[0].text.includes("setting_mm = { value = -1"));
+  await changed(page, "let-off", before);
+  const after = await line(page, "let-off");
+  assert(after > before + 0.5, `let-off was ${before} mm and is ${after} mm with the button 1 mm lower`);
+  await until(page, (drawn) => document.querySelector("#pictures svg g.one").innerHTML !== drawn, drawn);
+  // Undone and redone, in one step each however long the slider was dragged.
+  for (const value of [-0.9, -0.8, -0.7]) await turn(page, "let_off", value);
+  await until(page, () => studio.state.a.turns.let_off === -0.7);
+  await page.click("#undo");
+  await until(page, () => Object.keys(studio.state.a.turns).length === 0);
+  await changed(page, "let-off", after);
+  assert.equal(await line(page, "let-off"), before);
+  await page.keyboard.press("Control+Shift+Z");
+  await until(page, () => studio.state.a.turns.let_off === -0.7);
+  await page.click("#reset");
+  await until(page, () => Object.keys(studio.state.a.turns).length === 0);
+  // A heavier hammer is a heavier touch, and the last lines come, too.
+  await measured(page, "down-weight D");
+  const down = await line(page, "down-weight D");
+  await turn(page, "hammer", 10);
+  await until(page, () => studio.loaded[0].setting.turns.hammer === 10);
+  await changed(page, "down-weight D", down);
+  const heavy = await line(page, "down-weight D");
+  assert(heavy > down + 4, `${down} g, and ${heavy} g with a hammer that is 1.3 g heavier`);
+  return `let-off ${before} to ${after} mm; down-weight ${down} to ${heavy} g`;
+};
+
+export const refused = async ({ visit }) => {
+  const page = await visit("#tab=screws&a=concert-grand;let_off:4");
+  // A button four millimetres too high: the hammer is never let off, and the page says what is wrong.
+  await until(page, () => document.querySelector("#panel-screws .sheet .out") !== null, undefined, 120_000);
+  const flagged = await page.textContent("#panel-screws .sheet .out");
+  // What no file may be is refused, and what was there goes on.
+  await page.evaluate(() => studio.turn(0, "let_off", 40));
+  await until(page, () => document.getElementById("why").textContent.includes("let_off"));
+  assert.match(await page.textContent("#why"), /expected a number from/);
+  await page.click("#undo");
+  await until(page, () => studio.refused === null);
+  await page.keyboard.press("Escape");
+  await page.evaluate(() => studio.push(5));
+  await until(page, () => studio.poses[0].key_m > 0.005);
+  return flagged.trim().slice(0, 60);
+};
+
+export const regulate = async ({ visit }) => {
+  const page = await visit("#tab=screws&a=concert-grand;let_off:-1.5;drop:1");
+  await page.click("#regulate");
+  await until(page, () => document.querySelector("#log ol") !== null, undefined, 120_000);
+  const log = await page.textContent("#log");
+  assert.match(log, /Every goal is met/);
+  assert.match(log, /let off: .* mm, up by/);
+  await until(page, () => studio.state.a.turns.let_off !== -1.5 && studio.loaded[0].setting.turns.let_off !== -1.5);
+  await page.waitForTimeout(300);
+  await measured(page, "let-off");
+  const after = await line(page, "let-off");
+  assert(Math.abs(after - 1.5) < 0.15, `${after} mm`);
+  await page.click("#undo");
+  await until(page, () => studio.state.a.turns.let_off === -1.5);
+  return `let-off ${after} mm`;
+};
+
+export const file = async ({ visit }) => {
+  const page = await visit("#tab=file");
+  const text = await page.inputValue("#file-text");
+  const wrong = text.split("\n").findIndex((one) => one.startsWith("mass_g")) + 1;
+  const lines = text.split("\n");
+  lines[wrong - 1] = "mass_g = -1";
+  await page.fill("#file-text", lines.join("\n"));
+  await until(page, (wrong) => document.getElementById("file-said").textContent.includes(`Line ${wrong}, `), wrong);
+  assert.match(await page.textContent("#file-said"), /mass_g/);
+  assert.equal(await page.getAttribute("#file-text", "aria-invalid"), "true");
+  await page.click("text=Go to the line");
+  assert.equal(await page.evaluate(() => { const area = document.getElementById("file-text"); return area.value.slice(area.selectionStart, area.selectionEnd); }), "-1");
+  // The last sound action plays on.
+  await page.evaluate(() => studio.push(5));
+  await struck(page);
+  await page.evaluate(() => studio.push(0));
+  await page.fill("#file-text", text.replace(/name = "[^"]*"/, 'name = "Mine"'));
+  await until(page, () => document.getElementById("file-said").textContent === "The file is sound." && studio.scenes[0].name === "Mine");
+  // Saved, and opened again: the same bytes. What is no file at all is said, too.
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  const saved = await (await import("node:fs/promises")).readFile(await download.path(), "utf8");
+  assert.equal(saved, await page.inputValue("#file-text"));
+  await page.setInputFiles("#instrument-file", { name: "broken.toml", mimeType: "text/plain", buffer: Buffer.from('format = "erard-instrument/1"\nname = 3\n') });
+  await until(page, () => document.getElementById("file-said").textContent.startsWith("Line 2, name"));
+  await page.setInputFiles("#instrument-file", { name: "again.toml", mimeType: "text/plain", buffer: Buffer.from(saved) });
+  await until(page, () => document.getElementById("file-said").textContent === "The file is sound.");
+};
+
+export const compare = async ({ visit }) => {
+  const page = await visit("#tab=compare");
+  await page.selectOption("#other", "heavy-touch");
+  await until(page, () => studio.scenes.length === 2);
+  await page.evaluate(() => studio.stroke({ nuance: "mf", struck: false }));
+  await until(page, () => studio.blowOf(0) > 0 && studio.blowOf(1) > 0);
+  await atRest(page);
+  const [a, b] = await page.evaluate(() => [studio.blowOf(0), studio.blowOf(1)]);
+  assert(Math.abs(a - b) > 0.01, "two actions, two blows");
+  const row = await page.evaluate(() => [...document.querySelectorAll("#differences tbody tr")][0].innerText);
+  assert(row.includes(a.toFixed(2)) && row.includes(b.toFixed(2)), row);
+  assert.equal(await page.locator("#pictures svg").count(), 1);
+  await page.check("#beside");
+  await until(page, () => document.querySelectorAll("#pictures svg.action").length === 2);
+  await page.check("#difference");
+  await until(page, () => document.getElementById("curves").textContent.includes("B \u2212 A"));
+  // One finger on both: grasped in the second picture, too.
+  const second = await page.evaluate(() => {
+    const box = [...document.querySelectorAll("#pictures svg.action")[1].querySelectorAll(".key")].map((part) => part.getBoundingClientRect()).sort((p, q) => q.width - p.width)[0];
+    return { x: box.left + 0.15 * box.width, y: box.top + box.height / 2 };
+  });
+  await page.mouse.move(second.x, second.y);
+  await page.mouse.down();
+  for (let n = 1; n <= 6; n++) await page.mouse.move(second.x, second.y + 10 * n);
+  await until(page, () => studio.poses.every(({ key_m }) => key_m > 0.006));
+  await page.mouse.up();
+  await page.click("#swap");
+  await until(page, () => studio.loaded[0]?.setting.base.builtin === "heavy-touch" && studio.loaded[1]?.setting.base.builtin === "concert-grand");
+  return `${a.toFixed(2)} and ${b.toFixed(2)} m/s`;
+};
+
+export const keyboard = async ({ visit }) => {
+  const page = await visit("#tab=keyboard");
+  await until(page, () => !document.getElementById("keys-said").textContent.includes("ready"), undefined, 120_000);
+  // Ten keys at once stay in real time: the steps of a frame cost less than the frame.
+  await page.click("#ten");
+  await until(page, () => document.querySelectorAll("#blows li").length >= 8);
+  await page.waitForTimeout(1800);
+  await page.click("#ten");
+  await page.waitForTimeout(1500);
+  const timing = await page.evaluate(() => studio.keysTiming);
+  const busy = timing.filter(([, , awake]) => awake >= 10).map(([cost, steps]) => cost / (steps * 0.05));
+  assert(busy.length > 10, "ten keys were awake");
+  const share = percentile(busy, 0.5);
+  assert(share < 1, `ten keys take ${(100 * share).toFixed(0)} % of real time`);
+  // A key is chosen and looked into.
+  await page.focus("#keys");
+  await page.keyboard.press("ArrowDown");
+  assert.match(await page.textContent("#chosen"), /C3, key 28/);
+  const blows = await page.evaluate(() => document.querySelector("#blows li").textContent);
+  await page.keyboard.down("q");
+  await until(page, (blows) => document.querySelector("#blows li").textContent !== blows || document.querySelector("#blows li").textContent.startsWith("C4"), blows);
+  await page.keyboard.up("q");
+  const box = await page.locator("#keys").boundingBox();
+  await page.mouse.move(box.x + 0.02 * box.width, box.y + 0.95 * box.height);
+  await page.mouse.down();
+  await until(page, () => document.querySelector("#blows li").textContent.startsWith("B0") || document.querySelector("#blows li").textContent.startsWith("A0"));
+  await page.mouse.up();
+  await page.click("#open-key");
+  await until(page, () => studio.state.tab === "play" && studio.loaded[0].setting.base.key > 0);
+  await page.evaluate(() => studio.push(8));
+  await struck(page);
+  return `ten keys take ${(100 * share).toFixed(0)} % of real time in the middle, ${(100 * percentile(busy, 0.95)).toFixed(0)} % at the 95th percentile`;
+};
+
+/** Every scene shows what it says: the numbers of the model, not of the text. */
+export const scenes = async ({ visit }) => {
+  const page = await visit("#tab=learn");
+  const go = async (scene) => {
+    await page.click(`.scenes li:nth-child(${scene}) button`);
+    await until(page, (title) => document.querySelector("#scene h2").textContent.length > 0 && document.querySelector(".scenes [aria-current]") !== null, scene);
+    await page.waitForTimeout(300);
+  };
+  const go_on = async (label) => {
+    await page.evaluate(() => studio.letGo());
+    await page.waitForTimeout(100);
+    const before = await page.evaluate(() => `${studio.loadId} ${studio.events[0].blow_s}`);
+    await page.click(`.tries button:has-text("${label}")`);
+    return before;
+  };
+  // An action that was turned is a new one, whose clock begins anew.
+  const pressed = (before) => until(page, (before) => studio.events[0].blow_s > 0 && `${studio.loadId} ${studio.events[0].blow_s}` !== before, before);
+  const seen = (which = 0) => page.evaluate((which) => ({ ...studio.events[which], now: studio.blowOf(which) }), which);
+  await go(1);
+  await pressed(await go_on("Show it slowly"));
+  const let_off = await seen();
+  assert(let_off.let_off_s < let_off.blow_s, "let off before the blow");
+  await go(2);
+  await pressed(await go_on("Press and hold"));
+  await atRest(page);
+  const held = await page.evaluate(() => ({ hammer: studio.poses[0].hammer_m, check: Number.isFinite(studio.events[0].check_s) }));
+  assert(held.check && held.hammer > 0.025, JSON.stringify(held));
+  const blows = () => page.evaluate(() => studio.events[0].blows);
+  const over = () => until(page, () => document.getElementById("replay").textContent === "Pause");
+  const once = async (label, expected, done = over) => {
+    await pressed(await go_on(label));
+    await done();
+    assert.equal(await blows() > 1 ? "twice" : "once", expected, label);
+  };
+  await go_on("Let go");
+  await once("Check bent away, and hold", "twice", () => atRest(page));
+  assert(Number.isNaN(await page.evaluate(() => studio.events[0].check_s)), "nothing catches the hammer");
+  await go(1);
+  await page.waitForTimeout(500);
+  await pressed(await go_on("Button 3 mm higher, and hold"));
+  await page.waitForTimeout(600);
+  assert((await page.evaluate(() => studio.poses[0].hammer_m)) > 0.0465, "the hammer stays at the string");
+  await go(3);
+  await page.waitForTimeout(500);
+  await once("A soft blow", "once");
+  await once("2 mm more punching", "twice");
+  await go(5);
+  await page.waitForTimeout(500);
+  await once("Down, 4 mm up, down again", "twice");
+  await once("The same with a weak spring", "once");
+  await go(4);
+  await until(page, () => studio.scenes.length === 2);
+  await go_on("Fortissimo");
+  await until(page, () => studio.blowOf(1) > 0);
+  await until(page, () => studio.blowOf(0) > 0);
+  const [light, heavy] = [await blow(page), await page.evaluate(() => studio.blowOf(1))];
+  assert(heavy < light, `${heavy} m/s against ${light} m/s`);
+  await go(6);
+  const bottoms = {};
+  for (const label of ["ff", "ff, struck"]) {
+    await page.evaluate(() => studio.goLive());
+    await page.click(`.tries button:text-is("${label}")`);
+    await until(page, () => document.getElementById("replay").textContent === "Pause");
+    bottoms[label] = (await seen()).key_bottom_after_blow_s;
+  }
+  assert(bottoms["ff"] < 0 && bottoms["ff, struck"] > 0, JSON.stringify(bottoms));
+  return `ff: the key is down ${(-1e3 * bottoms["ff"]).toFixed(1)} ms before the blow; struck ${(1e3 * bottoms["ff, struck"]).toFixed(1)} ms after it`;
+};

@@ -1,0 +1,28 @@
+// What several tests ask of the page.
+import assert from "node:assert/strict";
+
+export { assert };
+/** Waits until something holds in the page. */
+export const until = async (page, holds, given, timeout = 30_000) => {
+  try {
+    await page.waitForFunction(holds, given, { timeout, polling: 50 });
+  } catch (error) {
+    throw new Error(`waited in vain for ${holds.toString().replace(/\s+/g, " ").slice(0, 200)}: ${error.message.split("\n")[0]}`);
+  }
+};
+/** The speed of the last blow on action A, m/s; undefined before the first. */
+export const blow = (page) => page.evaluate(() => studio.blowOf(0));
+export const struck = (page) => until(page, () => studio.blowOf(0) > 0);
+/** The key's travel now, mm. */
+export const key = (page) => page.evaluate(() => 1e3 * studio.poses[0].key_m);
+export const atRest = (page) => until(page, () => document.getElementById("clock").textContent === "at rest");
+/** Where the finger may be put on the key, px. */
+export const onKey = async (page) => {
+  const box = await page.evaluate(() => {
+    const all = [...document.querySelectorAll("#pictures svg .key")].map((part) => part.getBoundingClientRect()).filter((one) => one.width > 100);
+    const { left, top, height } = all.sort((a, b) => b.width - a.width)[0];
+    return { x: left + 0.12 * all[0].width, y: top + height / 2 };
+  });
+  return box;
+};
+export const percentile = (values, share) => [...values].sort((a, b) => a - b)[Math.min(Math.floor(values.length * share), values.length - 1)];

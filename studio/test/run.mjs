@@ -1,0 +1,59 @@
+// node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD]: the page in a real browser. Exit code 1 where something does not hold.
+// ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
+import { mkdirSync } from "node:fs";
+import { parseArgs } from "node:util";
+import { open } from "./browser.mjs";
+import { bits } from "./bits.mjs";
+import { wild } from "./wild.mjs";
+import * as play from "./play.mjs";
+import * as bench from "./bench.mjs";
+import * as page from "./page.mjs";
+
+const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
+const tests = {
+  size: page.size,
+  ...(process.env.ERARD ? { bits } : {}),
+  "a stranger's path": page.stranger,
+  "press by mouse": play.mouse,
+  "press by touch": play.touch,
+  "press by key": play.key,
+  "look back": play.replay,
+  "a recording": play.recording,
+  screws: bench.screws,
+  "what cannot work": bench.refused,
+  regulate: bench.regulate,
+  "a broken file": bench.file,
+  compare: bench.compare,
+  keyboard: bench.keyboard,
+  scenes: bench.scenes,
+  link: page.link,
+  offline: page.offline,
+  faults: page.faults,
+  axe: page.axe,
+  phone: page.phone,
+  ...(asked.shots ? { screenshots: (browser) => page.screenshots(browser, asked.shots) } : {}),
+  "random playing": (browser) => wild(browser, Number(asked.seconds)),
+};
+
+if (asked.shots) mkdirSync(asked.shots, { recursive: true });
+if (!process.env.ERARD) console.log("not run: bits, for ERARD names no command");
+const browser = await open();
+let failed = 0;
+for (const [name, test] of Object.entries(tests)) {
+  if (asked.only && !name.includes(asked.only)) continue;
+  const began = performance.now();
+  browser.faults.length = 0;
+  let said = "";
+  try {
+    said = (await test(browser)) ?? "";
+    if (browser.faults.length) throw new Error(browser.faults.join("\n  "));
+  } catch (error) {
+    failed++;
+    said = `FAILED: ${error.message}`;
+  }
+  for (const context of browser.browser.contexts()) await context.close();
+  console.log(`${name} (${((performance.now() - began) / 1000).toFixed(1)} s) ${said}`);
+}
+await browser.close();
+console.log(failed ? `${failed} failed` : "all hold");
+process.exit(failed ? 1 : 0);

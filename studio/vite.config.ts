@@ -1,0 +1,46 @@
+// Builds the page into dist/: static files for any web space. The engine and the first picture are in built/, which `studio/wasm` fills.
+import { createHash } from "node:crypto";
+import { readFileSync } from "node:fs";
+import { defineConfig, type Plugin } from "vite";
+
+/** What the page may do: nothing but itself. */
+export const POLICY = [
+  "default-src 'none'", "script-src 'self' 'wasm-unsafe-eval'", "worker-src 'self'", "connect-src 'self'", "style-src 'self'", "img-src 'self' data: blob:",
+  "manifest-src 'self'", "base-uri 'none'", "form-action 'none'",
+].join("; ");
+
+const built = (name: string) => readFileSync(new URL(`./built/${name}`, import.meta.url));
+
+/** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no network. */
+const studio = (): Plugin => ({
+  name: "studio",
+  transformIndexHtml: {
+    order: "post",
+    handler: (html, { server }) => {
+      const policy = server ? "" : `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
+      return html.replace("<!--policy-->", policy).replace("<!--picture-->", built("picture.svg").toString().trim());
+    },
+  },
+  configureServer(server) {
+    server.middlewares.use((request, answer, next) => {
+      if (request.url?.split("?")[0] !== "/engine.bin") return next();
+      answer.setHeader("Content-Type", "application/octet-stream");
+      answer.end(built("engine.bin"));
+    });
+  },
+  generateBundle(_, bundle) {
+    this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
+    const files = ["./", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
+    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).digest("hex").slice(0, 16);
+    const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
+    this.emitFile({ type: "asset", fileName: "sw.js", source });
+  },
+});
+
+export default defineConfig({
+  base: "./",
+  plugins: [studio()],
+  build: { target: "es2022", outDir: "dist", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
+  worker: { format: "es" },
+  preview: { headers: { "Content-Security-Policy": POLICY } },
+});
