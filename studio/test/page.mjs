@@ -130,6 +130,8 @@ export const faults = async ({ visit, faults }) => {
     const { actions } = globalThis.player, step = actions[0].step.bind(actions[0]);
     actions[0].step = () => step({ kind: "force", force_n: NaN });
   }), /not finite/);
+  // One that never answers again is replaced.
+  await broken(() => engine().evaluate(() => { globalThis.player.advance = () => { for (;;); }; }), /does not answer/);
   assert.deepEqual(faults, []);
 };
 

@@ -40,8 +40,9 @@ export class Played {
   /** Steps that reached an iteration limit. */
   limited = 0;
 
-  /** @param firmness_n_m how firm the fingertip is, N/m; its damping goes with it. */
-  constructor(private readonly library: Library, text: string, firmness_n_m: number) {
+  /** @param firmness_n_m how firm the fingertip is, N/m; its damping goes with it.
+   *  @param spare rings that nobody uses any more: twenty megabytes each, which a slider that is dragged would else ask for many times a second. */
+  constructor(private readonly library: Library, text: string, firmness_n_m: number, spare: Ring[]) {
     const { raw } = library;
     this.instrument = library.made(library.given(text, (at, length) => raw.erard_instrument_new(at, length, 0)));
     this.reading = raw.erard_memory_new(READING_BYTES);
@@ -59,7 +60,9 @@ export class Played {
     this.bodies = raw.erard_body_count(this.action);
     this.zones = raw.erard_zone_count(this.action);
     this.numbers = raw.erard_memory_new(8 * (this.bodies + 5 * this.zones));
-    this.ring = new Ring(HEAD + this.bodies + 5 * this.zones, Math.round(KEPT_S / STEP_S));
+    const width = HEAD + this.bodies + 5 * this.zones, fits = spare.findIndex((ring) => ring.width === width);
+    this.ring = fits >= 0 ? spare.splice(fits, 1)[0]! : new Ring(width, Math.round(KEPT_S / STEP_S));
+    this.ring.clear();
     library.done(raw.erard_read(this.action, this.reading));
     this.keep();
   }

@@ -4,6 +4,7 @@ import type { Library } from "./library";
 import { LibraryError } from "./library";
 import { type Drive, Played, STEP_S } from "./played";
 import type { Blow, Scene, Stroke, Touch } from "./protocol";
+import type { Ring } from "./ring";
 
 /** A page that was away wakes up late: never more than this at once, s. */
 const LONGEST_S = 0.1;
@@ -21,6 +22,7 @@ export class LoadError extends Error {
 
 export class Player {
   private actions: Played[] = [];
+  private spare: Ring[] = [];
   private force_n = 0;
   private finger_m: number | null = null;
   private pressed = false;
@@ -39,7 +41,7 @@ export class Player {
     const loaded: Played[] = [];
     texts.forEach((text, which) => {
       try {
-        loaded.push(new Played(this.library, text, firmness_n_m));
+        loaded.push(new Played(this.library, text, firmness_n_m, this.spare));
       } catch (error) {
         loaded.forEach((one) => one.free());
         if (error instanceof LibraryError) throw new LoadError(which, error.message);
@@ -47,6 +49,7 @@ export class Player {
       }
     });
     this.actions.forEach((one) => one.free());
+    this.spare = this.actions.map(({ ring }) => ring);
     this.actions = loaded;
     this.force_n = 0;
     this.finger_m = null;

@@ -27,8 +27,8 @@ const LEAST_SHOWN_S = 0.1;
 const POINTS = 600;
 /** How often curves are drawn, ms. */
 const CURVES_MS = 60;
-/** Without an answer for so long the worker is taken to hang, ms. */
-const PATIENCE_MS = 10_000;
+/** Without an answer for so many frames the worker is taken to hang: seconds, and none while the page is not seen or the machine sleeps. */
+const PATIENCE = 300;
 
 export class App {
   state: State = structuredClone(FIRST);
@@ -50,6 +50,7 @@ export class App {
   private speed = 1 / 50;
   private span: [number, number] = [0, 0];
   private asked_ms: number | null = null;
+  private waited = 0;
   private drawn_ms = 0;
   private curves_ms = 0;
   private needed = true;
@@ -75,6 +76,8 @@ export class App {
 
   private startPlayer(): void {
     this.player?.terminate();
+    // It has nothing to show until something is loaded into it.
+    this.scenes = [];
     this.player = new Worker(new URL("../engine/player.worker.ts", import.meta.url), { type: "module" });
     this.player.onmessage = ({ data }: MessageEvent<FromPlayer>) => this.hear(data);
     this.player.onerror = (event) => this.fail(event.message || "the engine's worker failed");
@@ -241,7 +244,8 @@ export class App {
     this.drawn_ms = now;
     if (this.broken || !this.scenes.length) return;
     if (this.asked_ms !== null) {
-      if (now - this.asked_ms > PATIENCE_MS) this.fail("it does not answer");
+      this.waited += 1;
+      if (this.waited > PATIENCE) this.fail("it does not answer");
       return;
     }
     if (!this.needed) {
@@ -258,6 +262,7 @@ export class App {
     if (draws) this.curves_ms = now;
     const curves = draws ? { from: Math.min(from, to - LEAST_SHOWN_S), to, points: POINTS } : null;
     this.asked_ms = now;
+    this.waited = 0;
     this.woken = false;
     this.tell({ kind: "frame", wall_ms: now, touch: this.touch, at_s: this.at_s, curves });
   };

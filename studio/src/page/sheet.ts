@@ -17,10 +17,14 @@ const SHOWN = [
   "dip_mm", "blow_mm", "let_off_mm", "drop_mm", "aftertouch_mm", "check_mm", "repetition_rate_hz",
 ];
 
+const MIDDLE_C = 40;
+
 type Values = Record<string, number | null>;
 
 export class Sheet {
   readonly table: HTMLTableElement;
+  /** The key whose norms hold: middle C where nobody says which it is. */
+  private key = MIDDLE_C;
   private lines = new Map<string, SheetGroup["lines"][number]>();
   private rows = new Map<string, { row: HTMLTableRowElement; now: HTMLTableCellElement; norm: HTMLElement; mark: HTMLElement }>();
   private values: Values = {};
@@ -36,7 +40,11 @@ export class Sheet {
   }
 
   private async build(): Promise<void> {
-    const groups = await this.app.bench.ask<SheetGroup[]>({ kind: "sheet", key: 40 });
+    const key = this.key;
+    const groups = await this.app.bench.ask<SheetGroup[]>({ kind: "sheet", key });
+    if (key !== this.key) return;
+    this.table.tBodies[0]?.remove();
+    this.rows.clear();
     for (const line of groups.flatMap(({ lines }) => lines)) this.lines.set(line.key, line);
     const body = h("tbody");
     for (const key of SHOWN) {
@@ -64,8 +72,14 @@ export class Sheet {
 
   /** The text of the action that it belongs to may have changed. */
   follow(): void {
-    const text = this.app.loaded[this.which]?.text;
+    const loaded = this.app.loaded[this.which];
+    const text = loaded?.text;
     if (!text || !this.seen) return;
+    const { base } = loaded.setting, key = "key" in base ? base.key : MIDDLE_C;
+    if (key !== this.key) {
+      this.key = key;
+      void this.build();
+    }
     if (text === this.text && PARTS.flat().every((key) => key in this.values)) return;
     if (text !== this.text) {
       this.text = text;
