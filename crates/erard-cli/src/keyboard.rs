@@ -116,6 +116,21 @@ pub fn write_csv(weighed: &[WeighedKey], writer: &mut dyn Write) -> std::io::Res
     csv.flush()
 }
 
+/// Panels over the keys of a piano.
+pub(super) fn over_the_keys(title: String, panels: Vec<Panel>) -> String {
+    figure::figure_svg(&Figure {
+        title,
+        subtitle: "touch weights as measured in a slow loop, dampers lifted".into(),
+        width_px: 860.0,
+        x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
+        x_unit: 1.0,
+        x_scale: Scale::Linear,
+        windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
+        panels,
+        markers: Vec::new(),
+    })
+}
+
 /// Hammers and leads, and the touch weights, over the number of the key.
 pub fn figure_svg(name: &str, weighed: &[WeighedKey]) -> String {
     let keys: Vec<f64> = weighed.iter().map(|w| w.key as f64).collect();
@@ -153,15 +168,5 @@ pub fn figure_svg(name: &str, weighed: &[WeighedKey]) -> String {
             ],
         ),
     ];
-    figure::figure_svg(&Figure {
-        title: format!("{name}: hammers, leads and touch weights over the keyboard"),
-        subtitle: "touch weights as measured in a slow loop, dampers lifted".into(),
-        width_px: 860.0,
-        x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
-        x_unit: 1.0,
-        x_scale: Scale::Linear,
-        windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
-        panels,
-        markers: Vec::new(),
-    })
+    over_the_keys(format!("{name}: hammers, leads and touch weights over the keyboard"), panels)
 }

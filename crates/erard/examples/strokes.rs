@@ -60,12 +60,12 @@ fn play(grand: &Instrument, touch: &str, louder: f64, setup: &Setup) -> Run {
         "led" => press_by_hand(grand, &Gesture::led(1.0 / louder).leaving(LET_GO_S, RELEASE_S), setup, &mut |_| true)
             .expect("the concert grand runs"),
         "pressed" => {
-            let hand = Hand { damping_n_s_per_m: 0.0, ..Hand::default() };
+            let hand = Hand::default().undamped();
             let until = blow(&by_force(grand, hand, |t| louder * t, LET_GO_S, &short));
             by_force(grand, hand, |t| louder * t, until, setup)
         }
         _ => {
-            let hand = Hand { mass_kg: STRUCK_KG, damping_n_s_per_m: 0.0, start_m_s: louder, ..Hand::default() };
+            let hand = Hand { mass_kg: STRUCK_KG, start_m_s: louder, ..Hand::default() }.undamped();
             let force = STRUCK_N_S_M * louder;
             let until = blow(&by_force(grand, hand, |_| force, LET_GO_S, &short));
             by_force(grand, hand, |_| force, until, setup)

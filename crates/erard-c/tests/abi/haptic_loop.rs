@@ -80,6 +80,30 @@ pub enum Finger {
     Hand,
 }
 
+/// A finger that presses.
+struct Pressing {
+    finger: Finger,
+    at_m: f64,
+    speed_m_s: f64,
+}
+
+impl Pressing {
+    /// The force on a device that is at `x`, m, with speed `v`, m/s, over the next [`FINE_S`], N. A hand moves on by as much.
+    fn push(&mut self, x: f64, v: f64) -> f64 {
+        match self.finger {
+            Finger::Force(force_n) => force_n,
+            Finger::Hand => {
+                // Through a fingertip of its own, which only pushes.
+                let tip_n = (2e4 * (self.at_m - x) + 20.0 * (self.speed_m_s - v)).max(0.0);
+                let muscle_n = 1500.0 * (12e-3 - self.at_m) - 5.0 * self.speed_m_s;
+                self.speed_m_s += (muscle_n - tip_n) / 0.2 * FINE_S;
+                self.at_m += self.speed_m_s * FINE_S;
+                tip_n
+            }
+        }
+    }
+}
+
 /// What came of a press, held for a second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
@@ -120,7 +144,7 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
     let fine = (device.period_s / FINE_S).round() as usize;
     let window = (device.window_s / device.period_s).round().max(1.0) as usize;
     let (mut x, mut v, mut motor_n) = (0.0_f64, 0.0_f64, 0.0_f64);
-    let [mut hand_m, mut hand_m_s] = [0.0, 0.0];
+    let mut pressing = Pressing { finger, at_m: 0.0, speed_m_s: 0.0 };
     let mut told = std::collections::VecDeque::from(vec![0.0; device.latency]);
     let mut seen = std::collections::VecDeque::from(vec![0.0; window]);
     let mut out = Outcome { trembling_m_s: 0.0, earlier_m_s: 0.0, largest_n: 0.0, blow_m_s: 0.0, saturated: false };
@@ -153,17 +177,7 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
         let asked = asked.clamp(-device.limit_n, device.limit_n);
         // The device until the next sample.
         for _ in 0..fine {
-            let hand_n = match finger {
-                Finger::Force(force_n) => force_n,
-                Finger::Hand => {
-                    // Through a fingertip of its own, which only pushes.
-                    let tip_n = (2e4 * (hand_m - x) + 20.0 * (hand_m_s - v)).max(0.0);
-                    let muscle_n = 1500.0 * (12e-3 - hand_m) - 5.0 * hand_m_s;
-                    hand_m_s += (muscle_n - tip_n) / 0.2 * FINE_S;
-                    hand_m += hand_m_s * FINE_S;
-                    tip_n
-                }
-            };
+            let hand_n = pressing.push(x, v);
             motor_n += (asked - motor_n) * (1.0 - (-FINE_S / device.lag_s).exp());
             let push_n = hand_n - motor_n - device.damping_n_s_per_m * v;
             // Dry friction as an impulse that at most stops.
@@ -195,7 +209,7 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
     let sub_steps = (period_s / STEP_S).round() as usize;
     let fine = (period_s / FINE_S).round() as usize;
     let (mut x, mut v, mut measured_n) = (0.0_f64, 0.0_f64, 0.0);
-    let [mut hand_m, mut hand_m_s] = [0.0, 0.0];
+    let mut pressing = Pressing { finger, at_m: 0.0, speed_m_s: 0.0 };
     let own = 2.0 * std::f64::consts::PI * bandwidth_hz;
     let mut out = Outcome { trembling_m_s: 0.0, earlier_m_s: 0.0, largest_n: 0.0, blow_m_s: 0.0, saturated: false };
     let mut squares = [(0.0, 0_u32); 2];
@@ -210,16 +224,7 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
         }
         let mut sum = 0.0;
         for _ in 0..fine {
-            let hand_n = match finger {
-                Finger::Force(force_n) => force_n,
-                Finger::Hand => {
-                    let tip_n = (2e4 * (hand_m - x) + 20.0 * (hand_m_s - v)).max(0.0);
-                    let muscle_n = 1500.0 * (12e-3 - hand_m) - 5.0 * hand_m_s;
-                    hand_m_s += (muscle_n - tip_n) / 0.2 * FINE_S;
-                    hand_m += hand_m_s * FINE_S;
-                    tip_n
-                }
-            };
+            let hand_n = pressing.push(x, v);
             sum += hand_n;
             // A servo of second order, damped as well as can be.
             v += (own * own * (key_m - x) - 2.0 * own * v) * FINE_S;

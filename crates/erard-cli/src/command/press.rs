@@ -85,6 +85,7 @@ impl Press {
         let settings = self.step.settings()?;
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
         let stroke = against.as_ref().map_or_else(|| self.stroke.load(), |other| self.stroke.beside(other).load())?;
+        let hand = self.hand()?;
         let instruments = self.instrument.load()?;
         let setup = |stroke: &Stroke| Setup {
             settings,
@@ -95,7 +96,7 @@ impl Press {
             ledger: true,
         };
         if self.against.is_some() || instruments.len() == 2 {
-            return self.pair(&instruments, stroke, against, setup);
+            return self.pair(&instruments, stroke, against, hand.as_ref(), setup);
         }
         let [Noted { instrument, changed }] = &instruments[..] else {
             return Err(Failure::Internal("no instrument".into()));
@@ -109,13 +110,9 @@ impl Press {
             reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
             losses: self.losses.then(|| LossRecorder::new(instrument)),
         };
-        let hand = self.hand()?;
-        let run = match &hand {
-            Some(hand) => play_by_hand(instrument, hand, &stroke, &setup)?,
-            None => play_observed(instrument, &stroke, &setup, &mut inside)?,
-        };
+        let run = by_hand_or_not(instrument, &stroke, hand.as_ref(), &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
-        let drive = if hand.is_some() { "hand" } else { stroke.drive.name() };
+        let drive = drive_name(&stroke, hand.as_ref());
         let names = [self.instrument.model.name(), drive, self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
@@ -179,6 +176,7 @@ impl Press {
         instruments: &[Noted],
         stroke: Stroke,
         against: Option<StrokeOptions>,
+        hand: Option<&Hand>,
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
         let strokes = match (against, instruments) {
@@ -205,13 +203,8 @@ impl Press {
             let (Noted { instrument, changed }, stroke, setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
-            let hand = self.hand()?;
-            let run = match &hand {
-                Some(hand) => play_by_hand(instrument, hand, stroke, setup)?,
-                None => play(instrument, stroke, setup)?,
-            };
-            let drive = if hand.is_some() { "hand" } else { stroke.drive.name() };
-            let names = [self.instrument.model.name(), drive, self.step.solver_name()];
+            let run = by_hand_or_not(instrument, stroke, hand, setup, &mut Inside::default())?;
+            let names = [self.instrument.model.name(), drive_name(stroke, hand), self.step.solver_name()];
             let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
@@ -238,25 +231,21 @@ fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failur
     output.stage(&format!("{name}.png"), |w| w.write_all(&png))
 }
 
-/// Simulates a stroke on an instrument, with progress on stderr.
-pub fn play(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
-    play_observed(instrument, stroke, setup, &mut Inside::default())
-}
-
-/// Simulates a stroke that a hand plays.
-fn play_by_hand(instrument: &Instrument, hand: &Hand, stroke: &Stroke, setup: &Setup) -> Result<Run, Failure> {
-    // Its own damping is toward the motion that it follows; under a force there is none to follow.
-    let damping_n_s_per_m = if stroke.drive == Prescribed::Force { 0.0 } else { hand.damping_n_s_per_m };
-    let hand = &Hand { damping_n_s_per_m, ..*hand };
-    let mut progress = Progress::new("simulating");
-    let inputs = stroke.inputs(&instrument.finger)?;
-    Ok(simulate_hand(instrument, hand, inputs.as_ref(), setup, &mut |share| progress.tell(share))?)
-}
-
 /// A stroke simulated with something else that looks on.
 pub fn play_observed(
     instrument: &Instrument,
     stroke: &Stroke,
+    setup: &Setup,
+    observer: &mut dyn Observer,
+) -> Result<Run, Failure> {
+    by_hand_or_not(instrument, stroke, None, setup, observer)
+}
+
+/// A stroke simulated, played by a hand where there is one (nothing looks on then).
+fn by_hand_or_not(
+    instrument: &Instrument,
+    stroke: &Stroke,
+    hand: Option<&Hand>,
     setup: &Setup,
     observer: &mut dyn Observer,
 ) -> Result<Run, Failure> {
@@ -265,5 +254,17 @@ pub fn play_observed(
         progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
         progress.tell(share)
     };
-    Ok(simulate_observed(instrument, stroke.inputs(&instrument.finger)?.as_ref(), setup, observer, &mut tell)?)
+    let inputs = stroke.inputs(&instrument.finger)?;
+    Ok(match hand {
+        Some(hand) => {
+            let hand = if stroke.drive == Prescribed::Force { hand.undamped() } else { *hand };
+            simulate_hand(instrument, &hand, inputs.as_ref(), setup, &mut tell)?
+        }
+        None => simulate_observed(instrument, inputs.as_ref(), setup, observer, &mut tell)?,
+    })
+}
+
+/// What drives, by its name.
+fn drive_name(stroke: &Stroke, hand: Option<&Hand>) -> &'static str {
+    if hand.is_some() { "hand" } else { stroke.drive.name() }
 }

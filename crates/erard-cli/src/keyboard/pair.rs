@@ -6,15 +6,12 @@ use std::io::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use erard::keyboard::KEYS;
-use erard_figures::figure::{
-    COINCIDE, Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg,
-};
+use erard_figures::figure::{COINCIDE, Dash, Layout, PALETTE, Panel, Trace, png_from_svg};
 use erard_workshop::weighing::WeighedKey;
 use maud::{DOCTYPE, Markup, html};
 use serde_json::{Map, Value, json};
 
-use super::{COLUMNS, numbers, samples, write_csv};
+use super::{COLUMNS, numbers, over_the_keys, samples, write_csv};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paper::html_head;
@@ -194,17 +191,7 @@ fn figure(sides: &[Side; 2]) -> String {
             panels.push(panel(format!("{}, second \u{2212} first", quantity.name), quantity.unit, vec![difference]));
         }
     }
-    figure_svg(&Figure {
-        title: format!("{} beside {}", sides[0].name, sides[1].name),
-        subtitle: "touch weights as measured in a slow loop, dampers lifted".into(),
-        width_px: 860.0,
-        x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
-        x_unit: 1.0,
-        x_scale: Scale::Linear,
-        windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
-        panels,
-        markers: Vec::new(),
-    })
+    over_the_keys(format!("{} beside {}", sides[0].name, sides[1].name), panels)
 }
 
 /// The page: both figures, and a row for every key.

@@ -7,7 +7,7 @@ use moreau::Settings;
 use moreau_linkage::three_lever::{DiscLevers, LeverTrain};
 
 use erard::instrument::Instrument;
-use erard::player::motion;
+use erard::player::{least_jerk, motion};
 use erard::simulation::{Setup, SimulationError, simulate};
 
 /// Simulated time, s. The hammer on its felts swings at about 10 Hz after it has been set in motion, and dry friction on a
@@ -53,12 +53,9 @@ pub struct Agreement {
 /// Of the simulation.
 pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Result<SlowPress, SimulationError> {
     let depth = to_m + BEYOND_M;
-    // The smoothest start and stop: velocity and acceleration begin and end at nothing.
     let finger = |t: f64| {
-        let s = (t / DURATION_S).clamp(0.0, 1.0);
-        let position = depth * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-        let velocity = depth * 30.0 * s * s * (1.0 - s) * (1.0 - s) / DURATION_S;
-        [position, velocity]
+        let [way, rate] = least_jerk(t / DURATION_S);
+        [depth * way, depth * rate / DURATION_S]
     };
     let setup = Setup {
         settings: Settings::new(STEP_S),

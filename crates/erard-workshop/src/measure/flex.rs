@@ -9,7 +9,7 @@
 //!
 //! with x along the part. A part that does not bend gives nothing.
 
-use erard::instrument::{Instrument, Vec2};
+use erard::instrument::{Instrument, Placement};
 
 /// Where the pound hangs on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November 2003).
 pub const SHANK_LOAD_M: f64 = 0.1302;
@@ -29,42 +29,18 @@ pub fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     instrument.roles.hammer.map(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))
 }
 
-/// A piece's place in the frame of its part's first piece, as drawn.
-struct Along {
-    offset: Vec2,
-    angle: f64,
-}
-
-impl Along {
-    fn point(&self, [x, y]: Vec2) -> Vec2 {
-        let (sin, cos) = (libm::sin(self.angle), libm::cos(self.angle));
-        [self.offset[0] + cos * x - sin * y, self.offset[1] + sin * x + cos * y]
+fn flex(instrument: &Instrument, piece: usize, load_m: impl Fn(&Placement) -> f64) -> f64 {
+    let load = load_m(&instrument.on_first_piece(piece));
+    let (mut give, mut body) = (0.0, piece);
+    while instrument.bodies[body].is_bend {
+        let own = instrument.springs.iter().filter(|spring| spring.body == body);
+        let stiffness: f64 = own.map(|spring| spring.stiffness_n_m_per_rad).sum();
+        let arm = load - instrument.on_first_piece(body).offset_m[0];
+        give += arm * arm / stiffness;
+        let Some(parent) = instrument.bodies[body].parent else { break };
+        body = parent;
     }
-}
-
-fn flex(instrument: &Instrument, piece: usize, load_m: impl Fn(&Along) -> f64) -> f64 {
-    let first = instrument.first_piece(piece);
-    let mut chain = Vec::new();
-    let mut body = piece;
-    while body != first {
-        chain.push(body);
-        body = instrument.bodies[body].parent.expect("only a first piece may stand on the ground");
-    }
-    let mut along = Along { offset: [0.0; 2], angle: 0.0 };
-    let mut bends = Vec::new();
-    for &body in chain.iter().rev() {
-        let own = &instrument.bodies[body];
-        let stiffness: f64 = instrument
-            .springs
-            .iter()
-            .filter(|spring| spring.body == body)
-            .map(|spring| spring.stiffness_n_m_per_rad)
-            .sum();
-        along = Along { offset: along.point(own.pivot_m), angle: own.angle_rad - instrument.bodies[first].angle_rad };
-        bends.push((along.offset[0], stiffness));
-    }
-    let load = load_m(&along);
-    bends.iter().fold(0.0, |give, (at, stiffness)| give + (load - at) * (load - at) / stiffness)
+    give
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use moreau::Settings;
 
 use super::{Interrupt, MeasureError};
 use erard::instrument::Instrument;
-use erard::player::motion;
+use erard::player::{least_jerk, motion};
 use erard::simulation::{Setup, simulate};
 
 /// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not damp;
@@ -50,13 +50,8 @@ pub struct SlowWay {
 /// # Errors
 /// Of the simulation, and when interrupted.
 pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) -> Result<SlowLoop, MeasureError> {
-    // The smoothest start and stop: velocity and acceleration begin and end at nothing.
-    let ease = |s: f64| {
-        let s = s.clamp(0.0, 1.0);
-        [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) * (1.0 - s)]
-    };
     let finger = |t: f64| {
-        let ([down, down_rate], [up, up_rate]) = (ease(t / WAY_S), ease((t - WAY_S - TURN_S) / WAY_S));
+        let ([down, down_rate], [up, up_rate]) = (least_jerk(t / WAY_S), least_jerk((t - WAY_S - TURN_S) / WAY_S));
         [depth_m * (down - up), depth_m * (down_rate - up_rate) / WAY_S]
     };
     let setup = Setup {

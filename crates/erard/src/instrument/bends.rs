@@ -6,27 +6,31 @@
 
 use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
 
-/// A rigid placement: a point x of one frame stands at `offset` + R(`angle`) x in the other.
+/// A rigid placement: a point x of one frame stands at `offset_m` + R(`angle_rad`) x in the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Placement {
-    offset: Vec2,
-    angle: f64,
+pub struct Placement {
+    /// Where the origin of the one frame stands, m.
+    pub offset_m: Vec2,
+    /// How far it is turned, rad, anticlockwise.
+    pub angle_rad: f64,
 }
 
 impl Placement {
-    const SAME: Placement = Placement { offset: [0.0; 2], angle: 0.0 };
+    const SAME: Placement = Placement { offset_m: [0.0; 2], angle_rad: 0.0 };
 
     fn direction(&self, [x, y]: Vec2) -> Vec2 {
-        if self.angle == 0.0 {
+        if self.angle_rad == 0.0 {
             return [x, y];
         }
-        let (s, c) = (libm::sin(self.angle), libm::cos(self.angle));
+        let (s, c) = (libm::sin(self.angle_rad), libm::cos(self.angle_rad));
         [c * x - s * y, s * x + c * y]
     }
 
-    fn point(&self, x: Vec2) -> Vec2 {
+    /// Where a point of the one frame, m, stands in the other, m.
+    #[must_use]
+    pub fn point(&self, x: Vec2) -> Vec2 {
         let [x, y] = self.direction(x);
-        [self.offset[0] + x, self.offset[1] + y]
+        [self.offset_m[0] + x, self.offset_m[1] + y]
     }
 }
 
@@ -47,6 +51,18 @@ impl Instrument {
         body
     }
 
+    /// Where a piece's frame stands in the frame of its part's first piece, as drawn.
+    #[must_use]
+    pub fn on_first_piece(&self, piece: usize) -> Placement {
+        let body = &self.bodies[piece];
+        if !body.is_bend {
+            return Placement::SAME;
+        }
+        let (place, drawn) =
+            body.parent.map_or((Placement::SAME, 0.0), |p| (self.on_first_piece(p), self.bodies[p].angle_rad));
+        Placement { offset_m: place.point(body.pivot_m), angle_rad: place.angle_rad + body.angle_rad - drawn }
+    }
+
     /// Whether two bodies are pieces of one part.
     #[must_use]
     pub fn is_same_part(&self, a: usize, b: usize) -> bool {
@@ -64,20 +80,18 @@ impl Instrument {
         }
         let count = self.bodies.len();
         // Of every piece: the rigid body that it becomes a part of, and its place in that body's frame.
-        let (mut becomes, mut placed) = (vec![None; count], vec![Placement::SAME; count]);
+        let mut becomes = vec![None; count];
+        let placed: Vec<Placement> = (0..count).map(|piece| self.on_first_piece(piece)).collect();
         let mut bodies: Vec<Body> = Vec::new();
         for (i, body) in self.bodies.iter().enumerate() {
             // What it is hinged on: a body of the rigid ones, or the ground, and where in that its frame stands.
-            let (on, place, drawn) =
-                body.parent.map_or((None, Placement::SAME, 0.0), |p| (becomes[p], placed[p], self.bodies[p].angle_rad));
+            let (on, place) = body.parent.map_or((None, Placement::SAME), |p| (becomes[p], placed[p]));
             if !body.is_bend {
                 becomes[i] = Some(bodies.len());
                 bodies.push(Body { parent: on, pivot_m: place.point(body.pivot_m), ..body.clone() });
                 continue;
             }
             becomes[i] = on;
-            let angle = place.angle + body.angle_rad - drawn;
-            placed[i] = Placement { offset: place.point(body.pivot_m), angle };
             // The arm of a bushing on the ground is a piece of the ground.
             let Some(whole) = on.map(|on| &mut bodies[on]) else { continue };
             add(whole, body, placed[i].point(body.center_of_mass_m));

@@ -34,6 +34,7 @@ mod screws;
 #[doc(hidden)]
 pub mod serde_fault;
 
+pub use bends::Placement;
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
 pub use numbers::{numbers_at, with_numbers};

@@ -1,7 +1,6 @@
 //! What a pianist's hand does with a key: the touches of the measurements, as a hand ([`Hand`]) and what its muscle does.
 //!
-//! Three of them are told apart in the literature: the *pressed* touch, in which the finger rests on the key before, the *struck* touch, in which it
-//! arrives with speed (Goebl, Bresin and Galembo 2005), and the way it leaves. A loud pressed touch is a force that rises; a soft one is a motion
+//! In the *pressed* touch the finger rests on the key before (Goebl, Bresin and Galembo 2005); a *struck* one is a [`Hand`] that arrives with speed. A loud pressed touch is a force that rises; a soft one is a motion
 //! that is led, because nobody plays pianissimo by dropping a weight on the key: a constant force that is small enough to play softly leaves the key
 //! hanging at let-off. The path along which a hand is led is that of least jerk, as people's hands move between two points (Flash and Hogan, The
 //! coordination of arm movements, J. Neurosci. 5 (1985) 1688, from memory):
@@ -30,11 +29,6 @@ const LEFT_M: f64 = 5e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Muscle {
-    /// A force that is there at once and stays, N.
-    Steady {
-        /// N.
-        force_n: f64,
-    },
     /// A force that rises from nothing at a constant rate, and stays at its height.
     Rises {
         /// How fast, N/s.
@@ -68,7 +62,7 @@ impl Gesture {
     /// [`Hand::default`] without the muscle's own damping.
     #[must_use]
     pub fn pressed(rate_n_s: f64) -> Self {
-        let hand = Hand { damping_n_s_per_m: 0.0, ..Hand::default() };
+        let hand = Hand::default().undamped();
         Gesture { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, leaves: None }
     }
 
@@ -76,13 +70,6 @@ impl Gesture {
     #[must_use]
     pub fn led(duration_s: f64) -> Self {
         Gesture { hand: Hand::default(), muscle: Muscle::Leads { depth_m: LED_DEPTH_M, duration_s }, leaves: None }
-    }
-
-    /// The struck touch: a hand of so many kg arrives at the key with a speed, m/s, and its muscle goes on pressing with a force, N.
-    #[must_use]
-    pub fn struck(mass_kg: f64, speed_m_s: f64, force_n: f64) -> Self {
-        let hand = Hand { mass_kg, damping_n_s_per_m: 0.0, start_m_s: speed_m_s, ..Hand::default() };
-        Gesture { hand, muscle: Muscle::Steady { force_n }, leaves: None }
     }
 
     /// The same, leaving from this instant on, s, its force gone within so many s.
@@ -95,7 +82,6 @@ impl Gesture {
     #[must_use]
     pub fn input(&self, t: f64) -> Input {
         match self.muscle {
-            Muscle::Steady { force_n } => Input::Force(self.let_go(t, force_n)),
             Muscle::Rises { rate_n_s, height_n } => Input::Force(self.let_go(t, (rate_n_s * t).min(height_n))),
             Muscle::Leads { depth_m, duration_s } => {
                 let [x, v] = least_jerk(t / duration_s);
@@ -126,17 +112,18 @@ impl Gesture {
     /// The muscle's force when it begins to leave, N: it rises no further then.
     fn held_at(&self, at: f64) -> f64 {
         match self.muscle {
-            Muscle::Steady { force_n } => force_n,
             Muscle::Rises { rate_n_s, height_n } => (rate_n_s * at).min(height_n),
             Muscle::Leads { .. } => 0.0,
         }
     }
 }
 
-/// The path of least jerk and its slope at a share of its time.
-fn least_jerk(s: f64) -> [f64; 2] {
+/// The path of least jerk from 0 to 1 and its slope at a share of its time, which is held between 0 and 1: velocity and acceleration begin and end at
+/// nothing.
+#[must_use]
+pub fn least_jerk(s: f64) -> [f64; 2] {
     let s = s.clamp(0.0, 1.0);
-    [s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s)]
+    [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) * (1.0 - s)]
 }
 
 /// Simulates a touch: [`simulate_hand`] with what the muscle does.
@@ -179,7 +166,6 @@ mod tests {
         assert!((force(&pressed, 0.05) - 5.0).abs() < 1e-12 && (force(&pressed, 0.1) - 10.0).abs() < 1e-12);
         assert!((force(&pressed, 0.115) - 0.5 * (10.0 - 0.2 * LEAVING_M_S2)).abs() < 1e-9);
         assert!((force(&pressed, 0.2) + 0.2 * LEAVING_M_S2).abs() < 1e-12);
-        assert_eq!(force(&Gesture::struck(0.1, 0.5, 2.0), 3.0), 2.0);
         match Gesture::led(0.2).leaving(0.5, 0.03).input(0.6) {
             Input::Motion { position_m, .. } => assert!((position_m + LEFT_M).abs() < 1e-12),
             other => panic!("{other:?}"),

@@ -47,6 +47,12 @@ impl Default for Hand {
 }
 
 impl Hand {
+    /// The same without the muscle's own damping: under a force there is no motion that it could damp toward.
+    #[must_use]
+    pub fn undamped(self) -> Self {
+        Hand { damping_n_s_per_m: 0.0, ..self }
+    }
+
     /// What is wrong with its numbers, if anything: the number, what was found and what is expected.
     ///
     /// # Errors

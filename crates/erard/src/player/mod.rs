@@ -15,7 +15,7 @@ mod snapshot;
 
 pub use action::{Action, ActionError, PlayError, Reading};
 pub use course::Observer;
-pub use gesture::{Gesture, Muscle, press_by_hand};
+pub use gesture::{Gesture, Muscle, least_jerk, press_by_hand};
 pub use hand::{Hand, HandError};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use ledger::LedgerBook;
