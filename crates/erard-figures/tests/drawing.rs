@@ -16,11 +16,11 @@ use std::collections::BTreeMap;
 const POSES: usize = 20;
 /// What is asked of the picture, mm.
 const CLOSE_MM: f64 = 0.2;
-/// A zone that is no further open than this is compared, m.
-const NEARLY_CLOSED_M: f64 = 1e-3;
+/// A zone that is no further open than this is compared, m: what is further open does not touch, and a line of the mechanics is endless where a felt is not.
+const NEARLY_CLOSED_M: f64 = 0.5e-3;
 
 /// Which outline shows which side of which zone.
-const SHOWN: [(&str, &str, &str); 14] = [
+const SHOWN: [(&str, &str, &str); 16] = [
     ("key_front", "key", "front punching"),
     ("key_back_rail", "key", "back rail cloth"),
     ("capstan_heel", "capstan", "heel cushion"),
@@ -34,7 +34,9 @@ const SHOWN: [(&str, &str, &str); 14] = [
     ("check", "hammer moulding, tail", "back check, leather"),
     ("hammer_rest", "hammer shank", "whippen, hammer rest"),
     ("key_damper", "damper lever", "key, damper felt"),
-    ("damper_rest", "damper lever", "damper lever, stop felt"),
+    ("damper_rest", "damper lever", "damper lever, rest felt"),
+    ("damper_stop", "damper lever, top", "damper stop rail, felt"),
+    ("jack_stop", "jack, front", "whippen, window felt"),
 ];
 
 /// Every outline of a picture as closed polygons in the world, mm, y up, by name.
@@ -150,10 +152,6 @@ impl Found {
     fn compare(&mut self, instrument: &Instrument, angles: &[f64], engine: &dyn Fn(usize) -> Option<Vec2>) {
         let drawn = outlines(&pose_svg(instrument, angles, &PoseOptions::default()));
         for (index, zone) in instrument.zones.iter().enumerate() {
-            // The two stops that only loud blows reach are not drawn.
-            if ["damper_stop", "jack_stop"].contains(&zone.name.as_str()) {
-                continue;
-            }
             let &(_, disc, curve) = SHOWN.iter().find(|(name, _, _)| *name == zone.name).expect("a grand's zone");
             let ([on_disc, mut on_curve], open) = witnesses(instrument, zone, angles);
             if let Some(point) = engine(index) {
@@ -290,8 +288,7 @@ fn what_touches_is_drawn_touching() {
         ("all screws turned", turned),
     ];
     let mut worst: f64 = 0.0;
-    // As rigid parts, which is what is asked of the picture; and bending as they ship, where the check's drawn face is too short for a tail that a bent
-    // shank carries along it: its distance is told, and bounded by itself.
+    // Bending as they ship, and as rigid parts.
     let rigid = six.clone().map(|(name, instrument)| (name, instrument.locked()));
     for (name, instrument) in six.into_iter().chain(rigid) {
         let run = played(&instrument);
@@ -306,23 +303,13 @@ fn what_touches_is_drawn_touching() {
         }
         let unseen = drawing(&instrument).unseen;
         for (index, zone) in instrument.zones.iter().enumerate() {
-            if ["damper_stop", "jack_stop"].contains(&zone.name.as_str()) {
-                continue;
-            }
             let is_seen = ![zone.disc_body, zone.curve_body].iter().flatten().any(|body| unseen.contains(body));
             if is_seen && !found.zones.contains_key(&zone.name) {
                 found.close(&instrument, index);
             }
             assert_eq!(is_seen, found.zones.contains_key(&zone.name), "{name}: {}", zone.name);
         }
-        found.tell(name);
-        for (zone, (_, distance)) in &found.zones {
-            if instrument.has_bends() && zone == "check" {
-                assert!(*distance < 2.0, "{name}: {distance:.3} mm");
-            } else {
-                worst = worst.max(*distance);
-            }
-        }
+        worst = worst.max(found.tell(name));
     }
     println!("largest distance {worst:.3} mm");
     assert!(worst < CLOSE_MM, "{worst:.3} mm");

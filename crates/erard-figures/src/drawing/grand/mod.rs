@@ -55,7 +55,10 @@ pub(super) struct Parts {
     check: Option<usize>,
     hammer_rest: Option<usize>,
     lift: Option<usize>,
+    damper_rest: Option<usize>,
+    /// What a loud blow throws the damper against, and the jack.
     damper_stop: Option<usize>,
+    jack_stop: Option<usize>,
     /// Bodies that are there in the mechanics only: a damper that nothing lifts.
     unseen: Vec<usize>,
 }
@@ -128,7 +131,9 @@ impl Parts {
             check: roles.check,
             hammer_rest: between(&hammer, &[whippen]).next(),
             lift: None,
+            damper_rest: None,
             damper_stop: None,
+            jack_stop: between(&[jack], &[whippen]).nth(1),
             unseen: Vec::new(),
             key,
             hammer,
@@ -136,7 +141,8 @@ impl Parts {
         if let Some((damper, lift)) = lifted {
             if parts.reaches(instrument, lift, drawn) {
                 (parts.damper, parts.lift) = (Some(damper), Some(lift));
-                parts.damper_stop = between(&[damper], &[]).next();
+                let mut stops = between(&[damper], &[]);
+                (parts.damper_rest, parts.damper_stop) = (stops.next(), stops.next());
             } else {
                 parts.unseen.push(damper);
             }
@@ -197,7 +203,7 @@ impl Parts {
     }
 
     /// The zones whose both sides the outlines show.
-    fn shown_zones(&self) -> [Option<usize>; 14] {
+    fn shown_zones(&self) -> [Option<usize>; 16] {
         [
             Some(self.punching),
             self.back_rail,
@@ -212,7 +218,9 @@ impl Parts {
             self.check,
             self.hammer_rest,
             self.lift,
+            self.damper_rest,
             self.damper_stop,
+            self.jack_stop,
         ]
     }
 }

@@ -22,6 +22,7 @@ pub(super) enum Place {
     DropScrew,
     DropScrewHead,
     DamperRail,
+    DamperRest,
     DamperStop,
     // on the key
     KeyPin,
@@ -41,6 +42,7 @@ pub(super) enum Place {
     JackPin,
     LeverPin,
     JackRest,
+    JackStop,
     LeverStop,
     LeverStopBase,
     HammerRest,
@@ -51,6 +53,7 @@ pub(super) enum Place {
     JackTopBack,
     Toe,
     JackBack,
+    JackFront,
     // on the repetition lever
     Lever,
     LeverFace,
@@ -67,6 +70,7 @@ pub(super) enum Place {
     Damper,
     DamperFoot,
     DamperSeat,
+    DamperTop,
 }
 
 /// Where a place is, and how what hangs on it is turned and scaled.
@@ -133,7 +137,8 @@ impl<'i> Places<'i> {
             Place::DropScrew => self.met(p.drop_screw?, 0.0),
             Place::DropScrewHead => level([x_of(Place::DropScrew)?, self.origin(C::Hammer)[1]]),
             Place::DamperRail => p.damper.map(|_| Located::at(self.origin(C::Damper))),
-            Place::DamperStop => self.face(p.damper_stop?, C::Ground, 4.0, FRAC_PI_2),
+            Place::DamperRest => self.face(p.damper_rest?, C::Ground, 4.0, FRAC_PI_2),
+            Place::DamperStop => self.face(p.damper_stop?, C::Ground, 3.0, -FRAC_PI_2),
 
             Place::KeyPin => level([0.0; 2]),
             Place::Balance => level([0.0, y_of(Place::KeyTop)?]),
@@ -164,6 +169,7 @@ impl<'i> Places<'i> {
             Place::JackPin => level(self.hinge(p.jack)),
             Place::LeverPin => level(p.lever.map_or([-42.0, 30.0], |lever| self.hinge(lever))),
             Place::JackRest => self.face(p.jack_rest?, C::Whippen, 3.0, PI),
+            Place::JackStop => self.face(p.jack_stop?, C::Whippen, 2.0, 0.0),
             Place::LeverStop => self.face(p.lever_stop?, C::Whippen, 3.0, FRAC_PI_2),
             Place::LeverStopBase => level([x_of(Place::LeverStop).unwrap_or(-22.0), 0.0]),
             Place::HammerRest => self.face(p.hammer_rest?, C::Whippen, 3.0, FRAC_PI_2),
@@ -173,6 +179,7 @@ impl<'i> Places<'i> {
             Place::JackTopBack => self.top(1),
             Place::Toe => self.disc(p.button, C::Jack).map(|(at, _)| Located::at(at)),
             Place::JackBack => self.disc(p.jack_rest?, C::Jack).map(|(at, _)| Located::at(at)),
+            Place::JackFront => self.disc(p.jack_stop?, C::Jack).map(|(at, _)| Located::at(at)),
 
             Place::LeverFace => self.face(p.lever_knuckle?, C::Lever, 1.0, FRAC_PI_2),
             Place::LeverTail => self.disc(p.lever_stop?, C::Lever).map(|(at, _)| Located::at(at)),
@@ -194,7 +201,8 @@ impl<'i> Places<'i> {
             },
 
             Place::DamperFoot => p.lift.and_then(|zone| self.disc(zone, C::Damper)).map(|(at, _)| Located::at(at)),
-            Place::DamperSeat => self.disc(p.damper_stop?, C::Damper).map(|(at, _)| Located::at(at)),
+            Place::DamperSeat => self.disc(p.damper_rest?, C::Damper).map(|(at, _)| Located::at(at)),
+            Place::DamperTop => self.disc(p.damper_stop?, C::Damper).map(|(at, _)| Located::at(at)),
         }
     }
 

@@ -251,12 +251,12 @@ pub(super) const DRAWING: &[Entry] = &[
         )],
     }),
     Entry::Shape(Shape {
-        name: "damper lever, stop",
+        name: "damper lever, rest",
         on: Ground,
         finish: Finish::DarkWood,
         smooth: true,
         corners: &[(
-            DamperStop,
+            DamperRest,
             &[
                 [-2.0, -13.0],
                 [-2.0, -16.0],
@@ -274,12 +274,12 @@ pub(super) const DRAWING: &[Entry] = &[
         )],
     }),
     Entry::Shape(Shape {
-        name: "damper lever, stop felt",
+        name: "damper lever, rest felt",
         on: Ground,
         finish: Finish::Cloth,
         smooth: true,
         corners: &[(
-            DamperStop,
+            DamperRest,
             &[
                 [-1.5, -2.0],
                 [-1.5, -4.0],
@@ -294,6 +294,35 @@ pub(super) const DRAWING: &[Entry] = &[
                 [-1.5, 0.0],
                 [-1.5, -2.0],
             ],
+        )],
+    }),
+    Entry::Shape(Shape {
+        name: "damper stop rail",
+        on: Ground,
+        finish: Finish::DarkWood,
+        smooth: true,
+        corners: &[(
+            DamperStop,
+            &[
+                [-2.5, 3.0],
+                [-2.5, 3.0],
+                [13.0, 3.0],
+                [13.0, 3.0],
+                [13.0, 10.0],
+                [11.0, 12.0],
+                [-0.5, 12.0],
+                [-2.5, 10.0],
+            ],
+        )],
+    }),
+    Entry::Shape(Shape {
+        name: "damper stop rail, felt",
+        on: Ground,
+        finish: Finish::Cloth,
+        smooth: true,
+        corners: &[(
+            DamperStop,
+            &[[-2.5, 0.0], [-2.5, 0.0], [13.0, 0.0], [13.0, 0.0], [13.0, 3.0], [13.0, 3.0], [-2.5, 3.0], [-2.5, 3.0]],
         )],
     }),
     Entry::Shape(Shape {
@@ -521,6 +550,16 @@ pub(super) const DRAWING: &[Entry] = &[
         )],
     }),
     Entry::Shape(Shape {
+        name: "damper lever, top",
+        on: OnDamper,
+        finish: Finish::Wood,
+        smooth: true,
+        corners: &[(
+            DamperTop,
+            &[[-3.0, -3.0], [-3.0, -3.0], [3.0, -3.0], [3.0, -3.0], [3.0, 0.0], [3.0, 0.0], [-3.0, 0.0], [-3.0, 0.0]],
+        )],
+    }),
+    Entry::Shape(Shape {
         name: "damper lever",
         on: OnDamper,
         finish: Finish::Wood,
@@ -690,6 +729,35 @@ pub(super) const DRAWING: &[Entry] = &[
                 [-5.45, -4.5],
                 [-5.5, -10.0],
                 [-7.75, -17.0],
+            ],
+        )],
+    }),
+    Entry::Shape(Shape {
+        name: "whippen, window felt",
+        on: OnWhippen,
+        finish: Finish::Cloth,
+        smooth: true,
+        corners: &[(
+            JackStop,
+            &[[-2.0, -4.0], [-2.0, -4.0], [0.0, -4.0], [0.0, -4.0], [0.0, 4.0], [0.0, 4.0], [-2.0, 4.0], [-2.0, 4.0]],
+        )],
+    }),
+    Entry::Shape(Shape {
+        name: "whippen, window end",
+        on: OnWhippen,
+        finish: Finish::Wood,
+        smooth: true,
+        corners: &[(
+            JackStop,
+            &[
+                [-5.0, -6.0],
+                [-5.0, -6.0],
+                [-2.0, -6.0],
+                [-2.0, -6.0],
+                [-2.0, 5.0],
+                [-2.0, 5.0],
+                [-5.0, 5.0],
+                [-5.0, 5.0],
             ],
         )],
     }),
@@ -947,6 +1015,16 @@ pub(super) const DRAWING: &[Entry] = &[
                 [-4.6, 0.0],
                 [-4.9, -1.3],
             ],
+        )],
+    }),
+    Entry::Shape(Shape {
+        name: "jack, front",
+        on: OnJack,
+        finish: Finish::Wood,
+        smooth: true,
+        corners: &[(
+            JackFront,
+            &[[0.0, -3.0], [0.0, -3.0], [3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [3.0, 3.0], [0.0, 3.0], [0.0, 3.0]],
         )],
     }),
     Entry::Shape(Shape {
