@@ -87,14 +87,31 @@ pub struct Report {
     input: String,
     output: String,
     elapsed_s: f64,
+    double_strike_m_s: BeforeAndAfter,
     #[serde(flatten)]
     regulated: erard_workshop::regulate::Report,
 }
 
+/// The second blow of a soft note, m/s.
+#[derive(Debug, Serialize)]
+struct BeforeAndAfter {
+    before: f64,
+    after: f64,
+}
+
 impl Report {
-    /// Of a regulated action that was read from `input` and is written to `output`, which took so long.
-    pub fn new(regulated: &Regulated, input: &str, output: &str, elapsed: Duration) -> Self {
+    /// Of a regulated action that was read from `input` and is written to `output`, which took so long. `double_strike_m_s` is the second blow of a
+    /// soft note before and after, m/s.
+    pub fn new(
+        regulated: &Regulated,
+        double_strike_m_s: [f64; 2],
+        input: &str,
+        output: &str,
+        elapsed: Duration,
+    ) -> Self {
+        let [before, after] = double_strike_m_s;
         Report {
+            double_strike_m_s: BeforeAndAfter { before, after },
             input: input.into(),
             output: output.into(),
             elapsed_s: elapsed.as_secs_f64(),

@@ -18,6 +18,8 @@ fn section(name: &str) -> Section {
 fn claims_hold() {
     for name in [
         "paper1-transfer",
+        "paper1-fine-structure",
+        "touch-scatter",
         "paper2-felt",
         "paper2-finger",
         "paper3-levers",

@@ -26,6 +26,8 @@ const CLOCK: &str = include_str!("../../erard/tests/instruments/escapement.toml"
 const STEPS: u64 = 1200;
 /// Progress is asked every 512 steps: a rest that is sought for so many is given up, as by Control-C.
 const PATIENCE: u32 = 60;
+/// So is a run under error control, whose steps may be as short as they like.
+const LONG_PATIENCE: u32 = 400;
 
 /// What came of a mutant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,6 +36,8 @@ enum Fate {
     Refused,
     /// Accepted, and no rest found to press it from, or none in the time there was.
     Restless,
+    /// Accepted; its error control asked for more steps than there was time for.
+    Long,
     /// Accepted; a number became infinite, which is told.
     Infinite,
     /// Pressed, and not to be trusted.
@@ -279,10 +283,11 @@ fn press(seed: u64) -> (Fate, Option<Instrument>) {
         (None, None, _) => Box::new(|_| Input::Free),
     };
     let before = instrument.clone();
-    let mut asked = 0;
+    let (mut asked, mut begun) = (0, false);
     let fate = match simulate(&instrument, drive.as_ref(), &setup, &mut |share| {
         asked += 1;
-        share > 0.0 || asked < PATIENCE
+        begun |= share > 0.0;
+        asked < if begun { LONG_PATIENCE } else { PATIENCE }
     }) {
         Ok(run) => assert_sane(&instrument, &run),
         Err(SimulationError::NonFinite { time_s }) => {
@@ -290,6 +295,10 @@ fn press(seed: u64) -> (Fate, Option<Instrument>) {
             Fate::Infinite
         }
         Err(SimulationError::Equilibrium(EquilibriumError::NonFinite)) => Fate::Infinite,
+        Err(SimulationError::Interrupted) if begun => {
+            assert!(setup.tolerance.is_some(), "{STEPS} steps at most take no longer");
+            Fate::Long
+        }
         Err(SimulationError::Equilibrium(_) | SimulationError::Interrupted) => Fate::Restless,
         Err(_) => Fate::Refused,
     };
@@ -340,6 +349,7 @@ fn whatever_is_accepted_can_be_pressed() {
     let of = |fate| fates.get(&fate).copied().unwrap_or_default();
     // All kinds occur, or the mutants are too tame or too wild to test anything.
     assert!(of(Fate::Refused) > wanted / 20, "{fates:?}");
+    assert!(of(Fate::Long) < wanted / 50, "{fates:?}");
     assert!(of(Fate::Doubtful) > wanted / 20 && of(Fate::Trusted) > wanted / 20, "{fates:?}");
 }
 

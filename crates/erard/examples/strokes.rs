@@ -10,14 +10,13 @@
 //!
 //! From [`LET_GO_S`] on the hand leaves: its force is gone within 30 ms. All numbers of the hands are estimates.
 
-use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use erard::instrument::Instrument;
-use erard::player::{self, Gesture, Hand, press_by_hand};
+use erard::player::{Gesture, press_by_hand};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate_hand};
+use erard::simulation::Setup;
 use moreau::Settings;
 
 /// Nuance, hammer speed (m/s), and what is published of the key's stroke, ms: Askenfelt and Jansson 1990 (p, f) and 1988 (pp, ff), second-hand.
@@ -29,48 +28,17 @@ const RELEASE_S: f64 = 0.030;
 const END_S: f64 = 0.8;
 /// What holds the key down after the blow, N.
 const HOLD_N: f64 = 3.0;
-/// The muscle relaxes to it within this time, s.
-const RELAX_S: f64 = 0.100;
-/// A struck hand, kg: the lightest of the published effective masses.
-const STRUCK_KG: f64 = 0.1;
-/// Its muscle's force for every m/s of its arrival, N s/m: fast fingers press on harder.
-const STRUCK_N_S_M: f64 = 6.0;
-/// What lifts a hand that leaves, m/s2.
-const LEAVING_M_S2: f64 = 11.0;
-
-fn ramp(x: f64) -> f64 {
-    0.5 - 0.5 * (PI * x.clamp(0.0, 1.0)).cos()
-}
-
-/// A hand of so many kg whose muscle's force is `rising` until `until` and holds the key from then on.
-fn by_force(grand: &Instrument, hand: Hand, rising: impl Fn(f64) -> f64, until: f64, setup: &Setup) -> Run {
-    let stroke = player::force(|t| {
-        let peak = rising(until);
-        let held = if t < until { rising(t) } else { peak + (HOLD_N - peak) * ramp((t - until) / RELAX_S) };
-        held - ramp((t - LET_GO_S) / RELEASE_S) * (held + LEAVING_M_S2 * hand.mass_kg)
-    });
-    simulate_hand(grand, &hand, &stroke, setup, &mut |_| true).expect("the concert grand runs")
-}
 
 /// One touch by the number that makes it louder, up to the blow and then whole.
 fn play(grand: &Instrument, touch: &str, louder: f64, setup: &Setup) -> Run {
-    let blow = |run: &Run| run.events.hammer_contact_s.unwrap_or(LET_GO_S);
-    let short = Setup { duration_s: 0.4, record_every: Some(u64::MAX), ..*setup };
-    match touch {
-        "led" => press_by_hand(grand, &Gesture::led(1.0 / louder).leaving(LET_GO_S, RELEASE_S), setup, &mut |_| true)
-            .expect("the concert grand runs"),
-        "pressed" => {
-            let hand = Hand::default().undamped();
-            let until = blow(&by_force(grand, hand, |t| louder * t, LET_GO_S, &short));
-            by_force(grand, hand, |t| louder * t, until, setup)
-        }
-        _ => {
-            let hand = Hand { mass_kg: STRUCK_KG, start_m_s: louder, ..Hand::default() }.undamped();
-            let force = STRUCK_N_S_M * louder;
-            let until = blow(&by_force(grand, hand, |_| force, LET_GO_S, &short));
-            by_force(grand, hand, |_| force, until, setup)
-        }
-    }
+    let short = Setup { duration_s: 0.4, ..*setup };
+    let held = |gesture: Gesture| gesture.relaxing_at_the_blow(grand, &short, HOLD_N).expect("the concert grand runs");
+    let gesture = match touch {
+        "led" => Gesture::led(1.0 / louder),
+        "pressed" => held(Gesture::pressed(louder)),
+        _ => held(Gesture::struck(louder)),
+    };
+    press_by_hand(grand, &gesture.leaving(LET_GO_S, RELEASE_S), setup, &mut |_| true).expect("the concert grand runs")
 }
 
 /// The number that gives the blow the wanted hammer speed, by bisection.
@@ -122,7 +90,7 @@ fn main() {
         };
         write(&folder, &format!("{name}-pressed"), &how, published, &play(&grand, touch, louder, &setup));
         let louder = found(&grand, "struck", speed, [0.02, 6.0]);
-        let how = format!("arriving with {louder:.2} m/s, then {:.1} N", STRUCK_N_S_M * louder);
+        let how = format!("arriving with {louder:.2} m/s");
         write(&folder, &format!("{name}-struck"), &how, published, &play(&grand, "struck", louder, &setup));
     }
 }

@@ -47,3 +47,35 @@ fn admittance_renders_the_blow() {
     assert!(direct.blow_m_s > 0.3 && servo.is_still(), "{direct:?} {servo:?}");
     assert!((servo.blow_m_s / direct.blow_m_s - 1.0).abs() < 0.1, "{direct:?} {servo:?}");
 }
+
+/// Against a wall the loop is linear, and stands as far as the eigenvalues of its map from sample to sample lie within the unit circle. The limits were
+/// worked out apart from this program (NumPy): with position, speed and motor force of the device under a held command by the matrix exponential, the
+/// command told a period late, and the force K (x + v' T / 2) of a coupling that is led on by the speed v' of the window.
+#[test]
+fn a_wall_stands_as_far_as_its_eigenvalues_say() {
+    let wall = Instrument::parse(
+        r#"
+        format = "erard-instrument/1"
+        name = "Wall"
+        gravity_m_s2 = 0
+        finger = { stiffness_N_per_m = 2e4, damping_N_s_per_m = 1 }
+        roles = { key = "wall", key_front_mm = [-1000, 0] }
+        [[body]]
+        name = "wall"
+        pivot_mm = [0, 0]
+        mass_g = 1e6
+        inertia_kg_m2 = 1e6
+        center_of_mass_mm = [0, 0]
+        "#,
+        "wall",
+    )
+    .unwrap();
+    for (rate, damping, limit) in
+        [(1e3, 2.0, 1652.0), (1e3, 10.0, 8057.0), (4e3, 2.0, 4445.0), (4e3, 7.0, 15567.0), (20e3, 7.0, 28463.0)]
+    {
+        let device = Device { friction_n: 0.0, quantum_m: 1e-12, ..Device::usual(rate, damping) };
+        let is_still = |coupling: f64| play(&wall, &device, [coupling, 0.0], Finger::Force(6.0), false).is_still();
+        assert!(is_still(0.96 * limit) && !is_still(1.04 * limit), "{rate} Hz, {damping} N s/m");
+        assert!(device.passive_n_per_m(0.0, true) < limit, "theory is on the safe side");
+    }
+}

@@ -61,8 +61,8 @@ pub struct Reproduce {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
     instrument: String,
-    /// Only this subject, or all whose names start so; may be repeated
-    #[arg(long, value_name = "NAME")]
+    /// Only these subjects, or all whose names start so: separated by commas, or given again
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
     /// List the subjects, and do nothing else
     #[arg(long, conflicts_with_all = ["only", "figures", "out", "force"])]

@@ -3,7 +3,7 @@
 use moreau::Settings;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending, builtin};
 use crate::validate::{Loudness, loudness};
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Zone};
@@ -27,8 +27,7 @@ const MM_PER_M: f64 = 1e3;
 const MS_PER_S: f64 = 1e3;
 
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
-    let builtin = |name: &str| Instrument::builtin(name).map_err(|e| ReproduceError::Instrument(e.to_string()));
-    let bending = if asked.has_bends() { asked.clone() } else { builtin("concert-grand")? };
+    let bending = bending(asked)?;
     let rigid = builtin("concert-grand-rigid")?;
     let mut section = Section {
         text: vec![

@@ -13,6 +13,7 @@ mod conformance_rows;
 mod control;
 mod convergence;
 mod drives;
+mod dynamics;
 mod energy;
 mod felt_losses;
 mod friction;
@@ -21,6 +22,7 @@ mod levers;
 mod order;
 mod outlook;
 mod solvers;
+mod touch;
 mod transfer;
 
 use thiserror::Error;
@@ -188,6 +190,13 @@ pub fn subjects() -> Vec<Subject> {
     vec![
         subject("paper1-drives", "Force-driven and motion-driven, six bodies and one", 3.0, drives::section),
         subject("paper1-transfer", "From force to displacement and back", 1.0, transfer::section),
+        subject(
+            "paper1-fine-structure",
+            "The fine structure of the force, and whether it is felt",
+            1.0,
+            touch::fine_structure,
+        ),
+        subject("touch-scatter", "How much of a touch's scatter the blow has", 6.0, touch::scatter),
         subject("paper2-felt", "The felt law", 1.0, friction::felt),
         subject("paper2-rest", "Rest under dry and under regularised friction", 14.0, friction::rest),
         subject("paper2-convergence", "Convergence and cost, set-valued and regularised", 18.0, convergence::section),
@@ -202,8 +211,18 @@ pub fn subjects() -> Vec<Subject> {
         subject("bushings", "Pivots that give", 1.0, bushings::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
+        subject("dynamics", "From gentle to loud in thirty steps", 3.0, dynamics::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]
+}
+
+fn builtin(name: &str) -> Result<Instrument, ReproduceError> {
+    Instrument::builtin(name).map_err(|e| ReproduceError::Instrument(e.to_string()))
+}
+
+/// The instrument asked for, or the concert grand where that does not bend.
+fn bending(asked: &Instrument) -> Result<Instrument, ReproduceError> {
+    if asked.has_bends() { Ok(asked.clone()) } else { builtin("concert-grand") }
 }
 
 /// Two digits, and a plain zero.

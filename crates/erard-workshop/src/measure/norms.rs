@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::range::HARDLY_HEARD_M_S;
 use super::sheet::Sheet;
 use erard::keyboard::note_name;
 
@@ -301,7 +302,7 @@ pub const GROUPS: [Group; 6] = [
                 between(
                     0.2,
                     0.45,
-                    "no published number: `regulate` aims at 0.3 m/s, a brisk rise without a kick; a third less and half more pass",
+                    "no published number: `regulate` aims at 0.25 m/s, a brisk rise without a kick; a fifth less passes, and more where no soft note strikes twice",
                 ),
             ),
             line("damper_start_share", "damper starts, of the dip", "", 2, |s| s.damper_start_share, None),
@@ -335,7 +336,10 @@ pub const GROUPS: [Group; 6] = [
                 "m/s",
                 2,
                 |s| s.double_strike_m_s,
-                at_most(0.15, "a well-regulated action has none; no published number: one of 0.15 m/s is hardly heard"),
+                at_most(
+                    HARDLY_HEARD_M_S,
+                    "a well-regulated action has none; no published number: one of 0.15 m/s is hardly heard",
+                ),
             ),
             line("repetition_rate_hz", "repetition, fully released", "Hz", 1, |s| s.repetition_rate_hz, None),
             line(

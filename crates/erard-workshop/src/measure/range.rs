@@ -16,9 +16,12 @@ const STEP_S: f64 = 50e-6;
 const PATIENCE_S: f64 = 0.8;
 /// Constant forces on the key, N: from what starts it to the most that has been published for a fortissimo, and beyond.
 pub const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
-/// Forces among which a second blow is looked for, N, and into how many steps: from the softest that sounds to where every blow is checked.
+/// Forces among which a second blow is looked for, N: from the softest that sounds to where every blow is checked.
 pub const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
+/// Steps between them.
 const DOUBLE_STRIKES: u32 = 12;
+/// A second blow that is hardly heard, m/s. Ours: no number is published.
+pub const HARDLY_HEARD_M_S: f64 = 0.15;
 /// Softest force: searched below this, to this, N.
 const LARGEST_SOFT_N: f64 = 10.0;
 const CLOSE_N: f64 = 2e-4;

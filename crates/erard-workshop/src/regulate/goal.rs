@@ -86,9 +86,10 @@ impl Goal {
     ///
     /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et al. 2011.
     /// Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height 0.1: the jack just
-    /// below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.3 m/s: an estimate; technicians ask for a brisk rise
-    /// without a kick and give no number. It is a compromise: with much less the shipped actions miss strokes at 8 Hz, and above
-    /// about 0.22 m/s a hammer let up slowly from the check reaches the string.
+    /// below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.25 m/s: an estimate; technicians ask for a brisk rise
+    /// without a kick and give no number. It is a compromise: with much less the shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer
+    /// let up slowly from the check reaches the string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s
+    /// (`erard regulate --spring 300mm/s`).
     pub fn norm(self) -> Option<f64> {
         match self {
             Goal::JackPosition => Some(1.5e-3),
@@ -98,7 +99,7 @@ impl Goal {
             Goal::Dip => Some(10e-3),
             Goal::Check => Some(15e-3),
             Goal::RepetitionRise => None,
-            Goal::Spring => Some(0.3),
+            Goal::Spring => Some(0.25),
             Goal::Damper => Some(0.5),
         }
     }

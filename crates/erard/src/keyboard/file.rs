@@ -20,7 +20,10 @@ use crate::instrument::serde_fault::serde_fault;
 use crate::instrument::{FileError, Instrument, InstrumentFile};
 
 /// The keyboards that come with the program, by name.
-const BUILTIN: [(&str, &str); 1] = [("concert-grand", include_str!("../../keyboards/concert-grand.toml"))];
+const BUILTIN: [(&str, &str); 2] = [
+    ("concert-grand", include_str!("../../keyboards/concert-grand.toml")),
+    ("heavy-touch", include_str!("../../keyboards/heavy-touch.toml")),
+];
 
 impl Keyboard {
     /// Reads the text of a keyboard file. `file_name` appears in errors only; an instrument that is not built in is looked for

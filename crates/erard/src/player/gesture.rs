@@ -20,6 +20,12 @@ use crate::simulation::{Setup, SimulationError, simulate_hand};
 
 /// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key down at the end.
 const LED_DEPTH_M: f64 = 10.5e-3;
+/// The finger of a struck touch, kg: the lightest of the published effective masses.
+const STRUCK_KG: f64 = 0.1;
+/// Its muscle's force for every m/s of its arrival, N s/m: fast fingers press on harder.
+const STRUCK_N_S_M: f64 = 6.0;
+/// A muscle relaxes within this time, s.
+const RELAX_S: f64 = 0.100;
 /// With what acceleration a hand whose muscle pressed leaves the key, m/s2. An estimate: it is 5 mm away after 30 ms.
 const LEAVING_M_S2: f64 = 11.0;
 /// How far a hand that was led goes above the key front's rest when it leaves, m.
@@ -29,6 +35,11 @@ const LEFT_M: f64 = 5e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Muscle {
+    /// A force that is there at once and stays.
+    Steady {
+        /// N.
+        force_n: f64,
+    },
     /// A force that rises from nothing at a constant rate, and stays at its height.
     Rises {
         /// How fast, N/s.
@@ -52,6 +63,8 @@ pub struct Gesture {
     pub hand: Hand,
     /// What its muscle does.
     pub muscle: Muscle,
+    /// When its force begins to relax, s, and to what, N: half a cosine of 0.1 s. `None`: it does not. A hand that is led does not.
+    pub relaxes: Option<[f64; 2]>,
     /// When it begins to leave, s, and within what time its force is gone, s (half a cosine); a hand that was led goes up along the path of least
     /// jerk within twice that. `None`: it stays.
     pub leaves: Option<[f64; 2]>,
@@ -63,13 +76,44 @@ impl Gesture {
     #[must_use]
     pub fn pressed(rate_n_s: f64) -> Self {
         let hand = Hand::default().undamped();
-        Gesture { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, leaves: None }
+        Gesture { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, relaxes: None, leaves: None }
     }
 
     /// The soft pressed touch: the finger rests on the key and is led down within so many s. The hand is [`Hand::default`].
     #[must_use]
     pub fn led(duration_s: f64) -> Self {
-        Gesture { hand: Hand::default(), muscle: Muscle::Leads { depth_m: LED_DEPTH_M, duration_s }, leaves: None }
+        let muscle = Muscle::Leads { depth_m: LED_DEPTH_M, duration_s };
+        Gesture { hand: Hand::default(), muscle, relaxes: None, leaves: None }
+    }
+
+    /// The struck touch: a finger with a share of the hand, 0.1 kg, arrives at the key with a speed, m/s, and its muscle presses on, by 6 N for every
+    /// m/s: both estimates.
+    #[must_use]
+    pub fn struck(speed_m_s: f64) -> Self {
+        let hand = Hand { mass_kg: STRUCK_KG, start_m_s: speed_m_s, ..Hand::default() }.undamped();
+        Gesture { hand, muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_s }, relaxes: None, leaves: None }
+    }
+
+    /// The same, relaxing from this instant on, s, to a force that holds the key, N.
+    #[must_use]
+    pub fn relaxing(self, at_s: f64, to_n: f64) -> Self {
+        Gesture { relaxes: Some([at_s, to_n]), ..self }
+    }
+
+    /// The same, relaxing to what holds the key as soon as the hammer is at the string: when that is, a run of so many s says. A touch that does not
+    /// sound within them relaxes at their end.
+    ///
+    /// # Errors
+    /// See [`SimulationError`].
+    pub fn relaxing_at_the_blow(
+        self,
+        instrument: &Instrument,
+        setup: &Setup,
+        to_n: f64,
+    ) -> Result<Self, SimulationError> {
+        let short = Setup { record_every: None, ledger: false, ..*setup };
+        let blow = press_by_hand(instrument, &self, &short, &mut |_| true)?.events.hammer_contact_s;
+        Ok(self.relaxing(blow.unwrap_or(setup.duration_s), to_n))
     }
 
     /// The same, leaving from this instant on, s, its force gone within so many s.
@@ -82,7 +126,7 @@ impl Gesture {
     #[must_use]
     pub fn input(&self, t: f64) -> Input {
         match self.muscle {
-            Muscle::Rises { rate_n_s, height_n } => Input::Force(self.let_go(t, (rate_n_s * t).min(height_n))),
+            Muscle::Steady { .. } | Muscle::Rises { .. } => Input::Force(self.let_go(t)),
             Muscle::Leads { depth_m, duration_s } => {
                 let [x, v] = least_jerk(t / duration_s);
                 let [up, up_v, back] = match self.leaves {
@@ -101,21 +145,33 @@ impl Gesture {
         }
     }
 
-    /// A force as the hand leaves: it falls by half a cosine, to what lifts the hand.
-    fn let_go(&self, t: f64, force_n: f64) -> f64 {
-        let Some([at, within]) = self.leaves else { return force_n };
-        let share = 0.5 - 0.5 * (PI * ((t - at) / within).clamp(0.0, 1.0)).cos();
-        let held = if t > at { self.held_at(at) } else { force_n };
-        held - share * (held + LEAVING_M_S2 * self.hand.mass_kg)
+    /// The muscle's force, N; as the hand leaves it falls by half a cosine, to what lifts the hand, and rises no further.
+    fn let_go(&self, t: f64) -> f64 {
+        let Some([at, within]) = self.leaves else { return self.relaxed(t) };
+        let held = self.relaxed(t.min(at));
+        held - half_a_cosine((t - at) / within) * (held + LEAVING_M_S2 * self.hand.mass_kg)
     }
 
-    /// The muscle's force when it begins to leave, N: it rises no further then.
-    fn held_at(&self, at: f64) -> f64 {
-        match self.muscle {
-            Muscle::Rises { rate_n_s, height_n } => (rate_n_s * at).min(height_n),
+    /// The muscle's force as long as the hand stays, N.
+    fn relaxed(&self, t: f64) -> f64 {
+        let rises = |t: f64| match self.muscle {
+            Muscle::Steady { force_n } => force_n,
+            Muscle::Rises { rate_n_s, height_n } => (rate_n_s * t).min(height_n),
             Muscle::Leads { .. } => 0.0,
+        };
+        match self.relaxes {
+            Some([at, to]) if t >= at => {
+                let peak = rises(at);
+                peak + (to - peak) * half_a_cosine((t - at) / RELAX_S)
+            }
+            _ => rises(t),
         }
     }
+}
+
+/// From 0 to 1 over a share of its time, smoothly.
+fn half_a_cosine(share: f64) -> f64 {
+    0.5 - 0.5 * (PI * share.clamp(0.0, 1.0)).cos()
 }
 
 /// The path of least jerk from 0 to 1 and its slope at a share of its time, which is held between 0 and 1: velocity and acceleration begin and end at
@@ -166,6 +222,9 @@ mod tests {
         assert!((force(&pressed, 0.05) - 5.0).abs() < 1e-12 && (force(&pressed, 0.1) - 10.0).abs() < 1e-12);
         assert!((force(&pressed, 0.115) - 0.5 * (10.0 - 0.2 * LEAVING_M_S2)).abs() < 1e-9);
         assert!((force(&pressed, 0.2) + 0.2 * LEAVING_M_S2).abs() < 1e-12);
+        let struck = Gesture::struck(0.5).relaxing(0.1, 2.0);
+        assert!((force(&struck, 0.05) - 3.0).abs() < 1e-12 && (force(&struck, 0.15) - 2.5).abs() < 1e-12);
+        assert!((force(&struck.leaving(0.3, 0.03), 0.3) - 2.0).abs() < 1e-12);
         match Gesture::led(0.2).leaving(0.5, 0.03).input(0.6) {
             Input::Motion { position_m, .. } => assert!((position_m + LEFT_M).abs() < 1e-12),
             other => panic!("{other:?}"),
