@@ -13,8 +13,8 @@ use erard::player::{Action, Input};
 use erard::stroke::Touch;
 
 /// eta and s of the dry losses here.
-const ETA: f64 = 0.3;
-const SLIP: f64 = 0.2;
+pub(super) const ETA: f64 = 0.3;
+pub(super) const SLIP: f64 = 0.2;
 /// Usual step, s.
 const STEP_S: f64 = 50e-6;
 
@@ -95,6 +95,11 @@ fn key_rebound_mm(run: &erard::run::Run, released_s: f64) -> f64 {
     1e3 * most
 }
 
+/// Speed of rebound over speed of arrival on a felt with a dry loss alone, eta and s, at any speed: in closed form.
+pub(super) fn restitution([eta, slip]: [f64; 2]) -> f64 {
+    (1.0 - 2.0 * eta * (1.0 - slip) / ((1.0 + slip) * (1.0 + eta))).sqrt()
+}
+
 pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let mut section = Section {
         text: vec![format!(
@@ -107,7 +112,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         "Speed of rebound over speed of arrival, 10 g on a felt with k = 5e7, r = 2, h = 5 us; closed form of the dry ones last",
         &["loss", "0.02 m/s", "0.1 m/s", "0.5 m/s", "2 m/s", "closed form"],
     );
-    let dry = |slip: f64| (1.0 - 2.0 * ETA * (1.0 - slip) / ((1.0 + slip) * (1.0 + ETA))).sqrt();
+    let dry = |slip: f64| restitution([ETA, slip]);
     let (mut worst, mut quadratic) = (0.0_f64, [0.0; 2]);
     for (name, loss, exact) in [
         ("b g^2 dg/dt, b = 3e7", Loss::Quadratic(3e7), None),

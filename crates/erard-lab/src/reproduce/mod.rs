@@ -21,6 +21,7 @@ mod gives;
 mod levers;
 mod order;
 mod outlook;
+mod release;
 mod solvers;
 mod touch;
 mod transfer;
@@ -212,6 +213,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
         subject("dynamics", "From gentle to loud in thirty steps", 3.0, dynamics::section),
+        subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]
 }

@@ -1,0 +1,166 @@
+//! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving, the cloth, and the key that is
+//! heavier in front while the hammer still falls?
+
+use moreau::Settings;
+
+use super::blow::tell;
+use super::felt_losses::{ETA, SLIP, restitution};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
+use erard::instrument::Instrument;
+use erard::player::{Gesture, Muscle, press_by_hand};
+use erard::simulation::Setup;
+
+/// s.
+const STEP_S: f64 = 50e-6;
+/// The key is held with so much, N, and let go at this instant, s.
+const HOLD_N: f64 = 4.0;
+const LET_GO_S: f64 = 0.4;
+const END_S: f64 = 0.9;
+/// A key this near to its rest is up, m, and one that comes down by more than that rebounds.
+const UP_M: f64 = 0.1e-3;
+/// Losses of the cloth that stand beside b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that gives little back.
+const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
+
+/// One way of letting a key go.
+struct Case {
+    name: &'static str,
+    instrument: Instrument,
+    touch: Gesture,
+    colour: usize,
+    mark: Mark,
+}
+
+/// What the key does, its travel over time.
+struct Released {
+    time_s: Vec<f64>,
+    key_m: Vec<f64>,
+}
+
+impl Released {
+    fn new(case: &Case) -> Result<Self, ReproduceError> {
+        let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(4), ..Setup::new(END_S) };
+        let run = press_by_hand(&case.instrument, &case.touch, &setup, &mut |_| true)?;
+        let from = run.time_s.partition_point(|&t| t < LET_GO_S);
+        Ok(Released { time_s: run.time_s[from..].to_vec(), key_m: run.key_m[from..].to_vec() })
+    }
+
+    /// When it is up first, s after it is let go.
+    fn up_s(&self) -> Option<f64> {
+        self.key_m.iter().position(|&y| y < UP_M).map(|row| self.time_s[row] - LET_GO_S)
+    }
+
+    /// How far it comes down again after it was up, every time that is seen, m.
+    fn rebounds_m(&self) -> Vec<f64> {
+        let first = self.key_m.iter().position(|&y| y < UP_M).unwrap_or(self.key_m.len());
+        let (mut rebounds, mut deepest) = (Vec::new(), 0.0_f64);
+        for &y in &self.key_m[first..] {
+            deepest = deepest.max(y);
+            if y < UP_M && deepest > 2.0 * UP_M {
+                rebounds.push(deepest);
+                deepest = 0.0;
+            }
+        }
+        rebounds
+    }
+}
+
+/// The same key, no heavier in front than behind: the mass of its piece behind the pin moved back.
+fn balanced(instrument: &Instrument) -> Option<Instrument> {
+    let key = instrument.roles.key?;
+    let back = instrument.first_piece(key);
+    let moment = |i: &Instrument| -> f64 {
+        let pieces = (0..i.bodies.len()).filter(|&body| i.is_same_part(body, key));
+        pieces
+            .map(|body| i.bodies[body].mass_kg * i.on_first_piece(body).point(i.bodies[body].center_of_mass_m)[0])
+            .sum()
+    };
+    let mut other = instrument.clone();
+    let mass_kg = other.bodies[back].mass_kg;
+    other.bodies[back].center_of_mass_m[0] -= moment(instrument) / mass_kg;
+    Some(other)
+}
+
+fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
+    let mut other = instrument.clone();
+    for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
+        (zone.felt.dry_loss, zone.felt.dry_slip) = (eta, slip);
+    }
+    other
+}
+
+pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
+    let grand = bending(asked)?;
+    let Some(even) = balanced(&grand) else { return Err(ReproduceError::Instrument("there is no key".into())) };
+    let held = Gesture { muscle: Muscle::Steady { force_n: HOLD_N }, ..Gesture::pressed(1.0) };
+    let [at_once, usual] = [1e-3, 0.030].map(|within_s| held.leaving(LET_GO_S, within_s));
+    // A hand that leads goes up within twice the time.
+    let [led, slowly] = [0.060, 0.120].map(|within_s| Gesture::led(0.2).leaving(LET_GO_S, within_s));
+    let case = |name, instrument: &Instrument, touch, colour, mark| Case {
+        name,
+        instrument: instrument.clone(),
+        touch,
+        colour,
+        mark,
+    };
+    let cases = [
+        case("force gone at once (1 ms)", &grand, at_once, 0, Mark::Line),
+        case("force gone within 30 ms", &grand, usual, 1, Mark::Line),
+        case("led up within 120 ms", &grand, led, 2, Mark::Line),
+        case("led up within 240 ms", &grand, slowly, 3, Mark::Line),
+        case("30 ms, cloth with a loss", &lossy(&grand, LOSSES[0]), usual, 4, Mark::Dashed),
+        case("30 ms, cloth with a great loss", &lossy(&grand, LOSSES[1]), usual, 5, Mark::Dashed),
+        case("30 ms, even key", &even, usual, 6, Mark::Dotted),
+        case("30 ms, great loss and even key", &lossy(&even, LOSSES[1]), usual, 7, Mark::Dotted),
+    ];
+    let mut table = Table::new("The key after it is let go", &["how", "up after (ms)", "rebounds (mm)"]);
+    let (mut curves, mut first) = (Vec::new(), Vec::new());
+    for (n, case) in cases.iter().enumerate() {
+        tell(progress, n as f64 / cases.len() as f64)?;
+        let released = Released::new(case)?;
+        let rebounds = released.rebounds_m();
+        let shown: Vec<String> = rebounds.iter().take(4).map(|m| format!("{:.1}", 1e3 * m)).collect();
+        table.row([
+            case.name.to_owned(),
+            released.up_s().map_or("-".into(), |s| format!("{:.0}", 1e3 * s)),
+            if shown.is_empty() { "none".into() } else { shown.join(", ") },
+        ]);
+        first.push(1e3 * rebounds.first().copied().unwrap_or(0.0));
+        curves.push(ChartCurve {
+            label: case.name.into(),
+            x: released.time_s.iter().map(|t| 1e3 * (t - LET_GO_S)).collect(),
+            y: released.key_m.iter().map(|y| 1e3 * y).collect(),
+            colour: case.colour,
+            mark: case.mark,
+        });
+    }
+    let [at_once, usual, _, slowly, _, cloth, even, both] = first[..] else { return Ok(Section::default()) };
+    Ok(Section {
+        text: vec![format!(
+            "The key is held with {HOLD_N} N by a hand and let go: the force is gone within the time said, and the hand leaves. A rebound is every way back down \
+             by more than {:.1} mm. The cloth's own loss is the elastoplastic one beside b; by itself it gives back {:.2} of a speed, the great one {:.2}. An even key, as heavy behind as in front, is no real \
+             key: it shows what its weight in front does while the hammer is in the air and presses on nothing.",
+            2e3 * UP_M,
+            restitution(LOSSES[0]),
+            restitution(LOSSES[1])
+        )],
+        claims: vec![Claim::new(
+            "this program",
+            "what the key comes down again is the cloth's doing and its own weight's in front: neither a finger that leaves at its usual pace nor either cause alone \
+             takes it away; a finger that leads the key up does",
+            format!(
+                "first rebound {at_once:.1} mm when let go at once, {usual:.1} mm within 30 ms, {slowly:.1} mm led up within 240 ms; with a great loss in the cloth \
+                 {cloth:.1}, with an even key {even:.1}, with both {both:.1} mm"
+            ),
+            slowly < 0.5 * usual && both < cloth.min(even) && both < usual,
+        )],
+        tables: vec![table],
+        charts: vec![Chart {
+            title: "A key let go".into(),
+            caption: "Travel of the key's front; 0 ms: the hand begins to leave".into(),
+            x_label: "time (ms)".into(),
+            x_log: false,
+            panels: vec![ChartPanel { y_label: "key front, down (mm)".into(), y_log: false, y_range: None, curves }],
+        }],
+        ..Section::default()
+    })
+}
