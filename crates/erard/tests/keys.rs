@@ -190,3 +190,19 @@ fn a_tick_never_allocates() {
         assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{fingers} fingers: {counted:?}");
     }
 }
+
+/// Built-in keyboards by their names: each has its own text, key 40 of each is its instrument with nothing added, and a name that nobody knows has none.
+#[test]
+fn keyboards_by_name() {
+    for name in Keyboard::builtin_names() {
+        let text = Keyboard::builtin_text(name).expect("built in");
+        assert!(text.contains(&format!("instrument = \"{name}\"")), "{name}");
+        let keyboard = Keyboard::builtin(name).expect("it reads");
+        let (base, own) = (erard::Instrument::builtin(name).expect("built in"), keyboard.key(40).expect("a key"));
+        assert_eq!((&own.bodies, &own.zones, &own.springs), (&base.bodies, &base.zones, &base.springs), "{name}");
+    }
+    assert!(Keyboard::builtin("clavichord").is_none() && Keyboard::builtin_text("clavichord").is_none());
+    let lost = "format = \"erard-keyboard/1\"\nname = \"Lost\"\ninstrument = \"clavichord\"\ninstrument_key = 40\n";
+    let error = Keyboard::parse(lost, "lost.toml", std::path::Path::new("")).expect_err("there is no such instrument");
+    assert!(error.to_string().contains("concert-grand, "), "{error}");
+}

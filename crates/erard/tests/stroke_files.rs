@@ -255,3 +255,24 @@ fn without_a_text() {
     assert_eq!(bare.time_s, [0.0, 0.005, 0.009]);
     assert_eq!(bare.channels[0].values, [0.0, 1.5, 2.0]);
 }
+
+/// Forces and slopes are cubic pieces in Hermite's form: another program that has them has the force.
+#[test]
+fn slopes_make_the_same_force() {
+    let series = Series::parse("time_s,force_N\n0,0\n0.01,2\n0.05,5\n0.06,4.5\n", "").expect("reads");
+    let force = series.force.expect("a force");
+    let (t, f, m) = (force.times_s(), force.forces_n(), force.slopes_n_per_s());
+    assert_eq!(m.len(), t.len());
+    let mut cursor = Cursor::default();
+    for i in 0..t.len() - 1 {
+        for s in [0.0, 0.25, 0.6, 1.0] {
+            let h = t[i + 1] - t[i];
+            let (s2, s3) = (s * s, s * s * s);
+            let hermite = (2.0 * s3 - 3.0 * s2 + 1.0) * f[i]
+                + (s3 - 2.0 * s2 + s) * h * m[i]
+                + (3.0 * s2 - 2.0 * s3) * f[i + 1]
+                + (s3 - s2) * h * m[i + 1];
+            assert!((force.at(t[i] + s * h, &mut cursor) - hermite).abs() < 1e-12, "{i} {s}");
+        }
+    }
+}

@@ -457,6 +457,16 @@ fn strong_dampers_are_stable() {
     }
 }
 
+/// A torsion spring holds half its stiffness times the square of what it is turned by from where it has no moment.
+#[test]
+fn torsion_springs_hold_their_energy() {
+    let bodies = [Body { mass: 0.5, inertia: 0.02 }];
+    let torsions = [Torsion { first: GROUND, second: 0, stiffness: 3.0, damping: 0.0, angle: 0.2 }];
+    let model = Model::new(&bodies, &[], &[], &[], [0.0; 2]).unwrap().with_torsions(&torsions).unwrap();
+    let state = State::<f64, 1, 0>::new(&[(at(0.0, 0.0, 0.7), [0.0; 3])]);
+    assert!((Energies::of(&model, &state).springs - 0.5 * 3.0 * 0.25).abs() < 1e-15);
+}
+
 /// The same source in single precision: a block slides with g (sin 20 - mu cos 20) to seven digits less rounding of 100 steps.
 #[test]
 fn single_precision_works() {
