@@ -308,6 +308,16 @@ mod tests {
     const CONTACTS: usize = 20;
     const N: usize = 2 * CONTACTS;
 
+    /// A contact that jams when it slips the one way, does not slip the other, and cannot be held: the normal law as without friction.
+    #[test]
+    fn where_no_mode_is_consistent_the_normal_law_is_left() {
+        assert_eq!(local([-1.0, 1.0], [[1.0, 2.0], [2.0, 0.0]], 0.6, 1e-9), [1.0, 0.0]);
+        assert_eq!(local([0.5, 1.0], [[1.0, 0.0], [0.0, 1.0]], 0.6, 1e-9), [0.0, 0.0]);
+        // Held; and sliding against full friction.
+        assert_eq!(local([-1.0, 0.25], [[1.0, 0.0], [0.0, 1.0]], 0.5, 1e-9), [1.0, -0.25]);
+        assert_eq!(local([-1.0, 2.0], [[1.0, 0.0], [0.0, 1.0]], 0.5, 1e-9), [1.0, -0.5]);
+    }
+
     /// Twenty contacts of bodies with fifteen coordinates in all: redundant ones. Whatever a solve gives is admissible, its residual
     /// is what it says, and what is called solved meets the tolerance. Two sweeps are too few for some, two hundred leave a quarter of them at most (the rows are random, not those of bodies).
     #[test]
