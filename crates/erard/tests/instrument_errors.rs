@@ -635,15 +635,27 @@ fn slips_that_are_easily_overlooked() {
             "zone.pallet_lever.felt.dry_loss",
             ["both", "either `damping_N_s_per_m3` or `dry_loss`", "one law"],
         ),
-        slip(("name = \"pallet\"", "name = \"1pallet\""), "1pallet", "body.1pallet.name", ["", "starting with a letter", "not a name"]),
-        slip(("name = \"pallet\"", "name = \"pal-let\""), "pal-let", "body.pal-let.name", ["", "underscores", "not a name"]),
+        slip(
+            ("name = \"pallet\"", "name = \"1pallet\""),
+            "1pallet",
+            "body.1pallet.name",
+            ["", "starting with a letter", "not a name"],
+        ),
+        slip(
+            ("name = \"pallet\"", "name = \"pal-let\""),
+            "pal-let",
+            "body.pal-let.name",
+            ["", "underscores", "not a name"],
+        ),
     ]);
     // Two more: with the bushing's name for a body, and a header without its bracket.
     let bushing = CLOCK.replacen("viscous_N_m_s = 1e-6", "viscous_N_m_s = 1e-6\nbushing_N_per_m = 1e5", 1);
     let instrument = Instrument::parse(&bushing, "clock.toml").expect("a bushing reads");
     let pallet = instrument.bodies.iter().position(|body| body.is_bend).expect("the bushing's arm");
     let arm = instrument.bodies[pallet].name.clone();
-    let taken = format!("{bushing}\n[[spring]]\nname = \"{arm}\"\nbody = \"lever\"\nstiffness_N_m_per_rad = 1\ntorque_N_m = 0\n");
+    let taken = format!(
+        "{bushing}\n[[spring]]\nname = \"{arm}\"\nbody = \"lever\"\nstiffness_N_m_per_rad = 1\ntorque_N_m = 0\n"
+    );
     let error = error_of(&taken);
     assert!(error.message.contains(&format!("there is a `{arm}` already")), "{error}");
 
