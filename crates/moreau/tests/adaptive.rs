@@ -79,6 +79,7 @@ fn the_work_of_a_step_is_bounded() {
         let did = o.step(&accuracy, 1.0);
         assert!(did.step == 1e-6 && (did.error > 1.0 || did.error.is_nan()), "{did:?}");
         assert!(did.rejected <= 30 && did.inner == 3 * (did.rejected + 1), "{did:?}");
+        assert!(did.newton >= did.inner, "every inner step takes an iteration: {did:?}");
         assert!(n == 0 || did.rejected == 0, "{did:?}");
     }
     assert!(o.state.angle[0].is_finite() && o.state.angle[0] > 12.0);
