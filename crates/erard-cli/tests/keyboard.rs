@@ -80,7 +80,10 @@ fn wrong_input_is_told() {
     let folder = with_mine("wrong");
     folder.file("broken.toml", &MINE.replace("at_mm = [70, 18]", "at_mm = 130"));
     let cases: [(&[&str], &str); 11] = [
-        (&["keyboard", "nobody"], "there is no file and no built-in keyboard `nobody` (built in: concert-grand, heavy-touch)"),
+        (
+            &["keyboard", "nobody"],
+            "there is no file and no built-in keyboard `nobody` (built in: concert-grand, heavy-touch)",
+        ),
         (&["keyboard", "nobody.toml"], "nobody.toml: cannot be read"),
         (&["keyboard", "grand.toml"], "belongs to an instrument, and a keyboard is expected here"),
         (&["keyboard", "broken.toml"], "broken.toml:9:9: `added_mass.hammer head.at_mm`"),
