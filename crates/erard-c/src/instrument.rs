@@ -8,7 +8,7 @@ use erard::instrument::{FileError, InstrumentFile, utf8, with_numbers};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use serde_json::{Value, json};
 
-use crate::status::{ErardStatus, Fault, tell, told};
+use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
 /// An instrument that was read from its file's text, and that text. It belongs to whoever made it, until erard_instrument_free. It never changes but by
@@ -113,13 +113,8 @@ pub extern "C" fn erard_instrument_of_key(key: u32, status: *mut ErardStatus) ->
 /// Ends an instrument. NULL does nothing. Actions that were made of it go on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_free(instrument: *mut ErardInstrument) {
-    if !instrument.is_null() {
-        told((), null_mut(), || {
-            // SAFETY: the caller's promise: it comes from this library, and is used no more.
-            drop(unsafe { Box::from_raw(instrument) });
-            Ok(())
-        });
-    }
+    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    unsafe { ended(instrument) }
 }
 
 /// What the caller's pointer promises to be.

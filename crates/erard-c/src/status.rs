@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr::null_mut;
 
 /// How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed then.
 #[repr(i32)]
@@ -80,6 +81,20 @@ impl Fault {
     /// A pointer is NULL: which.
     pub fn null(what: &str) -> Self {
         Fault::new(ErardStatus::Null, format!("{what} is NULL"))
+    }
+}
+
+/// Ends what a caller had. NULL does nothing; a panic ends here.
+///
+/// # Safety
+/// It was boxed by this library, and is used no more.
+pub unsafe fn ended<T>(own: *mut T) {
+    if !own.is_null() {
+        told((), null_mut(), || {
+            // SAFETY: the caller's promise.
+            drop(unsafe { Box::from_raw(own) });
+            Ok(())
+        });
     }
 }
 

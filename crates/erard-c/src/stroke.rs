@@ -9,7 +9,7 @@ use erard::stroke::{DrivingError, NUANCES, PositionOf, Series, Stroke, Touch};
 use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
 use crate::reading::{ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardReading, within};
-use crate::status::{ErardStatus, Fault, tell, told};
+use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, name};
 
 /// What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it, until
@@ -80,13 +80,8 @@ pub unsafe extern "C" fn erard_stroke_new(
 /// Ends a stroke. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_free(stroke: *mut ErardStroke) {
-    if !stroke.is_null() {
-        told((), null_mut(), || {
-            // SAFETY: the caller's promise: it comes from this library, and is used no more.
-            drop(unsafe { Box::from_raw(stroke) });
-            Ok(())
-        });
-    }
+    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    unsafe { ended(stroke) }
 }
 
 /// How long it takes, with what `erard press` lets the action swing out after it, s; 0 for NULL. Real time: no.

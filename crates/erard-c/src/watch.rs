@@ -7,7 +7,7 @@ use erard::instrument::Instrument;
 
 use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
-use crate::status::{ErardStatus, Fault, tell, told};
+use crate::status::{ErardStatus, Fault, ended, tell, told};
 
 /// Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until erard_watch_free.
 pub struct ErardWatch {
@@ -55,13 +55,8 @@ pub unsafe extern "C" fn erard_watch_new(
 /// Ends a watch. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_free(watch: *mut ErardWatch) {
-    if !watch.is_null() {
-        told((), null_mut(), || {
-            // SAFETY: the caller's promise: it comes from this library, and is used no more.
-            drop(unsafe { Box::from_raw(watch) });
-            Ok(())
-        });
-    }
+    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    unsafe { ended(watch) }
 }
 
 /// Forgets what was seen: the next press is watched. Real time: no.

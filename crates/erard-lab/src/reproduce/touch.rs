@@ -287,10 +287,9 @@ enum Model<'a> {
 
 impl Model<'_> {
     fn hit(&self, gesture: &Gesture) -> Result<Option<(Hit, f64)>, ReproduceError> {
-        let settings = Settings::new(STEP_S);
+        let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(0.35) };
         match self {
             Model::Action(instrument) => {
-                let setup = Setup { settings, record_every: Some(1), ..Setup::new(0.35) };
                 let run = press_by_hand(instrument, gesture, &setup, &mut |_| true)?;
                 let (Some(at_s), Some(speed_m_s)) = (run.events.hammer_contact_s, run.events.hammer_speed_m_s) else {
                     return Ok(None);
@@ -299,7 +298,6 @@ impl Model<'_> {
                 Ok(Some((Hit { at_s, speed_m_s }, run.hammer_head_m[row] - run.hammer_head_m[0])))
             }
             Model::OneDegree { one, ratio, way_m } => {
-                let setup = Setup { settings, record_every: Some(1), ..Setup::new(0.35) };
                 let run = press_by_hand(one, gesture, &setup, &mut |_| true)?;
                 let depth = way_m / ratio;
                 let Some(row) = run.key_m.iter().position(|&y| y >= depth).filter(|&row| row > 0) else {
