@@ -237,7 +237,11 @@ pub fn keyboard<'py>(
     }
     let keys: Vec<(usize, Inner)> = keys
         .into_iter()
-        .map(|key| Ok((key, keyboard.key(key).map_err(|error| fault::file(&error))?)))
+        .map(|key| {
+            // Half a second for all 88.
+            py.check_signals()?;
+            Ok((key, keyboard.key(key).map_err(|error| fault::file(&error))?))
+        })
         .collect::<PyResult<_>>()?;
     let weighed = watched(py, progress, move |going| weigh(&keys, going), fault::measure)?;
     let columns = PyDict::new(py);

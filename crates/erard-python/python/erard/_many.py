@@ -408,15 +408,25 @@ def _measured(
     instrument: Instrument, varied: list[str], table: NDArray[np.float64], keys: list[str], threads: int | None
 ) -> dict[str, NDArray[Any]]:
     """Lines of the sheet of every variant, measured side by side: the work itself runs without Python's lock."""
+    import json
     import os
+    import threading
     from concurrent.futures import ThreadPoolExecutor
 
     unique, place = np.unique(table, axis=0, return_inverse=True)
+    over = threading.Event()
+
+    class Over(Exception):
+        """Nobody waits for it any more. Signals reach the main thread only: it tells the others."""
+
+    def tell(_: float) -> None:
+        if over.is_set():
+            raise Over
 
     def one(row: NDArray[np.float64]) -> list[float]:
         try:
             variant = instrument.vary(dict(zip(varied, map(float, row), strict=True)))
-            sheet = variant.measure(only=keys, progress=False)
+            sheet = json.loads(_erard.measure(variant._inner, 40, keys, tell))
         except (InputError, RuntimeError):
             return [math.nan] * len(keys)
         return [math.nan if sheet[key] is None else float(sheet[key]) for key in keys]
@@ -425,5 +435,8 @@ def _measured(
     if unknown := [key for key in keys if key not in {line[0] for line in _erard.measure_lines()}]:
         instrument.measure(only=unknown, progress=False)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        found = np.array(list(pool.map(one, unique)))[place.ravel()]
+        try:
+            found = np.array(list(pool.map(one, unique)))[place.ravel()]
+        finally:
+            over.set()
     return {key: found[:, i] for i, key in enumerate(keys)}
