@@ -37,7 +37,7 @@ table.round(3)
 
 # %% [markdown]
 # These are differences over the width of a turn, which is what a technician can do: derivatives at a point would say less where let-off or check
-# jump from one way to another.
+# jump from one way to another. A let-off that is nan did not happen: a tenth further, and the jack still pushes when the hammer is at the string.
 
 # %%
 first = table.index[0]

@@ -38,8 +38,34 @@ pub struct Reading {
     blow: Option<(f64, f64)>,
 }
 
+/// What a reading is made of, in its order.
+type Parts = (f64, f64, f64, f64, f64, f64, f64, bool, Option<(f64, f64)>);
+
 #[pymethods]
 impl Reading {
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        time_s: f64,
+        key_m: f64,
+        key_m_per_s: f64,
+        finger_n: f64,
+        hammer_m: f64,
+        hammer_m_per_s: f64,
+        string_n: f64,
+        converged: bool,
+        blow: Option<(f64, f64)>,
+    ) -> Self {
+        Reading { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, converged, blow }
+    }
+
+    /// So that it pickles.
+    fn __getnewargs__(&self) -> Parts {
+        let Reading { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, converged, blow } =
+            *self;
+        (time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, converged, blow)
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "Reading(time_s={:.6}, key_m={:.6}, finger_n={:.3}, hammer_m={:.6}, hammer_m_per_s={:.4})",

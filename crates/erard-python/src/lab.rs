@@ -100,12 +100,12 @@ pub fn compare<'py>(
 fn driven(name: &str) -> PyResult<Driven> {
     let known = [Driven::ByForce, Driven::ByMotion, Driven::Rigidly];
     let one = known.into_iter().find(|one| one.name() == name);
-    one.ok_or_else(|| wrong_argument("drive", format!("found `{name}`, expected force, motion or rigid")))
+    one.ok_or_else(|| wrong_argument("drives", format!("found `{name}`, expected force, motion or rigid")))
 }
 
 fn which(name: &str) -> PyResult<Which> {
     let one = [Which::Action, Which::OneDof].into_iter().find(|one| one.name() == name);
-    one.ok_or_else(|| wrong_argument("model", format!("found `{name}`, expected action or one-dof")))
+    one.ok_or_else(|| wrong_argument("models", format!("found `{name}`, expected action or one-dof")))
 }
 
 /// Holds an instrument against what has been measured on real pianos: a row for each published number.

@@ -1,7 +1,11 @@
 //! One press: its columns, its events, its figure.
 
+use std::sync::Arc;
+
+use erard::one_dof::reduce;
+use erard::player::ReactionRecorder;
 use erard::run::{BodySeries, Events, Run, Strike, ZoneSeries, column_unit};
-use erard::simulation::{Setup, simulate};
+use erard::simulation::{Setup, simulate, simulate_observed};
 use erard::trust::Warning;
 use erard_figures::figure::run_svg;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
@@ -27,37 +31,57 @@ pub fn unit(name: &str) -> &'static str {
     column_unit(name)
 }
 
-/// Plays a stroke: columns by name in their order, and what else there is to know.
+/// Plays a stroke on the action or on its one-degree-of-freedom model: columns by name in their order, those of the pins last, and what else there is
+/// to know.
 #[pyfunction]
-#[pyo3(signature = (instrument, stroke, steps, duration, record_every, tolerance, progress))]
+#[pyo3(signature = (instrument, stroke, steps, model, duration, record_every, tolerance, reactions, progress))]
 #[allow(clippy::too_many_arguments)]
 pub fn press<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     stroke: &Stroke,
     steps: Steps,
+    model: &str,
     duration: Option<f64>,
     record_every: Option<u64>,
     tolerance: Option<f64>,
+    reactions: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
     let inner = &stroke.inner;
     let setup = steps.setup(inner.start_s, duration.unwrap_or(inner.duration_s))?;
     let setup = Setup { record_every, tolerance, ..setup };
-    let (own, stroke) = (instrument.inner.clone(), inner.clone());
+    let own = match model {
+        "action" => instrument.inner.clone(),
+        "one-dof" => Arc::new(reduce(&instrument.inner).map_err(fault::wrong)?.instrument),
+        found => {
+            return Err(fault::wrong_argument("model", format!("found `{found}`, expected `action` or `one-dof`")));
+        }
+    };
+    let stroke = inner.clone();
+    let mut pins = reactions.then(|| ReactionRecorder::new(&own));
     // A stroke that cannot drive this instrument says so before it is played.
     stroke.inputs(&own.finger).map(drop).map_err(fault::wrong)?;
     let run = watched(
         py,
         progress,
-        move |going| {
+        |going| {
             // Made here: a drive keeps a cursor, which is not shared between threads.
             let inputs = stroke.inputs(&own.finger).map_err(|_| erard::SimulationError::NoKey)?;
-            simulate(&own, inputs.as_ref(), &setup, going)
+            match &mut pins {
+                Some(pins) => simulate_observed(&own, inputs.as_ref(), &setup, pins, going),
+                None => simulate(&own, inputs.as_ref(), &setup, going),
+            }
         },
         fault::simulation,
     )?;
-    parts(py, run)
+    let (columns, about) = parts(py, run)?;
+    for pin in pins.map(ReactionRecorder::into_series).unwrap_or_default() {
+        columns.set_item(format!("{}_rad_per_s2", pin.name), array(py, pin.acceleration_rad_s2))?;
+        columns.set_item(format!("{}_pin_x_N", pin.name), array(py, pin.pin_x_n))?;
+        columns.set_item(format!("{}_pin_y_N", pin.name), array(py, pin.pin_y_n))?;
+    }
+    Ok((columns, about))
 }
 
 fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {

@@ -19,15 +19,15 @@ pub struct Recording {
     pub position_of: PositionOf,
 }
 
-/// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass.
-type Ready<'a> = (Option<&'a str>, bool, Option<f64>, bool);
+/// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's own noise sets it, columns
+/// that are turned, and how much later columns were written down, s.
+type Ready = (Option<String>, bool, Option<f64>, bool, Vec<String>, Vec<(String, f64)>);
 
 #[pymethods]
 impl Recording {
-    /// From a text file. `ready`: whose position, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's own noise
-    /// sets it.
+    /// From a text file.
     #[staticmethod]
-    fn load(path: &str, columns: Option<&str>, ready: Ready<'_>) -> PyResult<Self> {
+    fn load(path: &str, columns: Option<&str>, ready: Ready) -> PyResult<Self> {
         let columns = asked(columns)?;
         let path = Path::new(path);
         let name = erard::files::shown(path);
@@ -43,7 +43,7 @@ impl Recording {
         titles: Vec<String>,
         values: Vec<PyReadonlyArray1<'_, f64>>,
         columns: Option<&str>,
-        ready: Ready<'_>,
+        ready: Ready,
     ) -> PyResult<Self> {
         let columns = asked(columns)?;
         let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
@@ -91,8 +91,7 @@ impl Recording {
 
     /// Root mean square of a channel's noise, where it could be told; N or m.
     fn noise(&self, name: &str) -> Option<f64> {
-        let role = [Role::Force, Role::Position, Role::HammerHead].into_iter().find(|role| column(*role) == name)?;
-        self.prepared.report.channel(role)?.noise.map(|noise| noise.rms)
+        self.prepared.report.channel(role(name).ok()?)?.noise.map(|noise| noise.rms)
     }
 
     /// Whose position it is.
@@ -128,8 +127,17 @@ fn column(role: Role) -> &'static str {
     }
 }
 
+/// The role of a column that is compared, by its name.
+fn role(name: &str) -> PyResult<Role> {
+    let known = [Role::Force, Role::Position, Role::HammerHead];
+    known
+        .into_iter()
+        .find(|role| column(*role) == name)
+        .ok_or_else(|| wrong_argument("columns", format!("found `{name}`, expected {}", known.map(column).join(", "))))
+}
+
 impl Recording {
-    fn made(name: String, inner: Inner, (position, zero, hz, own): Ready<'_>) -> PyResult<Self> {
+    fn made(name: String, inner: Inner, (position, zero, hz, own, inverted, late): Ready) -> PyResult<Self> {
         let low_pass = match (hz, own) {
             (Some(hz), _) if hz > 0.0 && hz.is_finite() => LowPass::At(hz),
             (Some(hz), _) => {
@@ -138,7 +146,7 @@ impl Recording {
             (None, true) => LowPass::Own,
             (None, false) => LowPass::Off,
         };
-        let position_of = match position {
+        let position_of = match position.as_deref() {
             None => inner.position_of,
             Some("key") => PositionOf::Key,
             Some("fingertip") => PositionOf::Fingertip,
@@ -146,7 +154,9 @@ impl Recording {
                 return Err(wrong_argument("position", format!("found `{found}`, expected `key` or `fingertip`")));
             }
         };
-        let preparation = Preparation { zero, low_pass, ..Preparation::default() };
+        let inverted = inverted.iter().map(|name| role(name)).collect::<PyResult<_>>()?;
+        let late_s = late.iter().map(|(name, s)| Ok((role(name)?, *s))).collect::<PyResult<_>>()?;
+        let preparation = Preparation { zero, low_pass, inverted, late_s, ..Preparation::default() };
         let prepared = prepare(&inner, &preparation).map_err(|error| wrong(format!("{name}: {error}")))?;
         Ok(Recording { name, inner, prepared, position_of })
     }

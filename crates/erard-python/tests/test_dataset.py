@@ -58,6 +58,12 @@ def test_sensors_read_as_they_are_described() -> None:
     [
         (lambda: dataset.Plan(count=0), "count"),
         (lambda: dataset.Plan(keys=(0,)), "1 to 88"),
+        (lambda: dataset.Plan(count=1.5), "whole number"),
+        (lambda: dataset.Plan(seed=-1), "seed"),
+        (lambda: dataset.Plan(kinds=(dataset.Kind("half", 0.0),)), "not all of them zero"),
+        (lambda: dataset.Uniform(1.0, 0.0), "low <= high"),
+        (lambda: dataset.LogUniform(0.0, 1.0), "above 0"),
+        (lambda: dataset.Normal(0.0, -1.0), "deviation"),
         (lambda: dataset.Sensor("s", "key_m", 0.0, 0.01, bits=17), "bits"),
         (lambda: dataset.Sensor("s", "string_N", 0.0, 0.01), "string_N"),
         (lambda: dataset.Sensor("s", "key_m", 0.01, 0.0), "from_m"),

@@ -49,6 +49,12 @@ def test_the_truth_is_found_within_its_errors(found: erard.Fit) -> None:
     assert len(found.plot().axes) == 8
 
 
+def test_fits_pickle_and_compare(found: erard.Fit) -> None:
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found and str(again) == str(found) and again.channels == found.channels
+    assert again.instrument == found.instrument and (again != found) is False
+
+
 def test_what_is_not_seen_is_said(rigid: erard.Instrument) -> None:
     """A soft stroke that never reaches the check tells nothing of its felt."""
     data = recorded(rigid, stroke="pp")
@@ -69,6 +75,11 @@ def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> No
     fits = [erard.fit(rigid, data, vary=["body.hammer.mass"], sigma={**NOISE, "force_N": force}) for force in (0.0, 0.05)]
     assert fits[1].std["body.hammer.mass"] > 3 * fits[0].std["body.hammer.mass"]
     assert fits[0].chi2_expected == 1.0 < fits[1].chi2_expected
+    assert "The noise of force_N, which drives, is not known" not in str(fits[0])
+    # At 1 kHz neither rest nor spectrum tells it.
+    coarse = {name: values[::4] for name, values in data.items()}
+    assert erard.Recording(coarse, zero=False, low_pass=None).noise("force_N") is None
+    assert "The noise of force_N, which drives, is not known" in str(erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE))
 
 
 def test_delays_are_estimated(rigid: erard.Instrument) -> None:
@@ -98,6 +109,11 @@ def test_a_motion_drives_and_the_force_is_fitted(rigid: erard.Instrument) -> Non
         ({"vary": ["let_off"], "bounds": {"drop": (0, 1e-3)}}, "not varied"),
         ({"vary": ["let_off"], "columns": ["string_N"]}, "not recorded"),
         ({"vary": ["let_off"], "sigma": {"string_N": 1.0}}, "not compared"),
+        ({"vary": ["let_off"], "bounds": {"let_off": "1 mm"}}, "two numbers"),
+        ({"vary": ["let_off"], "start": {"drop": 0.0}}, "not varied"),
+        ({"vary": ["let_off"], "start": {"let_off": 1.0}}, "its bounds"),
+        ({"vary": ["let_off"], "loss": "square"}, "soft_l1"),
+        ({"vary": ["let_off"], "most": 0}, "a whole number"),
     ],
 )
 def test_wrong_arguments(rigid: erard.Instrument, run: erard.Run, arguments: dict, told: str) -> None:

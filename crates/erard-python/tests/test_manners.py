@@ -1,6 +1,7 @@
 """Manners: interrupts, threads, imports, types."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -14,14 +15,14 @@ import pytest
 
 #: What takes longer than an interrupt may. The forces never hold still, for an action at rest is simulated in no time; the regulation starts far off.
 LONG = {
-    "press": "grand.press(force=never_still(240.0), dt=1e-3, progress=False)",
-    "play": "erard.Action(grand).play(never_still(4000.0))",
+    "press": "grand.press(force=forces, dt=1e-3, progress=False)",
+    "play": "erard.Action(grand).play(np.tile(forces, 20))",
     "rollout": "erard.rollout(grand, force=np.full((4000, 1001), 5.0), dt=1e-3, progress=False)",
     "study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 4000), force=5.0, progress=False)",
     "measured study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 12), force=5.0, duration=0.02, measure=['repetition_rate_hz', 'double_strike_m_s'], progress=False)",
     "measure": "grand.measure(progress=False)",
     "regulate": "far_off.regulate(dip='11 mm', blow='43 mm', let_off='3 mm', drop='2.5 mm', check='20 mm', norms=True, follow=True, progress=False)",
-    "draw": "grand.draw(240.0, force=never_still(240.0), dt=1e-3)",
+    "draw": "grand.draw(240.0, force=forces, dt=1e-3)",
     "keyboard": "erard.keyboard(keys=range(1, 89), progress=False)",
     "validate": "grand.validate(progress=False)",
 }
@@ -44,8 +45,7 @@ def test_control_c_ends_it(what: str) -> None:
             interrupted = inside[-1] if inside else None
             print(interrupted, flush=True)
             raise KeyboardInterrupt
-        def never_still(seconds):
-            return 5.0 + 2.0 * np.random.default_rng(0).standard_normal(round(1000 * seconds))
+        forces = 5.0 + 2.0 * np.random.default_rng(0).standard_normal(240_000)
         signal.signal(signal.SIGINT, heard)
         grand = erard.load("concert-grand")
         far_off = grand.vary(let_off="+1.5 mm", drop="+1 mm", capstan_height="-0.5 mm", back_check="+1 mm")
@@ -71,6 +71,25 @@ def test_control_c_ends_it(what: str) -> None:
     # 0.2 s on an idle machine; where others compile, the second process waits for its turn.
     limit = float(os.environ.get("ERARD_INTERRUPT_S", "0.2"))
     assert float(ended) - sent < limit
+
+
+def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument, run: erard.Run) -> None:
+    action = erard.Action(grand)
+    action.play([5.0] * 100)
+    things = [
+        grand, grand.parameters["let_off"], run, erard.Recording(run), action, action.reading, action.play([5.0] * 3), grand.draw(),
+        grand.measure(only=["dip_mm"]), grand.kinematics(), grand.compare(run, drives=["force"], models=["action"]), erard.keyboard(keys=[40]),
+        erard.rollout(grand, force=[[5.0, 5.0]], dt=1e-3), erard.study(grand, let_off=[0.0], force=5.0, duration=0.05),
+    ]  # fmt: skip
+    for thing in things:
+        again = pickle.loads(pickle.dumps(thing))
+        assert again == thing and not again != thing, thing
+        assert " object at 0x" not in repr(thing), thing
+    action.step(5.0)
+    assert pickle.loads(pickle.dumps(things[4])) != erard.Action(grand)
+    for wrong in (erard.Action, erard.validate, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.compare(x, run)):
+        with pytest.raises(erard.InputError, match="erard.load"):
+            wrong("concert-grand")
 
 
 def test_other_threads_go_on(grand: erard.Instrument) -> None:

@@ -58,6 +58,8 @@ def test_steps_divide_the_samples(grand: erard.Instrument) -> None:
         ({"force": [[1.0, 1e9]], "dt": 1e-3}, "at most 10000 N"),
         ({"force": [[1.0, 1.0]], "dt": 1e-3, "threads": 0}, "threads"),
         ({"force": [[1.0, 1.0]], "dt": 1e-3, "columns": ["key_mm"]}, "`key_mm`"),
+        ({"force": [[1.0, 1.0]], "dt": 1e-3, "columns": "key_m"}, "a list of names"),
+        ({"force": [[1j, 1.0]], "dt": 1e-3}, "complex"),
     ],
 )
 def test_wrong_arguments(grand: erard.Instrument, arguments: dict, told: str) -> None:
@@ -86,6 +88,30 @@ def test_studies(grand: erard.Instrument) -> None:
     assert np.isnan(fails["hammer_speed_m_per_s"][1])
     with pytest.raises(erard.InputError, match="nothing is varied"):
         erard.study(grand, force=5.0)
+
+
+def test_what_was_sampled_goes_along(grand: erard.Instrument) -> None:
+    """Into data frames and data bases as lists, into xarray as a second dimension."""
+    rollout = erard.rollout(grand, force=forces(3), dt=1e-3)
+    pa = pytest.importorskip("pyarrow")
+    table = pa.table(rollout)
+    assert table.column_names == rollout.columns and table.schema.field("key_m").metadata == {b"unit": b"m"}
+    assert np.array_equal(np.array(table["key_m"].to_pylist()), rollout["key_m"])
+    assert np.array_equal(rollout.to_polars()["key_m"].to_numpy(), rollout["key_m"])
+    assert rollout.to_xarray()["key_m"].dims == ("stroke", "time_s")
+
+
+def test_studies_read_values_as_people_write_them(grand: erard.Instrument) -> None:
+    grams = 1e3 * grand.parameters["body.hammer.mass"].value
+    told = erard.study(grand, {"let_off": ["-0.2 mm", "+0.1 mm"], "body.hammer.mass": [f"{1.1 * grams} g"]}, force=5.0)
+    assert np.allclose(told["let_off"], [-2e-4, 1e-4]) and np.allclose(told["body.hammer.mass"], 1.1)
+    for wrong, why in (({"let_off": ["1 g"]}, "units: m"), ({"body.hammer.mass_g": ["9 g"]}, "not texts"), ({"let_off": [1j]}, "complex")):
+        with pytest.raises(erard.InputError, match=why):
+            erard.study(grand, wrong, force=5.0)
+    with pytest.raises(erard.InputError, match="found none"):
+        erard.study(grand, let_off=[0.0], force=[])
+    with pytest.raises(erard.InputError, match="a list of names"):
+        erard.study(grand, let_off=[0.0], measure="dip_mm")
 
 
 def speed(arguments: tuple[erard.Instrument, float]) -> float | None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from . import _erard
 from ._common import Stepping, floats, number, steps
+from ._instrument import instrument_of
 from ._table import Table
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class Action:
     """
 
     def __init__(self, instrument: Instrument, **how: Unpack[Stepping]) -> None:
-        self._instrument, self._steps = instrument, steps(how)
+        self._instrument, self._steps = instrument_of(instrument), steps(how)
         self._inner = _erard.Action(instrument._inner, self._steps)
 
     @property
@@ -131,6 +132,14 @@ class Action:
             Where the bytes are of another instrument, or are no state; nothing has changed then.
         """
         self._inner.restore(saved)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all that the next steps depend on is the same."""
+        if not isinstance(other, Action):
+            return NotImplemented
+        return self._instrument == other._instrument and self._steps == other._steps and self.save() == other.save()
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         now = self.reading

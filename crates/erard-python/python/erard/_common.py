@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -66,12 +67,38 @@ def number(key: str, value: Any) -> float:
     return found
 
 
+def whole(key: str, value: Any, least: int = 1) -> int:
+    """A whole number from `least` on, or an error that names the argument."""
+    try:
+        found = operator.index(value)
+    except TypeError:
+        found = least - 1
+    if found < least:
+        raise InputError(f"{key}: found {value!r}, expected a whole number from {least}", key=key, found=repr(value))
+    return found
+
+
+def names_of(key: str, values: Iterable[str] | None) -> list[str]:
+    """A list of names; one alone is no list of its letters."""
+    if isinstance(values, str):
+        raise InputError(f"{key}: found {values!r}, expected a list of names, as in [{values!r}]", key=key, found=values)
+    return [str(value) for value in values or ()]
+
+
+def real(values: Any) -> NDArray[np.float64]:
+    """An array of doubles, contiguous. What is complex or no number is a TypeError or a ValueError."""
+    array = np.asarray(values)
+    if array.dtype.kind == "c":
+        raise TypeError("complex numbers")
+    return np.asarray(array, dtype=np.float64, order="C")
+
+
 def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
     """An array of doubles of so many dimensions, contiguous and finite."""
     try:
-        array = np.ascontiguousarray(values, dtype=np.float64)
+        array = real(values)
     except (TypeError, ValueError):
-        kind = type(values).__name__
+        kind = repr(values) if isinstance(values, str) else f"{type(values).__name__} of {np.asarray(values).dtype}"
         raise InputError(f"{key}: found {kind}, expected an array of numbers", key=key, found=kind) from None
     shape = f"an array of shape {array.shape}" if array.ndim else "a single number"
     if array.ndim != dimensions:
@@ -92,15 +119,23 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
+def _tqdm() -> Any:
+    """tqdm's own choice of a bar. In a notebook without widgets it takes the plain one, and need not say so."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from tqdm.auto import tqdm
+    return tqdm
+
+
 @contextmanager
 def bar(progress: bool | None, what: str) -> Iterator[Progress]:
     """A function that is told the share done. `None`: a bar on a terminal or in a notebook, if it takes more than a second."""
     if progress is False:
         yield None
         return
-    from tqdm.auto import tqdm
-
-    shown = tqdm(
+    shown = _tqdm()(
         total=100,
         desc=what,
         delay=0.0 if progress else 1.0,
@@ -111,6 +146,23 @@ def bar(progress: bool | None, what: str) -> Iterator[Progress]:
 
     def tell(share: float) -> None:
         shown.update(100.0 * min(max(share, 0.0), 1.0) - shown.n)
+
+    try:
+        yield tell
+    finally:
+        shown.close()
+
+
+@contextmanager
+def counter(progress: bool | None, what: str, unit: str) -> Iterator[Callable[[int], None] | None]:
+    """A function that is told how many more are done, where nobody knows how many there will be. `None` as in `bar`."""
+    if progress is False:
+        yield None
+        return
+    shown = _tqdm()(desc=what, unit=f" {unit}", delay=0.0 if progress else 1.0, disable=False if progress else None, leave=bool(progress))
+
+    def tell(more: int) -> None:
+        shown.update(more)
 
     try:
         yield tell

@@ -2,7 +2,7 @@
 
 from typing import Any, final
 
-from ._types import Change, Floats, Progress, Steps, Work
+from ._types import Change, Floats, Progress, Ready, Steps, Work
 
 __all__ = [
     "Action",
@@ -76,14 +76,14 @@ class Stroke:
 @final
 class Recording:
     @staticmethod
-    def load(path: str, columns: str | None, ready: tuple[str | None, bool, float | None, bool]) -> Recording: ...
+    def load(path: str, columns: str | None, ready: Ready) -> Recording: ...
     @staticmethod
     def table(
         name: str,
         titles: list[str],
         values: list[Floats],
         columns: str | None,
-        ready: tuple[str | None, bool, float | None, bool],
+        ready: Ready,
     ) -> Recording: ...
     @property
     def name(self) -> str: ...
@@ -97,6 +97,19 @@ class Recording:
 
 @final
 class Reading:
+    def __new__(
+        cls,
+        time_s: float,
+        key_m: float,
+        key_m_per_s: float,
+        finger_n: float,
+        hammer_m: float,
+        hammer_m_per_s: float,
+        string_n: float,
+        converged: bool,
+        blow: tuple[float, float] | None,
+    ) -> Reading: ...
+    def __getnewargs__(self) -> tuple[float, float, float, float, float, float, float, bool, tuple[float, float] | None]: ...
     time_s: float
     key_m: float
     key_m_per_s: float
@@ -127,9 +140,11 @@ def press(
     instrument: Instrument,
     stroke: Stroke,
     steps: Steps,
+    model: str,
     duration: float | None,
     record_every: int | None,
     tolerance: float | None,
+    reactions: bool,
     progress: Progress,
 ) -> tuple[dict[str, Floats], dict[str, Any]]: ...
 def figure(columns: dict[str, Floats], about: dict[str, Any], title: str) -> str: ...

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, number, steps
+from ._common import Stepping, counter, number, steps, whole
 from ._errors import InputError, SimulationError
-from ._instrument import Instrument, Parameter
+from ._instrument import Instrument, Parameter, instrument_of
 from ._many import divided, work
 from ._recording import Recording, as_recording
 
@@ -42,11 +42,13 @@ AFTER_THE_BLOW_S = 2e-3
 SPLINE_ENDS = 10
 #: Steps of the differences, as shares of a factor or of the way that a screw may go: the middle one is used, all are compared.
 DIFFERENCES = (4e-3, 1e-3, 2.5e-4)
+#: What `scipy.optimize.least_squares` makes of squares.
+LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 #: The step at first: long enough to look past what jumps.
 COARSE = 1e-2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Channel:
     """One measured quantity of one recording beside what was fitted to it; arrays of shape (T,), SI units."""
 
@@ -57,6 +59,11 @@ class Channel:
     fitted: Array
     sigma: float
     delay_s: float
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Channel):
+            return NotImplemented
+        return all(np.array_equal(one, two) for one, two in zip(vars(self).values(), vars(other).values(), strict=True))
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,10 @@ def _free(instrument: Instrument, names: Sequence[str], bounds: Mapping[str, tup
             raise InputError(f"vary: {name} is a number of the file; expected a screw or a parameter", key="vary", found=name)
         own = known[name]
         usual = own.spread or ((0.2, 5.0) if own.is_factor else (-0.02 * own.range[1], 0.02 * own.range[1]))
-        low, high = (number(f"bounds[{name!r}]", bound) for bound in bounds.get(name, usual))
+        limits = bounds.get(name, usual)
+        if isinstance(limits, str) or np.shape(limits) != (2,):
+            raise InputError(f"bounds[{name!r}]: found {limits!r}, expected two numbers, as in (0.5, 2.0)", key="bounds", found=repr(limits))
+        low, high = (number(f"bounds[{name!r}]", bound) for bound in limits)
         if not (own.range[0] <= low < high <= own.range[1]):
             raise InputError(f"bounds: {name} from {low} to {high}; expected two increasing numbers in {own.range}", key="bounds")
         found.append(_Free(own, low, high))
@@ -139,6 +149,13 @@ class _Data:
         self.measured = {name: self.recording.at(name, self.time_s)[self.compared] for name in self.columns}
         self.rows = len(self.time_s[self.compared])
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "stroke": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self.stroke = _erard.Stroke.recorded(self.recording._inner, self.drive)
+
     def disturbed(self, instrument: Instrument, sigma: float, count: int, threads: int | None) -> dict[str, Array]:
         """What the model does when noise of this size is added to what drives it: arrays (count, T)."""
         rng = np.random.default_rng(0)
@@ -174,6 +191,10 @@ class _Problem:
         self._kept: tuple[bytes, Array] | None = None
         #: Rows that count; at first those up to the blow.
         self.weights: Array | float = 1.0
+        #: Columns that drive and of whose noise nothing is known.
+        self.silent: list[str] = []
+        #: Is told how many strokes were played.
+        self.tell: Callable[[int], None] | None = None
 
     def until_the_blow(self, point: Array) -> Array:
         """1 for rows up to shortly after the blow, 0 for later ones, on which a little more or less of anything has large effects."""
@@ -197,6 +218,8 @@ class _Problem:
         """Every recording at every point (rows of inner parameters)."""
         outer = np.array([[one.outer(p) for one, p in zip(self.free, row, strict=False)] for row in points])
         self.evaluations += len(points) * len(self.data)
+        if self.tell is not None:
+            self.tell(len(points) * len(self.data))
         return [one.simulate(self.instrument, self.names, np.ascontiguousarray(outer), self.threads) for one in self.data]
 
     def drive_noise(self, point: Array, known: Mapping[str, float]) -> Array:
@@ -447,12 +470,26 @@ class Fit:
         lines += [f"Noise of {title}: {sigma:.3g}" for title, sigma in self.noise.items()]
         lines += [f"Delay of {title}: {1e3 * delay:.3f} ms" for title, delay in self.delays.items()]
         lines += [f"Not seen: {told}" for told in self.unseen]
+        if silent := self._problem.silent:
+            lines.append(
+                f"The noise of {' and '.join(silent)}, which drives, is not known, and counts as none: where it has some, the errors above are too small; "
+                f"sigma={{{', '.join(f'{name!r}: ...' for name in silent)}}} says it"
+            )
         if self.jacobian_agreement > 0.1:
             lines.append(
                 f"Doubtful: derivatives by differences change by {100 * self.jacobian_agreement:.0f} % with the length of their steps; "
                 "the recordings jump with a parameter, and the errors above are too sure of themselves"
             )
         return "\n".join(lines)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the same was fitted to the same data, and the same found."""
+        if not isinstance(other, Fit):
+            return NotImplemented
+        same = self.x == other.x and self.noise == other.noise and self._problem.instrument == other._problem.instrument
+        return same and np.array_equal(self.cov, other.cov) and np.array_equal(self.residuals, other.residuals)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name} {self.x[name]:.4g} +- {self.std[name]:.1g}" for name in self._names)
@@ -498,6 +535,7 @@ def fit(
     restarts: int = 5,
     most: int = 50,
     threads: int | None = None,
+    progress: bool | None = None,
     **how: Unpack[Stepping],
 ) -> Fit:
     """Fits parameters of an instrument to recordings, by least squares.
@@ -519,7 +557,8 @@ def fit(
         What is compared, of "force_N", "key_m", "hammer_head_m"; by default all but what drives.
     sigma : mapping of str to float, optional
         The noise of a column, root mean square, N or m; that of the drive, too, whose effect on the parameters is part of their errors. By default it
-        is read from the rest before the touch or the spectrum; where neither tells it, from what is left over (of the drive: none).
+        is read from the rest before the touch or the spectrum; where neither tells it, from what is left over. Where nothing tells that of the
+        drive it counts as none, and the report says so: a load cell's 20 mN can make errors ten times larger.
     delay : bool
         Estimate for every column how much later it was written down than what drives.
     bounds : mapping of str to (float, float), optional
@@ -536,6 +575,8 @@ def fit(
         Most steps of the solver.
     threads : int, optional
         By default as many as there are cores.
+    progress : bool, optional
+        Count the strokes that are played; by default on a terminal or in a notebook, if it takes more than a second.
     **how
         How to step, as in `Instrument.press`.
 
@@ -563,28 +604,60 @@ def fit(
     >>> bool(abs(found.x["body.hammer.mass"] - 1.04) < 4 * found.std["body.hammer.mass"])
     True
     """
+    with counter(progress, "fit", "strokes") as tell:
+        return _fit(
+            instrument_of(instrument), recordings, vary, drive, columns, sigma, delay, bounds, start, loss, restarts, most, threads,
+            tell, steps(how),
+        )  # fmt: skip
+
+
+def _fit(
+    instrument: Instrument,
+    recordings: RecordingLike | Sequence[RecordingLike],
+    vary: Sequence[str],
+    drive: str | None,
+    columns: Sequence[str] | None,
+    sigma: Mapping[str, float] | None,
+    delay: bool,
+    bounds: Mapping[str, tuple[float, float]] | None,
+    start: Mapping[str, float] | None,
+    loss: str,
+    restarts: int,
+    most: int,
+    threads: int | None,
+    tell: Callable[[int], None] | None,
+    own: Steps,
+) -> Fit:
     from scipy.optimize import least_squares
 
-    if not isinstance(instrument, Instrument):
-        raise InputError("instrument: expected an Instrument, as erard.load gives it", key="instrument")
+    if loss not in LOSSES:
+        raise InputError(f"loss: found {loss!r}, expected {', '.join(LOSSES)}", key="loss", found=str(loss))
+    restarts, most = whole("restarts", restarts, 0), whole("most", most)
     sources: list[Any] = list(recordings) if isinstance(recordings, (list, tuple)) else [recordings]
     if not sources:
         raise InputError("recordings: found none, expected one or more", key="recordings")
-    own = steps(how)
     free = _free(instrument, vary, bounds or {})
     data = [_Data(source, drive, columns, own) for source in sources]
     problem = _Problem(instrument, free, data, delay, threads)
+    problem.tell = tell
     known = {name: number(f"sigma[{name!r}]", value) for name, value in (sigma or {}).items()}
     usable = {name for _, name in problem.channels} | {one.driving for one in data}
     if unknown := set(known) - usable:
         raise InputError(f"sigma: {', '.join(sorted(unknown))} is not compared and does not drive", key="sigma")
     told = [known.get(name, data[i].recording.noise(name)) for i, name in problem.channels]
+    problem.silent = sorted({one.driving for one in data if one.driving not in known and one.recording.noise(one.driving) is None})
     problem.sigma = np.array([COLUMNS[name] if s is None else s for s, (_, name) in zip(told, problem.channels, strict=True)])
     if np.any(problem.sigma <= 0):
         raise InputError("sigma: expected positive numbers", key="sigma")
     low = np.array([one.inner(one.low) for one in free] + [-20.0] * problem.delays)
     high = np.array([one.inner(one.high) for one in free] + [20.0] * problem.delays)
-    asked = start or {}
+    asked = {name: number(f"start[{name!r}]", value) for name, value in (start or {}).items()}
+    if unknown := set(asked) - set(problem.names):
+        raise InputError(f"start: {', '.join(sorted(unknown))} is not varied", key="start")
+    for one in free:
+        if not one.low <= asked.get(one.parameter.name, one.low) <= one.high:
+            begun = asked[one.parameter.name]
+            raise InputError(f"start: {one.parameter.name} at {begun}; its bounds are {one.low} and {one.high}", key="start", found=str(begun))
     first = [one.inner(asked.get(one.parameter.name, 1.0 if one.parameter.is_factor else 0.0)) for one in free]
     margin = 1e-6 * (high - low)
     begin = np.clip(np.array(first + [0.0] * problem.delays), low + margin, high - margin)
@@ -602,7 +675,7 @@ def fit(
     rng = np.random.default_rng(0)
     ends: list[float] = []
     best: tuple[float, Array, str, Array] | None = None
-    for attempt in range(1 + max(0, restarts)):
+    for attempt in range(1 + restarts):
         from_here = begin
         if attempt and best is not None:
             # Not far: from elsewhere in wide bounds few come back.
@@ -629,6 +702,7 @@ def fit(
     _, point, message, disturbed = best  # type: ignore[misc]
     problem._kept = None
     by_step = [problem.jacobian(point, share) for share in DIFFERENCES]
+    problem.tell = None
     return Fit(problem, point, by_step[1], _agreement(by_step[0], by_step[2]), disturbed, message)
 
 
@@ -679,12 +753,19 @@ class Posterior:
         low, high = np.quantile(self.samples, [(1 - share) / 2, (1 + share) / 2], axis=0)
         return {name: (float(a), float(b)) for name, a, b in zip(self.names, low, high, strict=True)}
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Posterior) and self.names == other.names and np.array_equal(self.samples, other.samples)
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __repr__(self) -> str:
         told = ", ".join(f"{name} {self.mean[name]:.4g} +- {self.std[name]:.1g}" for name in self.names)
         return f"<erard.Posterior of {len(self.samples)} samples, acceptance {self.acceptance:.2f}: {told}>"
 
 
-def sample(found: Fit, *, walkers: int = 32, length: int = 200, burn: int = 100, seed: int = 0) -> Posterior:
+def sample(
+    found: Fit, *, walkers: int = 32, length: int = 200, burn: int = 100, seed: int = 0, progress: bool | None = None
+) -> Posterior:
     """Samples the posterior of a fit with emcee: Gaussian noise as the fit found it, within its bounds all alike (logarithms of factors).
 
     Parameters
@@ -695,6 +776,8 @@ def sample(found: Fit, *, walkers: int = 32, length: int = 200, burn: int = 100,
     length, burn : int
         Steps of every walker that are kept, and that are thrown away before.
     seed : int
+    progress : bool, optional
+        Count the strokes that are played.
 
     Returns
     -------
@@ -702,6 +785,9 @@ def sample(found: Fit, *, walkers: int = 32, length: int = 200, burn: int = 100,
     """
     import emcee
 
+    if not isinstance(found, Fit):
+        raise InputError(f"found: found {type(found).__name__}, expected what erard.fit found", key="found")
+    walkers, length, burn = whole("walkers", walkers), whole("length", length), whole("burn", burn, 0)
     problem = found._problem
     count = len(problem.free) + problem.delays
     if walkers < 2 * count:
@@ -726,7 +812,9 @@ def sample(found: Fit, *, walkers: int = 32, length: int = 200, burn: int = 100,
     first = np.clip(found._point + spread * rng.standard_normal((walkers, count)), low + 1e-9, high - 1e-9)
     sampler = emcee.EnsembleSampler(walkers, count, log_probability, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    sampler.run_mcmc(first, burn + length)
+    with counter(progress, "sample", "strokes") as problem.tell:
+        sampler.run_mcmc(first, burn + length)
+    problem.tell = None
     chain = sampler.get_chain(discard=burn, flat=True)
     outer = np.column_stack([[one.outer(p) for p in chain[:, k]] for k, one in enumerate(problem.free)])
     return Posterior(problem.names, outer, float(np.mean(sampler.acceptance_fraction)))

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union, Unpack
 
+import numpy as np
+
 from . import _erard
-from ._common import Stepping, bar, floats, number, quantity, steps
+from ._common import Stepping, bar, floats, names_of, number, quantity, steps, whole
 from ._errors import InputError
 from ._recording import Recording, as_recording
 from ._run import Run
@@ -60,6 +62,14 @@ class Parameter:
     spread: tuple[float, float] | None
     certainty: str | None
     path: str
+
+
+def instrument_of(value: Any, key: str = "instrument") -> Instrument:
+    """An instrument, or an error that says how to have one."""
+    if not isinstance(value, Instrument):
+        kind = repr(value) if isinstance(value, str) else type(value).__name__
+        raise InputError(f"{key}: found {kind}, expected an Instrument, as erard.load gives it", key=key, found=kind)
+    return value
 
 
 class Instrument:
@@ -184,9 +194,11 @@ class Instrument:
         motion: ArrayLike | None = None,
         rigid: ArrayLike | None = None,
         drive: str | None = None,
+        model: str = "action",
         duration: float | None = None,
         record_every: int | None = None,
         tolerance: float | None = None,
+        reactions: bool = False,
         progress: bool | None = None,
         **how: Unpack[Stepping],
     ) -> Run:
@@ -207,13 +219,19 @@ class Instrument:
         rigid : array_like of shape (T,), optional
             Where the key's front itself is, m down from rest.
         drive : {"force", "motion", "rigid"}, optional
-            What a recording prescribes; by default its force where it has one.
+            What a recording prescribes; by default its force where it has one. Under "motion" a fingertip moves as key and force tell; one that begins
+            with a force is in touch already, and has pressed the key down before the run starts.
+        model : {"action", "one-dof"}
+            The whole action, or its model with one degree of freedom.
         duration : float, optional
             Simulated time, s; by default the stroke's and a little more.
         record_every : int, optional
             Keep a row every so many steps.
         tolerance : float, optional
             Error that a step may have, 1e-9 to 0.1: steps are then as long as that allows.
+        reactions : bool
+            Also record what the pins carry and how the parts accelerate: columns `NAME_rad_per_s2`, `NAME_pin_x_N` (force of the pin on the body
+            toward the back of the piano) and `NAME_pin_y_N` (upward).
         progress : bool, optional
             A progress bar; by default on a terminal or in a notebook, if it takes more than a second.
         **how
@@ -235,13 +253,13 @@ class Instrument:
         """
         made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive)
         duration = None if duration is None else number("duration", duration)
-        if record_every is not None and record_every < 1:
-            raise InputError(f"record_every: found {record_every}, expected a number of steps, from 1", key="record_every")
+        every = None if record_every is None else whole("record_every", record_every)
+        accuracy = None if tolerance is None else number("tolerance", tolerance)
         with bar(progress, "press") as tell:
             columns, about = _erard.press(
-                self._inner, made, steps(how), duration, record_every, tolerance, tell
+                self._inner, made, steps(how), model, duration, every, accuracy, reactions, tell
             )
-        return Run(columns, about, made.title)
+        return Run(columns, {**about, "notes": [made.note] if made.note else []}, made.title)
 
     def measure(self, *, key: int = 40, only: Sequence[str] | None = None, progress: bool | None = None) -> Sheet:
         """Measures the action as a technician does: weights, distances, inertia, repetition, timing.
@@ -268,7 +286,7 @@ class Instrument:
         ['dip_mm', 'let_off_mm']
         """
         with bar(progress, "measure") as tell:
-            text = _erard.measure(self._inner, key, None if only is None else list(only), tell)
+            text = _erard.measure(self._inner, key, None if only is None else names_of("only", only), tell)
         return Sheet(self.name, json.loads(text))
 
     def regulate(
@@ -459,17 +477,33 @@ def stroke_of(
     if len(named) > 1:
         raise InputError(f"{' and '.join(named)} are given; expected one of {', '.join(given)}", key=named[1])
     if stroke is not None or not named:
-        if isinstance(stroke, str) and stroke in ("pp", "p", "mf", "f", "ff") or stroke is None:
+        if isinstance(stroke, str) and stroke in NUANCES or stroke is None:
             return _erard.Stroke.builtin(stroke or "mf", touch, drive)
+        _only_of("touch", touch, "pressed", "a built-in stroke")
+        if isinstance(stroke, str) and not os.path.exists(stroke) and not os.path.splitext(stroke)[1] and os.path.basename(stroke) == stroke:
+            told = f"stroke: found {stroke!r}, expected {', '.join(NUANCES)} or a recording; there is no such file either"
+            raise InputError(told, key="stroke", found=stroke)
         made = stroke if isinstance(stroke, Recording) else as_recording_to_play(stroke)
         return _erard.Stroke.recorded(made._inner, drive)
+    _only_of("touch", touch, "pressed", "a built-in stroke")
+    _only_of("drive", drive, None, "a built-in stroke or a recording")
     name, value = named[0], given[named[0]]
-    if name == "force" and not hasattr(value, "__len__"):
+    if name == "force" and (isinstance(value, str) or not hasattr(value, "__len__") or np.ndim(value) == 0):  # type: ignore[arg-type]
         return _erard.Stroke.constant(number("force", value))
     values = floats(name, value, 1)  # type: ignore[arg-type]
     if dt is None:
         raise InputError(f"{name} is an array: expected dt, the time from sample to sample in s", key="dt")
     return _erard.Stroke.samples(name, values, number("dt", dt))
+
+
+#: The built-in strokes.
+NUANCES = ("pp", "p", "mf", "f", "ff")
+
+
+def _only_of(key: str, found: str | None, usual: str | None, what: str) -> None:
+    """Says it where an argument would do nothing."""
+    if found != usual:
+        raise InputError(f"{key}: {found!r} goes with {what} only", key=key, found=found)
 
 
 def as_recording_to_play(source: Any) -> Recording:
@@ -529,6 +563,12 @@ class Drawing:
 
     def _repr_svg_(self) -> str:
         return self.svg
+
+    def __eq__(self, other: object) -> bool:
+        return self.svg == other.svg if isinstance(other, Drawing) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.svg)
 
     def __repr__(self) -> str:
         return f"<erard.Drawing, {len(self.svg)} bytes of SVG>"
@@ -627,13 +667,14 @@ def compare(
     >>> own.errors[0]["explained"] > 0.9999
     True
     """
+    instrument = instrument_of(instrument)
     made = as_recording_to_play(recording) if not isinstance(recording, Recording) else recording
     with bar(progress, "compare") as tell:
         found = _erard.compare(
             instrument._inner,
             made._inner,
-            None if drives is None else list(drives),
-            None if models is None else list(models),
+            None if drives is None else names_of("drives", drives),
+            None if models is None else names_of("models", models),
             duration,
             steps(how),
             tell,
@@ -657,7 +698,7 @@ def validate(instrument: Instrument, *, progress: bool | None = None) -> list[di
         "missed", "did not happen", "cannot speak to it"), `missed_by`, `source`, `certainty`, `likely_reason`.
     """
     with bar(progress, "validate") as tell:
-        return _erard.validate(instrument._inner, tell)
+        return _erard.validate(instrument_of(instrument)._inner, tell)
 
 
 class Keyboard(Table):
@@ -700,9 +741,7 @@ def keyboard(
     >>> bool(two["hammer_mass_g"][0] > two["hammer_mass_g"][1]), two["note"].tolist()
     (True, ['A0', 'C8'])
     """
-    import numpy as np
-
-    chosen = [*range(1, 88, 3), 88] if keys is None else [int(key) for key in keys]
+    chosen = [*range(1, 88, 3), 88] if keys is None else [whole("keys", key, 0) for key in keys]
     with bar(progress, "keyboard") as tell:
         name, columns = _erard.keyboard(os.fspath(asked), chosen, tell)
     return Keyboard(name, {key: np.asarray(values) for key, values in columns.items()})

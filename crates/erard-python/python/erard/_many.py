@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, floats, number, steps
+from ._common import Stepping, bar, floats, names_of, number, steps, whole
 from ._errors import InputError
-from ._instrument import Instrument, stroke_of
+from ._instrument import Instrument, instrument_of, stroke_of
 from ._table import Table
 
 if TYPE_CHECKING:
@@ -44,9 +44,8 @@ OUTCOMES = (
 
 def work(threads: int | None, single: bool, ledger: bool, columns: Sequence[str] = (), every: int = 1) -> Work:
     """Who does the work and what is kept, as the extension takes it."""
-    if threads is not None and threads < 1:
-        raise InputError(f"threads: found {threads}, expected a number from 1", key="threads", found=str(threads))
-    return {"threads": threads, "single": single, "ledger": ledger, "columns": list(columns), "every": every}
+    threads = None if threads is None else whole("threads", threads)
+    return {"threads": threads, "single": single, "ledger": ledger, "columns": names_of("columns", columns), "every": every}
 
 
 def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
@@ -238,9 +237,11 @@ class Study(Table):
         columns: dict[str, NDArray[Any]],
         errors: dict[int, str],
         doubts: list[str],
+        axis_units: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(columns)
         self.axes, self.errors, self.doubts = axes, errors, doubts
+        self._own_units = dict(axis_units or {})
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -258,14 +259,17 @@ class Study(Table):
             for name, values in self.items()
             if name not in self.axes
         }
-        return xr.Dataset(variables, coords=dict(self.axes))
+        coordinates = {name: (name, values, {"units": units[name]}) for name, values in self.axes.items()}
+        return xr.Dataset(variables, coords=coordinates)
 
-    def plot(self, column: str = "hammer_speed_m_per_s") -> matplotlib.figure.Figure:
-        """Draws a column over the last axis, a curve for every combination of the others.
+    def plot(self, column: str = "hammer_speed_m_per_s", *, over: str | None = None) -> matplotlib.figure.Figure:
+        """Draws a column over one axis, a curve for every combination of the others.
 
         Parameters
         ----------
         column : str
+        over : str, optional
+            The axis; by default the one with the most values.
 
         Returns
         -------
@@ -273,7 +277,9 @@ class Study(Table):
         """
         from ._plot import study_figure
 
-        return study_figure(self, column)
+        if over is not None and over not in self.axes:
+            raise InputError(f"over: found {over!r}, expected one of {', '.join(self.axes)}", key="over", found=str(over))
+        return study_figure(self, column, over or max(self.axes, key=lambda name: len(self.axes[name])))
 
     def __repr__(self) -> str:
         over = " x ".join(f"{len(values)} {name}" for name, values in self.axes.items())
@@ -282,12 +288,13 @@ class Study(Table):
 
     def __getstate__(self) -> dict[str, Any]:
         columns = {name: np.asarray(values) for name, values in self.items()}
-        return {"axes": self.axes, "columns": columns, "errors": self.errors, "doubts": self.doubts}
+        own = {"axes": self.axes, "columns": columns, "errors": self.errors, "doubts": self.doubts}
+        return own | {"axis_units": dict(self._own_units)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for values in state["columns"].values():
             values.flags.writeable = False
-        Study.__init__(self, state["axes"], state["columns"], state["errors"], state["doubts"])
+        Study.__init__(self, state["axes"], state["columns"], state["errors"], state["doubts"], state["axis_units"])
 
 
 def study(
@@ -315,7 +322,7 @@ def study(
     instrument : Instrument
     vary, **more : mapping of str to array_like
         What is varied and its values, as bare numbers mean it in `Instrument.vary`: turns of a screw in m (rad, N m), factors of other
-        parameters, and the values themselves of a number of the file.
+        parameters, and the values themselves of a number of the file. Texts ("-0.2 mm", "8.7 g") are made into such numbers.
     force : float or array_like, optional
         A constant force from the start on, N; several are varied, too.
     stroke, touch, drive, duration
@@ -339,15 +346,15 @@ def study(
     >>> s.shape, s.columns[:2], s.to_xarray()["hammer_speed_m_per_s"].dims
     ((5, 2), ['let_off', 'force_N'], ('let_off', 'force_N'))
     """
-    own = steps({"step": step, "theta": theta})
-    axes: dict[str, NDArray[np.float64]] = {}
-    for name, values in {**(vary or {}), **more}.items():
-        axes[str(name)] = floats(str(name), np.atleast_1d(np.asarray(values)), 1)
+    own, instrument, measure = steps({"step": step, "theta": theta}), instrument_of(instrument), names_of("measure", measure)
+    axes = {str(name): axis(instrument, str(name), values) for name, values in {**(vary or {}), **more}.items()}
     forces = None
     if force is not None:
         if stroke is not None:
             raise InputError("force and stroke are given; expected one of them", key="stroke")
         forces = floats("force", np.atleast_1d(np.asarray(force)), 1)
+        if not forces.size:
+            raise InputError("force: found none, expected one or more", key="force")
         if bad := [f for f in forces if not 0 <= f <= 1e4]:
             raise InputError(f"force: found {bad[0]}, expected numbers from 0 to 10000 N", key="force", found=str(bad[0]))
         if len(forces) > 1:
@@ -376,8 +383,28 @@ def study(
     for values in rows.values():
         values.flags.writeable = False
     if measure:
-        columns |= _measured(instrument, varied, table, list(measure), threads)
-    return Study(axes, columns, dict(found["errors"]), found["doubts"])
+        columns |= _measured(instrument, varied, table, measure, threads)
+    # What turns has a unit, a factor has none; of a number of the file its key tells.
+    turned = {name: known[name].unit for name in varied if name in known and not known[name].is_factor}
+    return Study(axes, columns, dict(found["errors"]), found["doubts"], turned)
+
+
+def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
+    """The values of what is varied as bare numbers mean it; texts are made into such."""
+    given = np.atleast_1d(np.asarray(values))
+    if given.dtype.kind not in "USO" or not any(isinstance(value, str) for value in given.ravel()):
+        return floats(name, given, 1)
+    known = instrument.parameters.get(name)
+    if known is None:
+        instrument.vary({name: str(given.ravel()[0])})  # It says what there is.
+        raise InputError(f"{name} is a number of the file: expected numbers, not texts", key=name)
+
+    def number_of(value: Any) -> float:
+        asked = str(value) if isinstance(value, str) else number(name, value)
+        varied = instrument.vary({name: asked}).parameters[name].value
+        return varied / known.value if known.is_factor else varied - known.value
+
+    return floats(name, [number_of(value) for value in given.tolist()], 1)
 
 
 def _by_file(

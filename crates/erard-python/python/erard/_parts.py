@@ -26,6 +26,8 @@ class Folder:
     def __init__(self, path: str | os.PathLike[str], about: dict[str, Any], count: int) -> None:
         self.path, self.count = Path(path), count
         manifest = self.path / "manifest.json"
+        if self.path.exists() and not self.path.is_dir():
+            raise InputError(f"{self.path}: is a file; expected a folder, or a path where one can be made", file=str(self.path))
         described = {**about, "parts": count}
         if manifest.exists():
             found = json.loads(manifest.read_text(encoding="utf-8"))

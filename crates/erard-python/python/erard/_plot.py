@@ -44,10 +44,21 @@ def run_figure(run: Run, columns: Sequence[str], ax: Any) -> Figure:
         values, unit = _scaled(name, run[name])
         panel.plot(ms, values, color=COLOURS[colour % len(COLOURS)], label=name)
         panel.set_ylabel(f"{name.rsplit('_', 1)[0]} ({unit})" if ax is None else unit)
-    for name, at in run.events.items():
-        if name != "hammer_speed":
-            for panel in dict.fromkeys(panels):
-                panel.axvline(1e3 * at, color="0.7", linewidth=0.8, zorder=0)
+    instants = sorted((1e3 * at, name) for name, at in run.events.items() if name != "hammer_speed")
+    for at, _ in instants:
+        for panel in dict.fromkeys(panels):
+            panel.axvline(at, color="0.7", linewidth=0.8, zorder=0)
+    # Names stand above the figure; what is nearer together than a line is high shares a place.
+    near, places = 0.03 * (ms[-1] - ms[0]), list[tuple[float, list[str]]]()
+    for at, name in instants:
+        if places and at - places[-1][0] < near:
+            places[-1][1].append(name.replace("_", " "))
+        else:
+            places.append((at, [name.replace("_", " ")]))
+    top = panels[0].secondary_xaxis("top")
+    labels = [", ".join(names) for _, names in places]
+    top.set_xticks([at for at, _ in places], labels, rotation=20, ha="left", rotation_mode="anchor", fontsize="x-small", color="0.35")
+    top.tick_params(length=0)
     if ax is not None:
         ax.legend()
     panels[-1].set_xlabel("time (ms)")
@@ -56,21 +67,26 @@ def run_figure(run: Run, columns: Sequence[str], ax: Any) -> Figure:
     return figure
 
 
-def study_figure(study: Study, column: str) -> Figure:
-    """A column over the last axis, a curve for every combination of the others (ten at most are told apart)."""
+def study_figure(study: Study, column: str, over: str) -> Figure:
+    """A column over an axis, a curve for every combination of the others (ten at most are told apart)."""
     import matplotlib.pyplot as plt
 
-    names = list(study.axes)
-    values = study[column].reshape(-1, study.shape[-1])
-    others = np.meshgrid(*(study.axes[name] for name in names[:-1]), indexing="ij") if len(names) > 1 else []
+    names = [name for name in study.axes if name != over]
+    along = list(study.axes).index(over)
+    values = np.moveaxis(study[column].reshape(study.shape), along, -1).reshape(-1, study.shape[along])
+    others = np.meshgrid(*(study.axes[name] for name in names), indexing="ij") if names else []
     figure, panel = plt.subplots(figsize=(7, 4), layout="constrained")
+    x, unit = study.axes[over], study.units[over]
+    if unit == "m":
+        x, unit = 1e3 * x, "mm"
     for row, curve in enumerate(values):
         label = ", ".join(f"{name} {grid.ravel()[row]:.4g}" for name, grid in zip(names, others, strict=False))
-        panel.plot(study.axes[names[-1]], curve, color=COLOURS[row % len(COLOURS)], label=label if len(values) <= 10 else None)
+        told = label if 1 < len(values) <= 10 else None
+        panel.plot(x, curve, "." if len(x) == 1 else "-", color=COLOURS[row % len(COLOURS)], label=told)
     if 1 < len(values) <= 10:
         panel.legend(fontsize="small")
-    panel.set_xlabel(names[-1])
-    panel.set_ylabel(f"{column} ({unit_of(column)})")
+    panel.set_xlabel(f"{over} ({'factor' if unit == '1' and over.count('.') == 2 else unit})")
+    panel.set_ylabel(f"{column} ({study.units[column]})")
     return figure
 
 

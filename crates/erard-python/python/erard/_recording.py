@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
 from . import _erard
+from ._common import floats, names_of, number, real
 from ._errors import InputError, MissingFileError
 from ._table import Table
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from ._types import Ready
 
     RecordingLike = Union["Recording", Table, Mapping[str, ArrayLike], str, "os.PathLike[str]", Any]
 
@@ -26,15 +29,20 @@ class Recording(Table):
     source : run, mapping, data frame, path or Recording
         Columns by their titles: one for the time and any of force, position (of the key's front or of the fingertip, down positive) and the
         hammer's rise. Titles say the unit: `time_s`, `force_N`, `key_m`, `hammer_head_m`, `Force (gf)`, `Travel [mm]`. Anything that speaks
-        the Arrow PyCapsule protocol or is a mapping of arrays will do; a path is a CSV file or, ending in .parquet, a Parquet file.
-    columns : str, optional
-        Which columns to read where their titles do not say it: "time=Time (s),position=Displacement (mm),force=F [gf]".
+        the Arrow PyCapsule protocol or is a mapping of arrays will do; a path is a CSV file or, ending in .parquet, a Parquet file. Where a
+        channel holds nan (an empty cell) it was not sampled: `notes` tells how long a gap is bridged.
+    columns : str or mapping of str to str, optional
+        Which columns to read where their titles do not say it: "time=Time (s),position=Displacement (mm),force=F [gf]", or a mapping of the same.
     position : {"key", "fingertip"}, optional
         Whose position it is; by default what its title says, else the key's.
     zero : bool
         Take the mean of the rest before the touch from every channel that has one.
     low_pass : float, "own" or None
         A low-pass forth and back, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
+    invert : sequence of {"force_N", "key_m", "hammer_head_m"}
+        Channels whose sign is to be turned.
+    delay : mapping of {"force_N", "key_m", "hammer_head_m"} to float, optional
+        How much later than the others a channel was written down, s.
 
     Raises
     ------
@@ -56,15 +64,21 @@ class Recording(Table):
         self,
         source: RecordingLike,
         *,
-        columns: str | None = None,
+        columns: str | Mapping[str, str] | None = None,
         position: str | None = None,
         zero: bool = True,
         low_pass: float | str | None = "own",
+        invert: Sequence[str] = (),
+        delay: Mapping[str, float] | None = None,
     ) -> None:
         own = low_pass == "own"
         if isinstance(low_pass, str) and not own:
             raise InputError(f"low_pass: found {low_pass!r}, expected a number of Hz, 'own' or None", key="low_pass")
-        ready = (position, zero, None if own or low_pass is None else float(low_pass), own)
+        if isinstance(columns, Mapping):
+            columns = ",".join(f"{role}={title}" for role, title in columns.items())
+        late = [(str(name), number(f"delay[{name!r}]", s)) for name, s in (delay or {}).items()]
+        hz = None if own or low_pass is None else number("low_pass", low_pass)
+        ready = (position, bool(zero), hz, own, names_of("invert", invert), late)
         if isinstance(source, Recording):
             name, source = source.name, dict(source)
         elif isinstance(source, (str, os.PathLike)):
@@ -79,7 +93,7 @@ class Recording(Table):
         titles = list(table)
         self._made(_erard.Recording.table(name, titles, list(table.values()), columns, ready), ready)
 
-    def _made(self, inner: _erard.Recording, ready: tuple[str | None, bool, float | None, bool]) -> None:
+    def _made(self, inner: _erard.Recording, ready: Ready) -> None:
         self._inner, self._ready = inner, ready
         columns = inner.columns()
         for values in columns.values():
@@ -124,9 +138,9 @@ class Recording(Table):
         ndarray of shape (T,)
             N or m.
         """
-        found = self._inner.at(column, np.ascontiguousarray(time_s, dtype=np.float64))
+        found = self._inner.at(column, floats("time_s", np.atleast_1d(np.asarray(time_s)), 1))
         if found is None:
-            raise KeyError(f"{column} was not recorded")
+            raise KeyError(f"{column} was not recorded; there are {', '.join(self)}")
         return found
 
     def __repr__(self) -> str:
@@ -136,9 +150,7 @@ class Recording(Table):
         return _unpickled, (self.name, {name: np.asarray(values) for name, values in self.items()}, self._ready)
 
 
-def _unpickled(
-    name: str, columns: dict[str, Any], ready: tuple[str | None, bool, float | None, bool]
-) -> Recording:
+def _unpickled(name: str, columns: dict[str, Any], ready: Ready) -> Recording:
     recording = Recording.__new__(Recording)
     recording._made(_erard.Recording.table(name, list(columns), list(columns.values()), None, ready), ready)
     return recording
@@ -150,20 +162,24 @@ def _parquet(path: str) -> Mapping[str, Any]:
     try:
         table = pq.read_table(path)
     except (OSError, ValueError) as error:
-        raise MissingFileError(f"{path}: cannot be read: {error}", file=path) from None
+        if not os.path.isfile(path):
+            raise MissingFileError(f"{path}: cannot be read: there is no such file", file=path) from None
+        raise InputError(f"{path}: is no Parquet file that can be read: {error}", file=path) from None
     return {name: column.to_numpy() for name, column in zip(table.column_names, table.columns, strict=True)}
 
 
 def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
     """The numeric columns of whatever has columns."""
-    if not isinstance(source, Mapping) and hasattr(source, "__arrow_c_stream__") and not hasattr(source, "columns"):
+    is_frame = type(source).__module__.partition(".")[0] in ("pandas", "polars")
+    if not isinstance(source, Mapping) and hasattr(source, "__arrow_c_stream__") and not is_frame:
         import pyarrow as pa
 
         source = pa.table(source)
     if hasattr(source, "column_names"):
         names = list(source.column_names)
     elif isinstance(source, Mapping):
-        names = list(source)
+        # An xarray data set counts its coordinates among its variables.
+        names = list(source.variables) if hasattr(source, "variables") else list(source)
     elif hasattr(source, "columns"):
         names = [str(name) for name in source.columns]
     else:
@@ -171,8 +187,10 @@ def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
         raise InputError(f"a recording is a run, a mapping of arrays with `time_s`, a data frame or a path; found {kind}", found=kind)
     found: dict[str, NDArray[np.float64]] = {}
     for name in names:
+        if np.iscomplexobj(source[name]):
+            raise InputError(f"{name}: found complex numbers, expected real ones", key=str(name), found="complex numbers")
         try:
-            found[str(name)] = np.ascontiguousarray(source[name], dtype=np.float64)
+            found[str(name)] = real(source[name])
         except (TypeError, ValueError):
             continue  # A column of text is none of ours.
     lengths = {name: len(values) if values.ndim == 1 else values.shape for name, values in found.items()}

@@ -33,6 +33,8 @@ class Run(Table):
         Instant (s) and speed (m/s) of every blow on the string.
     warnings : list of str
         Why the run is not to be trusted; empty if nothing speaks against it.
+    notes : list of str
+        Where the stroke does not drive quite as it says.
 
     Examples
     --------
@@ -48,6 +50,7 @@ class Run(Table):
     events: Mapping[str, float]
     strikes: list[tuple[float, float]]
     warnings: list[str]
+    notes: list[str]
 
     def __init__(self, columns: dict[str, NDArray[np.float64]], about: dict[str, Any], title: str) -> None:
         super().__init__(dict(columns))
@@ -55,7 +58,7 @@ class Run(Table):
         self.title = title
         self.events = types.MappingProxyType({name: at for name, at in about["events"].items() if at is not None})
         self.strikes = about["strikes"]
-        self.warnings = about["warnings"]
+        self.warnings, self.notes = about["warnings"], about["notes"]
 
     @property
     def instrument(self) -> str:

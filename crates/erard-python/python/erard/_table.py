@@ -24,6 +24,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
     """
 
     _columns: dict[str, NDArray[Any]]
+    #: Units of columns whose names do not say them.
+    _own_units: Mapping[str, str] = {}
 
     def __init__(self, columns: dict[str, NDArray[Any]]) -> None:
         self._columns = columns
@@ -36,7 +38,10 @@ class Table(Mapping[str, "NDArray[Any]"]):
     @property
     def units(self) -> dict[str, str]:
         """The unit of every column; "1" for a number without."""
-        return {name: unit_of(name) for name in self._columns}
+        return {name: self._unit(name) for name in self._columns}
+
+    def _unit(self, column: str) -> str:
+        return self._own_units.get(column) or unit_of(column)
 
     def __getitem__(self, column: str) -> NDArray[Any]:
         try:
@@ -68,11 +73,11 @@ class Table(Mapping[str, "NDArray[Any]"]):
         import pandas as pd
 
         frame = pd.DataFrame(self._flat(), copy=False)
-        frame.attrs["units"] = {name: unit_of(name) for name in frame.columns}
+        frame.attrs["units"] = {name: self._unit(name) for name in frame.columns}
         return frame
 
     def to_polars(self) -> polars.DataFrame:
-        """A polars data frame of the one-dimensional columns.
+        """A polars data frame; what was sampled of many strokes becomes a column of arrays.
 
         Returns
         -------
@@ -83,7 +88,7 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return pl.DataFrame(self)
 
     def to_arrow(self) -> pyarrow.Table:
-        """An Arrow table; every field's metadata holds its `unit`.
+        """An Arrow table; every field's metadata holds its `unit`. What was sampled of many strokes becomes a column of lists of equal length.
 
         Returns
         -------
@@ -93,6 +98,10 @@ class Table(Mapping[str, "NDArray[Any]"]):
 
         return pa.table(self)
 
+    def __repr__(self) -> str:
+        rows = len(next(iter(self._columns.values()), ()))
+        return f"<erard.{type(self).__name__} of {rows} rows: {', '.join(self)}>"
+
     def _flat(self) -> dict[str, NDArray[Any]]:
         return {name: values for name, values in self._columns.items() if values.ndim == 1}
 
@@ -101,8 +110,15 @@ class Table(Mapping[str, "NDArray[Any]"]):
 
         children, fields = [], []
         rows = 0
-        for name, values in self._flat().items():
+        for name, values in self._columns.items():
             rows = len(values)
+            if values.ndim == 2:
+                kind = na.fixed_size_list(na.float64(), values.shape[1])
+                every = np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
+                inner = na.c_array_from_buffers(na.float64(), every.size, [None, every])
+                fields.append(na.Schema(kind, name=name, metadata={"unit": self._unit(name)}))
+                children.append(na.c_array_from_buffers(kind, rows, [None], children=[inner]))
+                continue
             match values.dtype.kind:
                 case "f":
                     kind, array = na.float64(), na.c_array_from_buffers(na.float64(), rows, [None, values])
@@ -114,7 +130,7 @@ class Table(Mapping[str, "NDArray[Any]"]):
                     kind, array = na.int64(), na.c_array_from_buffers(na.int64(), rows, [None, whole])
                 case _:
                     kind, array = na.string(), na.c_array([str(value) for value in values], na.string())
-            fields.append(na.Schema(kind, name=name, metadata={"unit": unit_of(name)}))
+            fields.append(na.Schema(kind, name=name, metadata={"unit": self._unit(name)}))
             children.append(array)
         schema = na.struct(fields)
         struct = na.c_array_from_buffers(schema, rows, [None], children=children)

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._common import bar
+from ._common import bar, whole
 from ._errors import InputError
 from ._instrument import Instrument, load
 from ._many import rollout
@@ -48,6 +48,9 @@ class Uniform:
     low: float
     high: float
 
+    def __post_init__(self) -> None:
+        _increasing(self, -np.inf)
+
     def draw(self, rng: np.random.Generator) -> float:
         return float(rng.uniform(self.low, self.high))
 
@@ -58,6 +61,9 @@ class LogUniform:
 
     low: float
     high: float
+
+    def __post_init__(self) -> None:
+        _increasing(self, 0.0)
 
     def draw(self, rng: np.random.Generator) -> float:
         return float(np.exp(rng.uniform(np.log(self.low), np.log(self.high))))
@@ -70,8 +76,18 @@ class Normal:
     mean: float
     std: float
 
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.mean) and np.isfinite(self.std) and self.std >= 0):
+            raise InputError(f"{self}: expected finite numbers, and no negative deviation", key="std", found=str(self.std))
+
     def draw(self, rng: np.random.Generator) -> float:
         return self.mean + self.std * float(np.clip(rng.standard_normal(), -3.0, 3.0))
+
+
+def _increasing(one: Uniform | LogUniform, above: float) -> None:
+    if not (above < one.low <= one.high < np.inf):
+        least = "" if np.isinf(above) else f" above {above:g}"
+        raise InputError(f"{one}: expected low <= high, finite{least}", key="low", found=str(one.low))
 
 
 Distribution = Uniform | LogUniform | Normal
@@ -208,14 +224,17 @@ class Plan:
     chunk: int = 256
 
     def __post_init__(self) -> None:
+        for name in ("count", "chunk"):
+            whole(name, getattr(self, name))
+        whole("seed", self.seed, 0)
         for name, low, high in (("count", 1, 10**9), ("chunk", 1, 10**6), ("misregulated", 0, 1), ("duration_s", 0.05, 10)):
             found = getattr(self, name)
             if not low <= found <= high:
                 raise InputError(f"{name}: found {found}, expected {low} to {high}", key=name, found=str(found))
         if not self.keys or not all(1 <= key <= 88 for key in self.keys):
             raise InputError(f"keys: found {self.keys}, expected numbers from 1 to 88", key="keys")
-        if not self.kinds or any(kind.name not in _SHAPES or kind.share < 0 for kind in self.kinds):
-            raise InputError(f"kinds: expected shares of {', '.join(_SHAPES)}", key="kinds")
+        if not self.kinds or any(kind.name not in _SHAPES or not kind.share >= 0 for kind in self.kinds) or not sum(k.share for k in self.kinds) > 0:
+            raise InputError(f"kinds: expected shares, not all of them zero, of {', '.join(_SHAPES)}", key="kinds")
         if len({sensor.name for sensor in self.sensors}) != len(self.sensors):
             raise InputError("sensors: expected different names", key="sensors")
 

@@ -75,7 +75,14 @@ impl Recorder {
         let share = before / (before + m.last_step());
         let mean = |last: &mut f64, next: f64| *last = (1.0 - share) * *last + share * next;
         let row = self.rows - 1;
-        mean(&mut self.recorded.force_n[row], m.drive_force());
+        let force = &mut self.recorded.force_n[row];
+        if row == 0 && *force == 0.0 {
+            // Nobody pushed before the run: it begins with the force that begins, not with the half of it. Else a run's own force, played again,
+            // would not be the run.
+            *force = m.drive_force();
+        } else {
+            mean(force, m.drive_force());
+        }
         let contacts = m.contacts();
         for ((zone, contact), tangential) in self.recorded.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
             let Some(contact) = contact else {

@@ -46,11 +46,11 @@ pub fn long_bending_run() -> u64 {
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert grand and to the built-in
 /// strokes.
-pub const BENDING: u64 = 0x9756_0c7b_15c5_659f;
+pub const BENDING: u64 = 0xc2da_4852_d6f1_4cf1;
 
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
 /// value, which the failing test prints, here.
-pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
+pub const GOLDEN: u64 = 0x018d_4f2c_7fd6_4e6f;
 
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on which side of the loader a
 /// difference between two targets arises.
