@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import inspect
 import pkgutil
 
 import erard
@@ -15,6 +16,30 @@ def test_examples_run(name: str) -> None:
     module = importlib.import_module(name)
     failed, _ = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
     assert failed == 0
+
+
+def public() -> list[str]:
+    """Functions and methods that users call, by their full names."""
+    found = []
+    for name in erard.__all__:
+        one = getattr(erard, name)
+        if inspect.ismodule(one):
+            own = {key: value for key, value in vars(one).items() if inspect.isfunction(value) and value.__module__ == one.__name__}
+            found += [f"{one.__name__}.{key}" for key in own if not key.startswith("_")]
+        elif inspect.isclass(one):
+            own = {key: value for key, value in vars(one).items() if inspect.isfunction(value)}
+            found += [f"erard.{name}.{key}" for key in own if not key.startswith("_")]
+        else:
+            found.append(f"erard.{name}")
+    return found
+
+
+@pytest.mark.parametrize("name", public())
+def test_documentation_is_whole(name: str) -> None:
+    """numpydoc finds every parameter and what comes back: none is missing, none too many."""
+    validate = pytest.importorskip("numpydoc.validate")
+    wrong = [told for code, told in validate.validate(name)["errors"] if code in ("GL08", "PR01", "PR02", "RT01")]
+    assert not wrong
 
 
 def test_what_is_public_has_an_example_or_is_part_of_one() -> None:

@@ -100,20 +100,64 @@ def __dir__() -> list[str]:
 
 
 def vary(instrument: Instrument, changes: Any = None, /, **more: float | str) -> Instrument:
-    """`Instrument.vary` as a function."""
+    """`Instrument.vary` as a function.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    changes, **more
+        As in `Instrument.vary`.
+
+    Returns
+    -------
+    Instrument
+    """
     return instrument.vary(changes, **more)
 
 
 def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
-    """`Instrument.press` as a function."""
+    """`Instrument.press` as a function.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    force, **options
+        As in `Instrument.press`.
+
+    Returns
+    -------
+    Run
+    """
     return instrument.press(force, **options)
 
 
 def measure(instrument: Instrument, **options: Any) -> Sheet:
-    """`Instrument.measure` as a function."""
+    """`Instrument.measure` as a function.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    **options
+        As in `Instrument.measure`.
+
+    Returns
+    -------
+    Sheet
+    """
     return instrument.measure(**options)
 
 
 def regulate(instrument: Instrument, **goals: Any) -> Instrument:
-    """`Instrument.regulate` as a function."""
+    """`Instrument.regulate` as a function.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    **goals
+        As in `Instrument.regulate`.
+
+    Returns
+    -------
+    Instrument
+    """
     return instrument.regulate(**goals)

@@ -120,11 +120,21 @@ class Action:
         return dict(zip(self._instrument.zones, map(float, self._inner.contact_forces()), strict=True))
 
     def save(self) -> bytes:
-        """All that the next steps depend on, as bytes: the same on every machine."""
+        """All that the next steps depend on: the same bytes on every machine.
+
+        Returns
+        -------
+        bytes
+        """
         return self._inner.save()
 
     def restore(self, saved: bytes) -> None:
         """Goes on from a saved state of the same instrument, to the bit.
+
+        Parameters
+        ----------
+        saved : bytes
+            What `save` gave.
 
         Raises
         ------

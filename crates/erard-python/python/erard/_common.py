@@ -176,7 +176,17 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
 
 
 def unit_of(column: str) -> str:
-    """The unit of a column, by the ending of its name; "1" for a number without.
+    """The unit of a column, by the ending of its name.
+
+    Parameters
+    ----------
+    column : str
+        Its name, such as "key_m".
+
+    Returns
+    -------
+    str
+        "1" for a number without.
 
     Examples
     --------

@@ -433,13 +433,24 @@ class Fit:
         ]
 
     def plot(self) -> matplotlib.figure.Figure:
-        """Measured and fitted, and what is left over in units of the noise, channel by channel."""
+        """Draws measured and fitted, and what is left over in units of the noise, channel by channel.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
         from ._plot import fit_figure
 
         return fit_figure(self)
 
     def rows(self) -> list[tuple[str, str, str, str]]:
-        """Name, fitted value with its standard deviation and unit, the factor or turn, and the bounds."""
+        """The rows of the report.
+
+        Returns
+        -------
+        list of (str, str, str, str)
+            Name, fitted value with its standard deviation and unit, the factor or turn, and the bounds.
+        """
         found = []
         for one in self._problem.free:
             name, own = one.parameter.name, one.parameter
@@ -749,7 +760,17 @@ class Posterior:
         return dict(zip(self.names, map(float, self.samples.std(axis=0)), strict=True))
 
     def interval(self, share: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Of every parameter the middle interval that holds such a share of the samples."""
+        """The middle interval of every parameter that holds a share of the samples.
+
+        Parameters
+        ----------
+        share : float
+            From 0 to 1.
+
+        Returns
+        -------
+        dict of str to (float, float)
+        """
         low, high = np.quantile(self.samples, [(1 - share) / 2, (1 + share) / 2], axis=0)
         return {name: (float(a), float(b)) for name, a, b in zip(self.names, low, high, strict=True)}
 

@@ -78,6 +78,15 @@ class Instrument:
     It does not change: `vary` and `regulate` give new ones. Two are equal if all their numbers are; it pickles as its file's text and its
     changes.
 
+    Parameters
+    ----------
+    text : str
+        The text of an instrument file (TOML).
+    name : str
+        What the file is called in messages.
+    changes : sequence of (str, str or float)
+        What is changed of it, one after the other, as `vary` takes it.
+
     Examples
     --------
     >>> import erard
@@ -333,15 +342,49 @@ class Instrument:
         return made
 
     def kinematics(self, *, start: float = 0.0, end: float | None = None, steps: int = 200) -> Kinematics:
-        """Leverage and sliding over the key's travel, from the geometry alone; see `erard.kinematics`."""
+        """Leverage and sliding over the key's travel, from the geometry alone; see `erard.kinematics`.
+
+        Parameters
+        ----------
+        start, end : float
+            Key travel to begin and to end at, m; by default from rest to let-off.
+        steps : int
+            Steps between the two.
+
+        Returns
+        -------
+        Kinematics
+        """
         return kinematics(self, start=start, end=end, steps=steps)
 
     def compare(self, recording: RecordingLike, **options: Any) -> Comparison:
-        """Holds a recording against this instrument; see `erard.compare`."""
+        """Holds a recording against this instrument; see `erard.compare`.
+
+        Parameters
+        ----------
+        recording : run, mapping, data frame, path or Recording
+            What was measured.
+        **options
+            As in `erard.compare`.
+
+        Returns
+        -------
+        Comparison
+        """
         return compare(self, recording, **options)
 
     def validate(self, *, progress: bool | None = None) -> list[dict[str, Any]]:
-        """Holds it against what has been measured on real pianos; see `erard.validate`."""
+        """Holds it against what has been measured on real pianos; see `erard.validate`.
+
+        Parameters
+        ----------
+        progress : bool, optional
+            A progress bar.
+
+        Returns
+        -------
+        list of dict
+        """
         return validate(self, progress=progress)
 
     def draw(
@@ -529,7 +572,13 @@ class Sheet(Mapping[str, Any]):
         return len(self._values)
 
     def lines(self) -> list[tuple[str, str, str]]:
-        """The lines of the table: what, value with unit, what is usual at middle C."""
+        """The lines of the table.
+
+        Returns
+        -------
+        list of (str, str, str)
+            What it is, its value with the unit, what is usual at middle C.
+        """
         found = []
         for key, label, unit, decimals, usual in _erard.measure_lines():
             value: Any = self._values
@@ -558,7 +607,12 @@ class Drawing:
         self.svg = svg
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the SVG to a file."""
+        """Writes the SVG to a file.
+
+        Parameters
+        ----------
+        path : str or path
+        """
         Path(path).write_text(self.svg, encoding="utf-8")
 
     def _repr_svg_(self) -> str:
@@ -748,7 +802,12 @@ def keyboard(
 
 
 def builtin() -> dict[str, list[str]]:
-    """Names of what is built in: `instruments`, `keyboards`, `linkages`, `strokes`.
+    """Names of what is built in.
+
+    Returns
+    -------
+    dict of str to list of str
+        `instruments`, `keyboards`, `linkages`, `strokes`.
 
     Examples
     --------

@@ -89,7 +89,12 @@ class Rollout(Table):
         self.time_s, self.errors, self.doubts, self.blows = time_s, errors, doubts, blows
 
     def to_xarray(self) -> xarray.Dataset:
-        """A labelled data set: dimensions `stroke` and `time_s`, units as attributes."""
+        """A labelled data set: dimensions `stroke` and `time_s`, units as attributes.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
         import xarray as xr
 
         units = self.units
@@ -249,7 +254,12 @@ class Study(Table):
         return tuple(len(values) for values in self.axes.values())
 
     def to_xarray(self) -> xarray.Dataset:
-        """A labelled data set whose dimensions are what was varied."""
+        """A labelled data set whose dimensions are what was varied, units as attributes.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
         import xarray as xr
 
         names = list(self.axes)

@@ -116,11 +116,16 @@ class Recording(Table):
         return self._inner.notes
 
     def noise(self, column: str) -> float | None:
-        """Root mean square of a channel's noise, N or m, as its rest or its spectrum tells it; `None` where neither does.
+        """Root mean square of a channel's noise, as its rest or its spectrum tells it.
 
         Parameters
         ----------
         column : {"force_N", "key_m", "hammer_head_m"}
+
+        Returns
+        -------
+        float or None
+            N or m; `None` where neither tells it.
         """
         return self._inner.noise(column)
 

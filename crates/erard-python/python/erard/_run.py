@@ -97,14 +97,26 @@ class Run(Table):
         return not self.warnings
 
     def summary(self) -> dict[str, float | None]:
-        """The numbers of the run in one row: every event (s; `None` where it did not happen), the hammer's speed, the peak force."""
+        """The numbers of the run in one row.
+
+        Returns
+        -------
+        dict of str to float or None
+            Every event (s; `None` where it did not happen), the hammer's speed, the free flight, the peak force.
+        """
         row: dict[str, float | None] = {}
         for name, at in self._about["events"].items():
             row["hammer_speed_m_per_s" if name == "hammer_speed" else f"{name}_s"] = at
         return row | {"free_flight_s": self.free_flight_s, "peak_force_N": self.peak_force_N}
 
     def svg(self) -> str:
-        """The figure of the run as SVG, as `erard press` draws it."""
+        """The figure of the run, as `erard press` draws it.
+
+        Returns
+        -------
+        str
+            SVG.
+        """
         return _erard.figure({name: self[name] for name in self}, self._about, self.title)
 
     def plot(self, *columns: str, ax: Any = None) -> matplotlib.figure.Figure:

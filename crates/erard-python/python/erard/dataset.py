@@ -400,7 +400,18 @@ def _released(key_m: NDArray[Any], t: Array) -> Array:
 
 
 def opened(plan: Plan, folder: str | os.PathLike[str]) -> Folder:
-    """The folder of a data set, its card written; one that holds parts of the same plan is gone on with."""
+    """The folder of a data set, its card written; one that holds parts of the same plan is gone on with.
+
+    Parameters
+    ----------
+    plan : Plan
+    folder : str or path
+
+    Returns
+    -------
+    Folder
+        Its parts, and which are missing.
+    """
     from . import __version__
 
     parts = Folder(folder, {"what": "dataset", "version": __version__, "plan": plan.about()}, plan.parts)
@@ -454,7 +465,17 @@ def read(folder: str | os.PathLike[str], columns: Sequence[str] | None = None) -
 
 
 def card(plan: Plan) -> str:
-    """The data card: what the data are, how they were made, what they are not."""
+    """The data card: what the data are, how they were made, what they are not.
+
+    Parameters
+    ----------
+    plan : Plan
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
     from . import __version__
 
     sensors = "\n".join(

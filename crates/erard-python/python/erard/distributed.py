@@ -225,7 +225,11 @@ def study(
     threads : int
         Of every chunk.
     client : distributed.Client, optional
-        The cluster; without one a `LocalCluster` of `workers` processes (threads, if `processes` is false) does the work.
+        The cluster; without one a `LocalCluster` does the work.
+    workers : int, optional
+        Of that `LocalCluster`; by default as many as there are cores.
+    processes : bool
+        Whether they are processes, or threads of this one.
     progress : bool, optional
         A progress bar.
 
