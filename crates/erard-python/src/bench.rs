@@ -16,6 +16,7 @@ use erard_workshop::regulate::{
     Goal, Kind, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
 use erard_workshop::weighing::weigh;
+use moreau_linkage::three_lever::StrokePose;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -159,6 +160,9 @@ fn missed(miss: &Miss) -> String {
     }
 }
 
+/// Steps of a way that are taken before signals are looked for: some milliseconds.
+const PIECE: usize = 20_000;
+
 /// Leverage and sliding over the key's travel, of an instrument or of a linkage (a file or a built-in one).
 #[pyfunction]
 #[pyo3(signature = (instrument, linkage, from_m, to_m, steps))]
@@ -186,11 +190,31 @@ pub fn kinematics<'py>(
             format!("found {from_m} to {to_m} m, expected a way downward of at most 1 m"),
         ));
     }
-    let stroke = case.stroke(from_m, to_m, steps);
+    let (poses, stopped_m) = watched(
+        py,
+        None,
+        |going| {
+            let (mut poses, mut stopped_m) = (Vec::new(), None);
+            let at = |step: usize| from_m + step as f64 / steps as f64 * (to_m - from_m);
+            for first in (0..steps).step_by(PIECE) {
+                if !going(first as f64 / steps as f64) {
+                    return Err("interrupted");
+                }
+                let last = steps.min(first + PIECE);
+                let piece = case.stroke(at(first), at(last), last - first);
+                // Where a piece begins the one before it has ended.
+                poses.extend(piece.poses.into_iter().skip(usize::from(first > 0)));
+                stopped_m = piece.stop.map(|stop| stop.key);
+                if stopped_m.is_some() {
+                    break;
+                }
+            }
+            Ok((poses, stopped_m))
+        },
+        |error| failed(error),
+    )?;
     let columns = PyDict::new(py);
-    let of = |get: &dyn Fn(&moreau_linkage::three_lever::StrokePose) -> f64| {
-        array(py, stroke.poses.iter().map(get).collect())
-    };
+    let of = |get: &dyn Fn(&StrokePose) -> f64| array(py, poses.iter().map(get).collect());
     columns.set_item("key_m", of(&|pose| pose.key))?;
     columns.set_item("leverage", of(&|pose| pose.leverage))?;
     columns.set_item("capstan_m", of(&|pose| pose.s1))?;
@@ -204,7 +228,7 @@ pub fn kinematics<'py>(
     about.set_item("let_off_key_m", case.let_off_key_m)?;
     about.set_item("capstan_sliding_m", digest.let_off.map(|_| digest.capstan_sliding_m))?;
     about.set_item("knuckle_sliding_m", digest.let_off.map(|_| digest.knuckle_sliding_m))?;
-    about.set_item("stopped_at_key_m", stroke.stop.as_ref().map(|stop| stop.key))?;
+    about.set_item("stopped_at_key_m", stopped_m)?;
     Ok((columns, about))
 }
 

@@ -180,6 +180,9 @@ fn plain(instrument: &Inner) -> Inner {
     Inner { parts: Vec::new(), ..instrument.clone() }
 }
 
+/// Strokes and variants that are made ready before signals are looked for.
+const BETWEEN_SIGNALS: usize = 256;
+
 /// One stroke for each row of `values` (N x T samples every `dt` s), on one instrument or on as many as there are rows.
 #[pyfunction]
 #[pyo3(signature = (instruments, kind, values, dt, steps, work, progress))]
@@ -205,6 +208,9 @@ pub fn rollout<'py>(
     }
     let mut strokes = Vec::with_capacity(count);
     for (row, own) in values.rows().into_iter().enumerate() {
+        if row % BETWEEN_SIGNALS == 0 {
+            py.check_signals()?;
+        }
         let series = sampled(drive, &own.to_vec(), dt, &format!("{kind}[{row}]"))?;
         let (stroke, _) =
             InnerStroke::recorded(String::new(), series, position_of, Some(drive)).map_err(fault::wrong)?;
@@ -276,6 +282,9 @@ pub fn study<'py>(
     // Neighbours that differ in the force alone share their instrument.
     let mut last: Option<(Vec<f64>, Result<usize, String>)> = None;
     for (row, own) in values.rows().into_iter().enumerate() {
+        if row % BETWEEN_SIGNALS == 0 {
+            py.check_signals()?;
+        }
         let own = own.to_vec();
         let place = match &last {
             Some((values, place)) if *values == own => place.clone(),

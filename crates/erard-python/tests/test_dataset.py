@@ -24,6 +24,8 @@ def test_the_same_plan_gives_the_same_data(tmp_path: Path) -> None:
     text = (one / "README.md").read_text()
     assert all(word in text for word in ("seed 3", "What it is not", "key_counts", "hammer_speed_m_per_s"))
     assert {"hammer_contact_s", "release_s", "double_strike"} <= set(whole.column_names)
+    units = {name: whole.schema.field(name).metadata[b"unit"] for name in ("force_N", "hammer_speed_m_per_s", "turned_let_off_m", "key_counts")}
+    assert units == {"force_N": b"N", "hammer_speed_m_per_s": b"m/s", "turned_let_off_m": b"m", "key_counts": b"1"}
 
 
 def test_labels_are_what_happened() -> None:

@@ -85,6 +85,9 @@ def test_measure_and_regulate(grand: erard.Instrument) -> None:
 def test_geometry_keyboard_and_comparison(grand: erard.Instrument, run: erard.Run) -> None:
     own = grand.kinematics()
     assert own["leverage"][0] == pytest.approx(own.summary["leverage_at_rest"], rel=1e-6)
+    # A long way is gone in pieces, and is the same way.
+    fine, coarse = grand.kinematics(end=0.008, steps=50_000), grand.kinematics(end=0.008, steps=50)
+    assert len(fine["key_m"]) == 50_001 and fine["leverage"][::1000] == pytest.approx(coarse["leverage"], rel=1e-12)
     with pytest.raises(erard.InputError, match="c7f-like"):
         erard.kinematics("c8")
     keys = erard.keyboard(keys=[40])

@@ -16,7 +16,7 @@ import pytest
 #: What takes longer than an interrupt may. The forces never hold still, for an action at rest is simulated in no time; the regulation starts far off.
 LONG = {
     "press": "grand.press(force=forces, dt=1e-3, progress=False)",
-    "play": "erard.Action(grand).play(np.tile(forces, 20))",
+    "play": "erard.Action(grand).play(many)",
     "rollout": "erard.rollout(grand, force=np.full((4000, 1001), 5.0), dt=1e-3, progress=False)",
     "study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 4000), force=5.0, progress=False)",
     "measured study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 12), force=5.0, duration=0.02, measure=['repetition_rate_hz', 'double_strike_m_s'], progress=False)",
@@ -24,6 +24,7 @@ LONG = {
     "regulate": "far_off.regulate(dip='11 mm', blow='43 mm', let_off='3 mm', drop='2.5 mm', check='20 mm', norms=True, follow=True, progress=False)",
     "draw": "grand.draw(240.0, force=forces, dt=1e-3)",
     "keyboard": "erard.keyboard(keys=range(1, 89), progress=False)",
+    "kinematics": "grand.kinematics(steps=1_000_000)",
     "validate": "grand.validate(progress=False)",
 }
 
@@ -46,6 +47,7 @@ def test_control_c_ends_it(what: str) -> None:
             print(interrupted, flush=True)
             raise KeyboardInterrupt
         forces = 5.0 + 2.0 * np.random.default_rng(0).standard_normal(240_000)
+        many = np.tile(forces, 20)
         signal.signal(signal.SIGINT, heard)
         grand = erard.load("concert-grand")
         far_off = grand.vary(let_off="+1.5 mm", drop="+1 mm", capstan_height="-0.5 mm", back_check="+1 mm")
@@ -60,7 +62,7 @@ def test_control_c_ends_it(what: str) -> None:
     child = subprocess.Popen([sys.executable, "-c", textwrap.dedent(code)], stdout=subprocess.PIPE, text=True)
     assert child.stdout
     assert child.stdout.readline() == "ready\n"
-    time.sleep(0.2)
+    time.sleep(0.1 if what == "kinematics" else 0.3)
     sent = time.time()
     child.send_signal(signal.SIGINT)
     interrupted, ended = child.stdout.readline().strip(), child.stdout.readline().strip()

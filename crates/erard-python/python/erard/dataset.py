@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._common import bar, whole
+from ._common import bar, unit_of, whole
 from ._errors import InputError
 from ._instrument import Instrument, load
 from ._many import rollout
@@ -385,7 +385,8 @@ def chunk(plan: Plan, index: int, *, threads: int | None = None) -> pyarrow.Tabl
         counts = [sensor.read(way, rng, gain) for way, gain in zip(ways, gains, strict=True)]
         columns[f"{sensor.name}_counts"] = pa.array([one.tolist() for one in counts], pa.list_(pa.uint16()))
         columns[f"{sensor.name}_gain"] = pa.array(gains)
-    return pa.table(columns)
+    fields = [pa.field(name, values.type, metadata={"unit": unit_of(name)}) for name, values in columns.items()]
+    return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
 
 
 def _released(key_m: NDArray[Any], t: Array) -> Array:
