@@ -134,6 +134,17 @@ def test_the_posterior_agrees(rigid: erard.Instrument) -> None:
     assert np.array_equal(drawn.samples, erard.sample(fitted, walkers=8, length=40, burn=20, seed=3).samples)
 
 
+def test_the_posterior_heeds_the_noise_of_what_drives(rigid: erard.Instrument) -> None:
+    """With it the hammer's mass is known many times worse; the covariance of the fit and the samples say the same."""
+    pytest.importorskip("emcee")
+    options = {"vary": ["body.hammer.mass"], "bounds": {"body.hammer.mass": (0.5, 2)}}
+    fitted = erard.fit(rigid, recorded(rigid), sigma={**NOISE, "force_N": 0.05}, **options)
+    alone = erard.fit(rigid, recorded(rigid), sigma={**NOISE, "force_N": 0.0}, **options)
+    drawn = erard.sample(fitted, walkers=8, length=60, burn=30, seed=3)
+    assert fitted.std["body.hammer.mass"] > 4 * alone.std["body.hammer.mass"]
+    assert drawn.std["body.hammer.mass"] == pytest.approx(fitted.std["body.hammer.mass"], rel=0.5)
+
+
 def test_recordings_pickle(rigid: erard.Instrument) -> None:
     recording = erard.Recording(recorded(rigid))
     assert pickle.loads(pickle.dumps(recording)) == recording

@@ -371,7 +371,7 @@ class Fit:
         excess = max(1.0, self.chi2_reduced / self.chi2_expected)
         by_drive = scaled @ (left_of(jacobian * widths, seen, directions) @ disturbed) / math.sqrt(DISTURBED)
         inner = excess * (scaled @ scaled.T + by_drive @ by_drive.T)
-        self._inner_cov = inner
+        self._inner_cov, self._sensors_cov = inner, scaled @ scaled.T
         slopes = np.array([one.slope(p) for one, p in zip(free, point, strict=False)])
         self.cov = inner[:count, :count] * np.outer(slopes, slopes)
         self.std = dict(zip(self._names, map(float, np.sqrt(np.diag(self.cov))), strict=True))
@@ -789,6 +789,9 @@ def sample(
 ) -> Posterior:
     """Samples the posterior of a fit with emcee: Gaussian noise as the fit found it, within its bounds all alike (logarithms of factors).
 
+    Noise of what drives and misfit beyond all noise widen it as they widen the errors of the fit: the likelihood is that of the sensors' noise, its
+    curvature at the best point adjusted (Chandler and Bate, Biometrika 94, 2007).
+
     Parameters
     ----------
     found : Fit
@@ -816,12 +819,17 @@ def sample(
     low = np.array([one.inner(one.low) for one in problem.free] + [-20.0] * problem.delays)
     high = np.array([one.inner(one.high) for one in problem.free] + [20.0] * problem.delays)
 
+    # Nearer to the best point by so much as the sensors' errors are smaller than all of them.
+    sizes = np.sqrt(np.diag(found._sensors_cov))
+    sensors, everything = (np.linalg.cholesky(cov / np.outer(sizes, sizes)) for cov in (found._sensors_cov, found._inner_cov))
+    nearer = sizes[:, None] * (sensors @ np.linalg.inv(everything)) / sizes
+
     def log_probability(points: Array) -> Array:
         inside = np.all((points > low) & (points < high), axis=1)
         found_log = np.full(len(points), -np.inf)
         if not np.any(inside):
             return found_log
-        kept = points[inside]
+        kept = found._point + (points[inside] - found._point) @ nearer.T
         played = problem.simulate(kept)
         left = np.array([problem._left(kept[row], played, row) for row in range(len(kept))])
         chi2 = np.sum(left**2, axis=1)
