@@ -105,6 +105,8 @@ pub struct Dissipated {
     pub felt: f64,
     /// J.
     pub coulomb: f64,
+    /// By strings that yield, J.
+    pub strings: f64,
 }
 
 /// One strike of the hammer on the string.
@@ -162,6 +164,7 @@ impl Summary {
                 pivot_viscous: booked(|l| l.pivot_viscous),
                 felt: booked(|l| l.felt_damping),
                 coulomb: booked(|l| l.coulomb),
+                strings: booked(|l| l.surface),
             },
             smallest_dissipation_J: booked(|l| l.smallest_term),
             final_pivot_friction_N_m: run.final_pivot_friction_n_m.clone(),

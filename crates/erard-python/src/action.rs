@@ -187,7 +187,7 @@ impl Action {
 
     /// All that the next steps depend on.
     fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.lock(py).save().to_bytes())
+        PyBytes::new(py, &self.lock(py).save().to_vec())
     }
 
     fn restore(&self, py: Python<'_>, saved: &[u8]) -> PyResult<()> {

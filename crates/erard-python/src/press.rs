@@ -107,6 +107,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
         std::iter::once(zone.normal_n).chain(tangential)
     });
     let values = [run.time_s, run.force_n, run.key_m, run.hammer_head_m].into_iter().chain(bodies).chain(zones);
+    let values = values.chain(run.strings.into_iter().flat_map(|s| [s.displacement_m, s.bridge_n]));
     let columns = PyDict::new(py);
     for (name, values) in names.into_iter().zip(values) {
         if !values.is_empty() {
@@ -137,6 +138,7 @@ fn energy<'py>(py: Python<'py>, run: &Run) -> PyResult<Option<Bound<'py, PyDict>
     energy.set_item("pivot_viscous_J", ledger.pivot_viscous)?;
     energy.set_item("felt_J", ledger.felt_damping)?;
     energy.set_item("coulomb_J", ledger.coulomb)?;
+    energy.set_item("strings_J", ledger.surface)?;
     energy.set_item("residual_relative", ledger.residual_relative())?;
     Ok(Some(energy))
 }
@@ -177,6 +179,7 @@ pub fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &st
                 Ok(ZoneSeries { name, label, normal_n, tangential_n, has_friction, contact: Vec::new() })
             })
             .collect::<PyResult<_>>()?,
+        strings: None,
         events: Events {
             key_start_s: event("key_start")?,
             toe_contact_s: event("toe_contact")?,

@@ -1,10 +1,13 @@
 //! From the instrument to the engine's model.
 
-use moreau::{Body, Curve, Dwell, Exponent, Felt, GROUND, Loss, Model, ModelError, Part, Scalar, Site, Spring, Zone};
+use moreau::{
+    Body, Curve, Dwell, Exponent, Felt, GROUND, Loss, Model, ModelError, Part, Scalar, Site, Spring, Yields, Zone,
+};
 use moreau_sizes::{Marks, OwnedDescription};
 
 use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};
+use crate::strings::EXCURSION_M;
 
 /// Assembles the model of an instrument, for any engine size that holds it, in single or double precision.
 ///
@@ -72,6 +75,8 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
     let pivots = instrument.bodies.iter().enumerate().filter_map(|(i, b)| dwell(Part::Body(i), b.dwell));
     let contacts = instrument.zones.iter().enumerate().filter_map(|(z, zone)| dwell(Part::Zone(z), zone.dwell));
     let dwells = pivots.chain(contacts).collect();
+    let string = instrument.roles.string.filter(|_| instrument.has_yielding_strings());
+    let yields = string.map(|zone| Yields { zone, excursion: t(EXCURSION_M) }).into_iter().collect();
     let site = instrument.roles.key.map(|body| Site {
         body,
         point: vector(instrument.roles.key_front_m),
@@ -80,7 +85,8 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
         damping: t(instrument.finger.damping_n_s_per_m),
     });
     let angles = instrument.bodies.iter().map(|b| t(b.angle_rad)).collect();
-    OwnedDescription { bodies, springs, zones, dwells, site, gravity: t(instrument.gravity_m_s2), angles }
+    let gravity = t(instrument.gravity_m_s2);
+    OwnedDescription { bodies, springs, zones, dwells, yields, site, gravity, angles }
 }
 
 /// The engine's felt law.

@@ -84,6 +84,7 @@ pub(crate) fn settle(
 ) -> Result<f64, EquilibriumError> {
     let own = *action.settings();
     action.set_settings(settings());
+    action.let_strings_follow(true);
     let (mut settling, mut energy, mut result) = (Settling::default(), 0.0_f64, None);
     let played = action.play_engine(going, &mut |action, last| {
         if last.is_none() {
@@ -117,6 +118,7 @@ pub(crate) fn settle(
         Some(*input)
     });
     action.stop();
+    action.let_strings_follow(false);
     action.set_settings(own);
     match (played, result) {
         (Err(PlayError::Interrupted), _) | (Ok(()), None) => Err(EquilibriumError::Interrupted),

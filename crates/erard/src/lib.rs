@@ -30,6 +30,7 @@ pub mod player;
 pub mod run;
 pub mod sight;
 pub mod simulation;
+pub mod strings;
 pub mod stroke;
 pub mod trust;
 

@@ -24,6 +24,8 @@ pub struct Run {
     pub bodies: Vec<BodySeries>,
     /// One series per zone.
     pub zones: Vec<ZoneSeries>,
+    /// The strings, where they yield.
+    pub strings: Option<StringSeries>,
     /// Instants.
     pub events: Events,
     /// Largest finger force of any step, N.
@@ -65,6 +67,10 @@ impl Run {
                 columns.push((format!("{}_tangential_N", zone.name), &zone.tangential_n));
             }
         }
+        if let Some(strings) = &self.strings {
+            columns.push(("string_m".into(), &strings.displacement_m));
+            columns.push(("bridge_N".into(), &strings.bridge_n));
+        }
         columns
     }
 }
@@ -94,6 +100,15 @@ const UNITS: [(&str, &str); 18] = [
 /// The unit that a column's name ends with; `1` for a number without.
 pub fn column_unit(name: &str) -> &'static str {
     UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("1", |(_, unit)| unit)
+}
+
+/// What strings that yield do.
+#[derive(Debug, Clone, Default)]
+pub struct StringSeries {
+    /// Displacement under the hammer from their rest, m, away from it; of several strings their mean.
+    pub displacement_m: Vec<f64>,
+    /// Force of all of them on the bridge, N, positive in the direction in which the hammer pushes.
+    pub bridge_n: Vec<f64>,
 }
 
 /// One body's motion.

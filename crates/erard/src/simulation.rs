@@ -99,6 +99,11 @@ pub enum SimulationError {
     /// A hand that cannot press so.
     #[error(transparent)]
     Hand(#[from] HandError),
+    /// Strings take steps of one length.
+    #[error(
+        "strings that yield take steps of one length; expected no tolerance, or a rigid string (`rigid_string = true` in [roles])"
+    )]
+    StringsControlled,
     /// A hand takes steps of one length.
     #[error("a hand presses in steps of one length; expected no tolerance")]
     HandControlled,
@@ -224,6 +229,9 @@ fn simulate_before<'a>(
     let steps = setup.check()?;
     if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
         return Err(SimulationError::NoKey);
+    }
+    if setup.tolerance.is_some() && instrument.has_yielding_strings() {
+        return Err(SimulationError::StringsControlled);
     }
     let mut action = Action::asking(instrument, setup.settings, &mut || progress(0.0))?;
     if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)

@@ -109,10 +109,10 @@ fn snapshots_that_do_not_fit_are_refused() {
     let (own, before) = (action.save(), format!("{:?}", action.save()));
     let foreign = Action::new(&other).unwrap().save();
     assert_eq!(action.restore(&foreign), Err(SnapshotError::Instrument));
-    let mut broken = own;
+    let mut broken = own.clone();
     broken.version = 7;
     assert_eq!(action.restore(&broken), Err(SnapshotError::Version(7)));
-    let mut broken = own;
+    let mut broken = own.clone();
     broken.angle_rad[2] = f64::NAN;
     assert_eq!(action.restore(&broken), Err(SnapshotError::NotFinite));
     assert_eq!(format!("{:?}", action.save()), before);

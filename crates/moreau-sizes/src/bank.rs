@@ -11,6 +11,7 @@ use moreau::{Input, ModelError, Outcome, Settings, Workspace};
 use crate::engine::{Clock, Stepped};
 use crate::mechanism::{Saved, View};
 use crate::size::with_size;
+use crate::surfaces::{Surfaces, Under};
 use crate::{Marks, Meeting, OwnedDescription, Size};
 
 /// What one step of a bank did.
@@ -52,6 +53,12 @@ pub trait Bank: Send {
     fn save(&self, index: usize) -> Saved;
     /// One goes on from there, to the bit, and is awake.
     fn restore(&mut self, index: usize, saved: &Saved);
+    /// What one's zones press on, where that yields.
+    fn surfaces(&self, index: usize) -> Option<&dyn Surfaces>;
+    /// The same, to be changed; wakes it.
+    fn surfaces_mut(&mut self, index: usize) -> Option<&mut (dyn Surfaces + 'static)>;
+    /// From now on one's zones press on these; wakes it.
+    fn set_surfaces(&mut self, index: usize, surfaces: Box<dyn Surfaces>);
 }
 
 /// Assembles mechanisms, each awake and undriven; all in the size of the largest.
@@ -159,11 +166,15 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         let mut place = 0;
         while let Some(&index) = awake.get(place) {
             let Member { core, marks, input, awake: is_awake, drive_n, zone_n } = &mut members[index];
-            // Working memory holds another's contacts, and what is awake is stepped.
-            core.sleep.wake();
+            // Working memory holds another's contacts, and what is awake is stepped; but while something rings that is out of its reach, it sleeps.
+            if core.under.is_none() || !*sleep {
+                core.sleep.wake();
+            }
             let report = core.step(settings, input, workspace);
-            *drive_n = workspace.drive_force();
-            *zone_n = marks.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, settings, zone));
+            if !core.was_left_out() {
+                *drive_n = workspace.drive_force();
+                *zone_n = marks.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, settings, zone));
+            }
             tick.stepped += 1;
             match report.outcome {
                 Outcome::Converged => {}
@@ -210,5 +221,22 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         member.core.set_clock(clock);
         (member.drive_n, member.zone_n) = (0.0, 0.0);
         self.wake(index);
+    }
+
+    fn surfaces(&self, index: usize) -> Option<&dyn Surfaces> {
+        self.members[index].core.under.as_ref().map(|under| under.surfaces.as_ref())
+    }
+
+    fn surfaces_mut(&mut self, index: usize) -> Option<&mut (dyn Surfaces + 'static)> {
+        self.wake(index);
+        let core = &mut self.members[index].core;
+        core.sleep.wake();
+        core.under.as_mut().map(|under| under.surfaces.as_mut())
+    }
+
+    fn set_surfaces(&mut self, index: usize, surfaces: Box<dyn Surfaces>) {
+        self.wake(index);
+        let under = Under::new(surfaces, &self.settings);
+        self.members[index].core.under = Some(under);
     }
 }

@@ -1,6 +1,6 @@
 //! What a mechanism is, in lists of any length.
 
-use moreau::{Body, Description, Dwell, Model, ModelError, Scalar, Site, Spring, Zone};
+use moreau::{Body, Description, Dwell, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
 
 /// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is [`moreau::GROUND`].
 #[derive(Debug, Clone)]
@@ -13,6 +13,8 @@ pub struct OwnedDescription<T = f64> {
     pub zones: Vec<Zone<T>>,
     /// Dry friction that grows while it sticks.
     pub dwells: Vec<Dwell<T>>,
+    /// Zones whose curves yield.
+    pub yields: Vec<Yields<T>>,
     /// Where it is driven.
     pub site: Option<Site<T>>,
     /// Acceleration of gravity, m/s2, downward.
@@ -24,8 +26,8 @@ pub struct OwnedDescription<T = f64> {
 impl<T: Scalar> OwnedDescription<T> {
     /// As the engine takes it.
     pub fn borrowed(&self) -> Description<'_, T> {
-        let OwnedDescription { bodies, springs, zones, dwells, site, gravity, .. } = self;
-        Description { bodies, springs, zones, dwells, site: *site, gravity: *gravity }
+        let OwnedDescription { bodies, springs, zones, dwells, yields, site, gravity, .. } = self;
+        Description { bodies, springs, zones, dwells, yields, site: *site, gravity: *gravity }
     }
 
     /// The model in a given size.

@@ -3,13 +3,14 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Controller, GROUND, Halves, Input, Ledger, Model, ModelError, Outcome, Pose,
-    Settings, Sleep, State, StepReport, TrackedPoint, Workspace, controlled_step, step_apart,
+    Accuracy, Contact, ControlledStep, Controller, Energies, GROUND, Halves, Input, Ledger, Model, ModelError, Outcome,
+    Pose, Settings, Sleep, State, StepReport, TrackedPoint, Workspace, controlled_step, step_apart,
 };
 
 use crate::flight::Flight;
 use crate::mechanism::View;
 use crate::placed::Sight;
+use crate::surfaces::Under;
 use crate::{InputDuring, Marks, Meeting, OwnedDescription};
 
 /// A mechanism without its working memory, which several may share.
@@ -18,6 +19,8 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub state: State<f64, B, Z>,
     pub sleep: Sleep<f64>,
     pub flight: Flight<B>,
+    /// What its zones press on, where that yields.
+    pub under: Option<Under>,
     /// The driven point and the drive's direction, which is zero where nothing is driven.
     pub site: (TrackedPoint<f64, B>, [f64; 2]),
     pub bodies: usize,
@@ -75,6 +78,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             state,
             sleep: Sleep::awake(),
             flight,
+            under: None,
             site,
             may_rest: true,
             report: StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 },
@@ -117,12 +121,76 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
 
     /// Whether the last step changed nothing, so that its neighbours with the same input need not be taken.
     pub fn rests(&self) -> bool {
-        self.sleep.is_asleep()
+        self.sleep.is_asleep() && self.under.as_ref().is_none_or(|under| under.surfaces.rests())
     }
 
     /// One step. It is left out where it is known to change nothing.
     #[inline(always)]
     pub fn step<const N: usize>(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &Input<f64>,
+        workspace: &mut Workspace<f64, B, Z, N>,
+    ) -> StepReport {
+        if self.under.is_some() {
+            return self.step_over_surfaces(settings, input, workspace);
+        }
+        self.step_alone(settings, input, workspace)
+    }
+
+    /// With surfaces that yield. A mechanism that sleeps is left out while they ring, if they cannot reach it.
+    #[cold]
+    #[inline(never)]
+    fn step_over_surfaces<const N: usize>(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &Input<f64>,
+        workspace: &mut Workspace<f64, B, Z, N>,
+    ) -> StepReport {
+        let Some(mut under) = self.under.take() else { return self.report };
+        let rested = under.surfaces.rests();
+        if !rested && self.sleep.is_asleep() && self.within_reach(&under) {
+            self.sleep.wake();
+        }
+        let asleep = self.may_rest && self.sleep.would_rest(input).is_some();
+        if !asleep {
+            under.tell(settings, workspace);
+        }
+        let report = self.step_alone(settings, input, workspace);
+        if report.outcome != Outcome::NonFinite {
+            if !asleep {
+                for (index, &zone) in under.surfaces.zones().iter().enumerate() {
+                    under.forces[index] = workspace.normal_force(&self.model, settings, zone);
+                }
+            }
+            if !(asleep && rested) {
+                under.advance();
+            }
+        }
+        self.under = Some(under);
+        report
+    }
+
+    /// Whether a surface could touch the mechanism where it is now.
+    fn within_reach(&self, under: &Under) -> bool {
+        let pose = Pose::of(&self.model, &self.state.angle);
+        under.surfaces.zones().iter().any(|&zone| pose.gap(&self.model, zone) > -self.model.excursion(zone))
+    }
+
+    /// Whether the last step was left out.
+    pub fn was_left_out(&self) -> bool {
+        self.skipped
+    }
+
+    /// Energies of the mechanism as it is, at given velocities, and of what it presses on.
+    pub fn energies(&self, state: &State<f64, B, Z>) -> Energies {
+        let Some(under) = &self.under else { return Energies::of(&self.model, state) };
+        let mechanism = Energies::displaced(&self.model, state, |zone| under.displacement(zone));
+        Energies { surface: under.surfaces.energy(), ..mechanism }
+    }
+
+    #[inline(always)]
+    fn step_alone<const N: usize>(
         &mut self,
         settings: &Settings<f64>,
         input: &Input<f64>,
@@ -198,6 +266,8 @@ pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
     pose: OnceCell<Pose<f64, B>>,
     /// The zones as they acted in the last step, where somebody wants to know of each step.
     contacts: Option<Box<[Option<Contact<f64>>; Z]>>,
+    /// What surfaces that yield had lost when the ledger was opened, J.
+    pub lost_before: f64,
 }
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
@@ -211,7 +281,16 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     pub fn new(description: &OwnedDescription, marks: &Marks, settings: Settings<f64>) -> Result<Self, ModelError> {
         let core: Stepped<B, Z> = Stepped::new(description, marks)?;
         let workspace = Workspace::for_model(&core.model)?;
-        Ok(Engine { core, marks: *marks, settings, workspace, control: None, pose: OnceCell::new(), contacts: None })
+        Ok(Engine {
+            core,
+            marks: *marks,
+            settings,
+            workspace,
+            control: None,
+            pose: OnceCell::new(),
+            contacts: None,
+            lost_before: 0.0,
+        })
     }
 
     /// What acted in the last step, and how it was taken: of a controlled step its last half, else the step itself.
@@ -293,6 +372,9 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         let Stepped { model, state, velocity_before, .. } = &self.core;
         if let Some(contacts) = &self.contacts {
             ledger.record_contacts(model, settings, velocity_before, state, workspace, contacts);
+        }
+        if let Some(under) = &self.core.under {
+            ledger.surface = under.surfaces.lost() - self.lost_before;
         }
     }
 

@@ -18,6 +18,7 @@ mod mechanism;
 mod placed;
 mod side_by_side;
 mod size;
+mod surfaces;
 
 pub use bank::{Bank, Tick, bank};
 pub use description::{Marks, OwnedDescription};
@@ -27,3 +28,4 @@ pub use moreau_lanes::Lanes;
 pub use placed::{Placed, Visible, placed};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};
+pub use surfaces::Surfaces;

@@ -8,6 +8,7 @@ use moreau::{
 use crate::engine::{Clock, Engine};
 use crate::placed::Visible;
 use crate::size::with_size;
+use crate::surfaces::{Surfaces, Under};
 use crate::{Marks, Meeting, OwnedDescription, Size};
 
 /// What drives an inner step that begins so many s after the controlled step and lasts so long, s; the last argument says where the
@@ -117,10 +118,17 @@ pub trait Mechanism: Visible + Send {
     fn book(&self, ledger: &mut Ledger);
     /// Takes stock in a ledger.
     fn take_stock(&self, ledger: &mut Ledger);
-    /// All that the following steps depend on.
+    /// All that the following steps depend on, but for [`Mechanism::surfaces`].
     fn save(&self) -> Saved;
     /// Goes on from there, to the bit.
     fn restore(&mut self, saved: &Saved);
+    /// What its zones press on, where that yields.
+    fn surfaces(&self) -> Option<&dyn Surfaces>;
+    /// The same, to be changed; the mechanism then takes its next step.
+    fn surfaces_mut(&mut self) -> Option<&mut (dyn Surfaces + 'static)>;
+    /// From now on zones press on these. Their zones are said to yield in the description. No controlled steps: those that ring take steps of one
+    /// length.
+    fn set_surfaces(&mut self, surfaces: Box<dyn Surfaces>);
 }
 
 /// Assembles a mechanism into the smallest size that holds it.
@@ -221,6 +229,9 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
 
     fn set_settings(&mut self, settings: Settings<f64>) {
         self.control = None;
+        if let Some(under) = &mut self.core.under {
+            under.surfaces.set_step(settings.step);
+        }
         self.settings = settings;
         self.core.sleep.wake();
         self.core.set_clock(Clock::at(self.core.now_s()));
@@ -277,14 +288,16 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     fn energies_at(&self, velocities: &[f64]) -> Energies {
         let mut state = self.core.state.clone();
         state.velocity[..self.core.bodies].copy_from_slice(velocities);
-        Energies::of(&self.core.model, &state)
+        self.core.energies(&state)
     }
 
     fn open_ledger(&mut self) -> Ledger {
         // So that what rests is booked at least once.
         self.core.sleep.wake();
         Engine::keep_contacts(self);
-        Ledger::open(&self.core.model, &self.core.state)
+        self.lost_before = self.core.under.as_ref().map_or(0.0, |under| under.surfaces.lost());
+        let start = self.core.energies(&self.core.state);
+        Ledger { start, now: start, ..Ledger::open(&self.core.model, &self.core.state) }
     }
 
     fn book(&self, ledger: &mut Ledger) {
@@ -292,7 +305,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     }
 
     fn take_stock(&self, ledger: &mut Ledger) {
-        ledger.take_stock(&self.core.model, &self.core.state);
+        ledger.now = self.core.energies(&self.core.state);
     }
 
     fn save(&self) -> Saved {
@@ -305,6 +318,20 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         // What acted last is not part of it.
         self.workspace = Workspace::new();
         self.look_again();
+    }
+
+    fn surfaces(&self) -> Option<&dyn Surfaces> {
+        self.core.under.as_ref().map(|under| under.surfaces.as_ref())
+    }
+
+    fn surfaces_mut(&mut self) -> Option<&mut (dyn Surfaces + 'static)> {
+        self.core.sleep.wake();
+        self.core.under.as_mut().map(|under| under.surfaces.as_mut())
+    }
+
+    fn set_surfaces(&mut self, surfaces: Box<dyn Surfaces>) {
+        self.core.sleep.wake();
+        self.core.under = Some(Under::new(surfaces, &self.settings));
     }
 }
 

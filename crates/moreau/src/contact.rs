@@ -2,7 +2,7 @@
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Margins;
-use crate::felt::ONSET;
+use crate::felt::{Carried, ONSET};
 use crate::pose::Pose;
 use crate::real::{Mask, Real};
 use crate::support::Support;
@@ -12,7 +12,7 @@ use crate::vector::Vector;
 /// A zone as it acted during one step, for whoever reads it.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
-    /// Compression g at the theta point, m; negative apart.
+    /// Compression g of the felt at the theta point, m; negative apart.
     pub gap: T,
     /// dg/dt, m/s.
     pub rate: T,
@@ -41,8 +41,8 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is asked for.
     gap: T,
     rate: T,
-    /// The felt's memory at the step's start, where it has one.
-    pub memory: T,
+    /// What the felt finds when the step begins.
+    pub carried: Carried<T>,
     /// Row G in relative velocities, for the zone's supporting joints: dg/dt = G w.
     pub row: [T; B],
 }
@@ -58,14 +58,15 @@ pub(crate) struct Proximity<T: Real> {
 impl<T: Real, const B: usize> ContactState<T, B> {
     pub fn apart() -> Self {
         let z = T::ZERO;
-        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, memory: z, row: [z; B] }
+        let carried = Carried::nothing();
+        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, carried, row: [z; B] }
     }
 
     /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K entries.
     /// `candidates`: the lanes that may be in reach.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    pub fn evaluate<const K: usize>(
+    pub fn evaluate<const K: usize, const YIELDS: bool>(
         &mut self,
         zone: &CompiledZone<T>,
         support: &Support<T, B>,
@@ -76,7 +77,10 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         margins: &mut Margins<T>,
     ) -> Proximity<T> {
         let center = zone.center(pose);
-        let (gap, normal) = zone.gap_and_normal(pose, center);
+        let (mut gap, normal) = zone.gap_and_normal(pose, center);
+        if const { YIELDS } {
+            gap -= self.carried.surface.offset;
+        }
         let in_reach = candidates.and((-timing.reach).le(gap));
         self.in_reach = in_reach;
         let mut row = support.entries::<K>(&self.row);
@@ -87,16 +91,21 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             row.entry[k] = support.sign(k) * pose.turning(row.joint[k], center, normal);
             self.row[k] = row.entry[k];
         }
-        let rate = row.product(w);
+        let mut rate = row.product(w);
+        if const { YIELDS } {
+            rate -= self.carried.surface.drift;
+        }
         (self.gap, self.rate) = (gap, rate);
-        let touched = in_reach.and(T::from_f64(ONSET).lt(margins.include(gap, rate, timing)));
+        // Where the mean is worked out from end to end, the ends say what is touched: sqrt(3) farther out than the Gauss points.
+        let seen = if const { YIELDS } { T::from_f64(1.732_050_807_568_877_2) * rate } else { rate };
+        let touched = in_reach.and(T::from_f64(ONSET).lt(margins.include(gap, seen, timing)));
         Proximity { touched, gap, normal }
     }
 
     /// The felt's force and tangent, where it is touched.
     #[inline(always)]
     pub fn press(&mut self, zone: &CompiledZone<T>, timing: &Timing<T>, touched: T::Mask, margins: &mut Margins<T>) {
-        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, &self.memory);
+        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, &self.carried);
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
@@ -116,13 +125,15 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         let (gap, normal) = zone.gap_and_normal(pose, zone.center(pose));
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
-        let pressed = zone.felt.press(ahead_gap, rate, timing, touched, &self.memory);
-        let recalled = zone.felt.recall(ahead_gap, rate, timing, touched, self.memory);
+        let pressed_gap = ahead_gap - self.carried.surface.offset;
+        let pressed = zone.felt.press(pressed_gap, rate, timing, touched, &self.carried);
+        let (pressed_gap, rate) = zone.felt.where_pressed(pressed_gap, rate, timing, touched, &self.carried);
+        let recalled = zone.felt.recall(pressed_gap, rate, timing, touched, self.carried.memory);
         Contact {
-            gap: ahead_gap,
+            gap: pressed_gap,
             rate,
             normal,
-            point: zone.contact_point(pose, gap, normal),
+            point: zone.contact_point(pose, gap - (ahead_gap - pressed_gap), normal),
             force: pressed.force,
             damping_force: pressed.damping_force,
             gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),
@@ -138,13 +149,14 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         timing: &Timing<T>,
         touched: T::Mask,
     ) -> T {
-        let alone = zone.felt.left_alone(timing, self.memory).0;
+        let alone = zone.felt.left_alone(timing, self.carried.memory).0;
         if !touched.any() {
             return alone;
         }
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, gap) = (self.rate + ahead, self.gap + timing.h_theta * ahead);
-        let recalled = zone.felt.recall(gap, rate, timing, touched, self.memory);
+        let (gap, rate) = zone.felt.where_pressed(gap, rate, timing, touched, &self.carried);
+        let recalled = zone.felt.recall(gap, rate, timing, touched, self.carried.memory);
         recalled.map_or(alone, |recalled| T::select(touched, recalled.memory, alone))
     }
 
@@ -161,7 +173,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     ) -> T {
         let rate = (timing.theta * support.product(&self.row, change)).abs();
         // To second order; where the clamp at zero may have come or gone, to first.
-        let bend = zone.felt.press(self.gap, self.rate, timing, active, &self.memory).curvature;
+        let bend = zone.felt.press(self.gap, self.rate, timing, active, &self.carried).curvature;
         let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
         let bent = T::select(linear.lt(bend.slack), quadratic, linear.max(quadratic));
         if active.all() {
@@ -225,7 +237,7 @@ mod tests {
                 let (mut contact, timing) = (ContactState::apart(), Timing::new(1e-3, 0.5));
                 let (pose, support, w) = (Pose::of(&model, &q), &model.supports[0], [0.0; 4]);
                 let (zone, margins) = (&model.compiled[0], &mut Margins::new());
-                assert!(contact.evaluate::<4>(zone, support, &pose, &w, &timing, true, margins).touched);
+                assert!(contact.evaluate::<4, false>(zone, support, &pose, &w, &timing, true, margins).touched);
                 let row = pose.gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;
@@ -256,10 +268,11 @@ mod tests {
             for (angle, w) in [(-2e-3, 0.0), (-2e-3, -1.0), (-1e-2, 0.5)] {
                 let mut contact = ContactState::<f64, 1>::apart();
                 let pose = Pose::of(&model, &[angle]);
-                contact.evaluate::<1>(compiled, support, &pose, &[w], &timing, true, &mut Margins::new());
+                contact.evaluate::<1, false>(compiled, support, &pose, &[w], &timing, true, &mut Margins::new());
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend = compiled.felt.press(contact.gap, contact.rate, &timing, true, &0.0).curvature;
+                    let bend =
+                        compiled.felt.press(contact.gap, contact.rate, &timing, true, &Carried::nothing()).curvature;
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;

@@ -210,7 +210,8 @@ mod tests {
             let (mut margins, mut exact) = (Margins::new(), [0.0; 2]);
             for (z, zone) in model.compiled.iter().enumerate() {
                 let (mut contact, support) = (ContactState::apart(), &model.supports[z]);
-                let touched = contact.evaluate::<2>(zone, support, &pose, &w, &timing, true, &mut margins).touched;
+                let touched =
+                    contact.evaluate::<2, false>(zone, support, &pose, &w, &timing, true, &mut margins).touched;
                 if touched {
                     contact.press(zone, &timing, true, &mut margins);
                 }
@@ -260,7 +261,7 @@ mod tests {
             let model = description.compile::<1, 1>().unwrap();
             let (pose, support, zone) = (Pose::of(&model, &[0.0]), &model.supports[0], &model.compiled[0]);
             let (mut contact, mut margins) = (ContactState::<f64, 1>::apart(), Margins::new());
-            let near = contact.evaluate::<1>(zone, support, &pose, &[0.0], &timing, true, &mut margins);
+            let near = contact.evaluate::<1, false>(zone, support, &pose, &[0.0], &timing, true, &mut margins);
             contact.press(zone, &timing, near.touched, &mut margins);
             assert!((contact.row[0].abs() - support.lever(0)).abs() < 1e-15 && near.gap > 0.9e-3);
             let mut tight = 0.0_f64;

@@ -148,6 +148,16 @@ pub struct Dwell<T> {
     pub time: T,
 }
 
+/// A zone whose curve yields: something moves it that is no part of the mechanism. What it does is said before every step
+/// ([`Workspace::set_surface`](crate::Workspace::set_surface)); until then it stands still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Yields<T> {
+    /// The zone. Its felt has no set-valued loss.
+    pub zone: usize,
+    /// How far the curve may come out of where it is drawn, toward the disc, m. A zone that is farther open is not looked at.
+    pub excursion: T,
+}
+
 /// A mechanism as described: borrowed lists, not yet checked. [`Description::compile`] makes the model that steps.
 #[derive(Debug, Clone, Copy)]
 pub struct Description<'a, T> {
@@ -159,6 +169,8 @@ pub struct Description<'a, T> {
     pub zones: &'a [Zone<T>],
     /// Dry friction that grows while it sticks.
     pub dwells: &'a [Dwell<T>],
+    /// Zones whose curves yield.
+    pub yields: &'a [Yields<T>],
     /// Where it is driven.
     pub site: Option<Site<T>>,
     /// Gravity, m/s2, pointing toward -y.
@@ -168,7 +180,7 @@ pub struct Description<'a, T> {
 /// Nothing, without gravity: for a description of which only some lists are filled, `Description { bodies, ..Description::default() }`.
 impl<T: Real> Default for Description<'_, T> {
     fn default() -> Self {
-        Description { bodies: &[], springs: &[], zones: &[], dwells: &[], site: None, gravity: T::ZERO }
+        Description { bodies: &[], springs: &[], zones: &[], dwells: &[], yields: &[], site: None, gravity: T::ZERO }
     }
 }
 
@@ -314,6 +326,16 @@ impl<T: Scalar> Description<'_, T> {
                 .or_else(|| Fault::below_one("static over kinetic friction", dwell.ratio))
                 .or_else(|| Fault::not_positive("dwell time", dwell.time));
             sound(dwell.part, fault)?;
+        }
+        for yields in self.yields {
+            let of = |field, found, expected| Some(Fault { field, found, expected });
+            let fault = match self.zones.get(yields.zone) {
+                None => of("the zone that yields", yields.zone as f64, "the index of a zone"),
+                Some(zone) => zone.felt.dry().and_then(|eta| {
+                    of("the eta of a zone that yields", eta.to_f64(), "a felt without a set-valued loss")
+                }),
+            };
+            sound(Part::Zone(yields.zone), fault.or_else(|| Fault::negative("excursion", yields.excursion)))?;
         }
         if let Some(site) = &self.site {
             self.known(Part::Site, site.body)?;

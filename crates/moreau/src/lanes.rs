@@ -40,6 +40,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             compiled: core::array::from_fn(|z| CompiledZone::of(&zones[z])),
             zones,
             supports: core::array::from_fn(|z| Support::of_lanes(|lane| &models[lane].supports[z])),
+            entries: first.entries,
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,
@@ -82,6 +83,8 @@ fn alike<T: Real, const B: usize, const Z: usize>(a: &Model<T, B, Z>, b: &Model<
     a.tree.parent == b.tree.parent
         && a.zone_count == b.zone_count
         && site(a) == site(b)
+        // What moves the curve of a zone that yields knows nothing of lanes.
+        && (0..a.zone_count).all(|z| !a.yields(z) && !b.yields(z))
         && a.zones.iter().zip(&b.zones).all(|(a, b)| {
             use core::mem::discriminant;
             (a.disc_body, a.curve_body, a.friction.is_some()) == (b.disc_body, b.curve_body, b.friction.is_some())

@@ -285,7 +285,7 @@ pub(crate) fn recall_memories<T: Real, const B: usize, const Z: usize, const N: 
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
     for &z in model.remembering_zones() {
-        workspace.contacts.states[z].memory = state.memory[z];
+        workspace.contacts.states[z].carried.memory = state.memory[z];
     }
     dry_felts::begin(model, state, workspace);
     dwell::begin(state, workspace);

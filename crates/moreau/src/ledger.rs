@@ -23,16 +23,27 @@ pub struct Energies {
     pub spring: f64,
     /// Compressed felts.
     pub felt: f64,
+    /// What the owners of surfaces that yield say is in them; zero where there are none.
+    pub surface: f64,
 }
 
 impl Energies {
     /// Their sum.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.gravity + self.spring + self.felt
+        self.kinetic + self.gravity + self.spring + self.felt + self.surface
     }
 
-    /// Energies of a state.
+    /// Energies of a state, all curves as drawn.
     pub fn of<T: Scalar, const B: usize, const Z: usize>(model: &Model<T, B, Z>, state: &State<T, B, Z>) -> Self {
+        Energies::displaced(model, state, |_| T::ZERO)
+    }
+
+    /// Energies of a state in which the curves of zones that yield are displaced, m away from their discs. What is in those surfaces is not among them.
+    pub fn displaced<T: Scalar, const B: usize, const Z: usize>(
+        model: &Model<T, B, Z>,
+        state: &State<T, B, Z>,
+        displacement: impl Fn(usize) -> T,
+    ) -> Self {
         let pose = Pose::of(model, &state.angle);
         let mut e = Energies::default();
         for i in 0..B {
@@ -53,7 +64,7 @@ impl Energies {
                 - (model.spring_torque[i] * relative).to_f64();
         }
         for (z, zone) in model.zones().iter().enumerate() {
-            e.felt += zone.felt.stored(pose.gap(model, z), state.memory[z]).to_f64();
+            e.felt += zone.felt.stored(pose.gap(model, z) - displacement(z), state.memory[z]).to_f64();
         }
         e
     }
@@ -78,6 +89,8 @@ pub struct Ledger {
     pub felt_damping: f64,
     /// Lost in Coulomb friction.
     pub coulomb: f64,
+    /// Lost in surfaces that yield, as their owners say.
+    pub surface: f64,
     /// The smallest single dissipation term of any step: friction never gives energy, so this is not negative.
     pub smallest_term: f64,
 }
@@ -95,6 +108,7 @@ impl Ledger {
             pivot_viscous: 0.0,
             felt_damping: 0.0,
             coulomb: 0.0,
+            surface: 0.0,
             smallest_term: 0.0,
         }
     }
@@ -172,7 +186,7 @@ impl Ledger {
         }
         let timing = Timing::new(settings.step, settings.theta);
         for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
-            let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].memory);
+            let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].carried.memory);
             lose(&mut self.felt_damping, -gained.to_f64());
         }
         self.smallest_term = smallest;
@@ -189,7 +203,7 @@ impl Ledger {
 
     /// Everything lost.
     pub fn dissipated(&self) -> f64 {
-        self.pivot_dry + self.pivot_viscous + self.felt_damping + self.coulomb
+        self.pivot_dry + self.pivot_viscous + self.felt_damping + self.coulomb + self.surface
     }
 
     /// Stored minus start minus work plus lost, J: zero if the books close.

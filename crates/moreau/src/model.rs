@@ -55,6 +55,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) compiled: [CompiledZone<T>; Z],
     /// Their supporting joints.
     pub(crate) supports: [Support<T, B>; Z],
+    /// How many supporting joints each has; 0 for one whose curve yields.
+    pub(crate) entries: [usize; Z],
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -114,6 +116,7 @@ impl<T: Scalar> Description<'_, T> {
             zones: all_zones,
             compiled: all_zones.map(|zone| CompiledZone::of(&zone)),
             curvatures: Curvatures::of(zones.iter().zip(&supports)),
+            entries: core::array::from_fn(|z: usize| supports[z].count()),
             supports,
             zone_count: zones.len(),
             sliding_zones: [0; Z],
@@ -145,6 +148,10 @@ impl<T: Scalar> Description<'_, T> {
                 model.remembering[model.remembering_count] = z;
                 model.remembering_count += 1;
             }
+        }
+        for yields in self.yields {
+            model.compiled[yields.zone].set_yielding(yields.excursion);
+            model.entries[yields.zone] = 0;
         }
         model.set_dwells(self.dwells);
         model.remembers = model.remembering_count > 0 || model.dwelling.count > 0;
@@ -240,6 +247,16 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
     /// The zones whose felts carry a number from step to step: [`State::memory`](crate::State::memory).
     pub fn remembering_zones(&self) -> &[usize] {
         &self.remembering[..self.remembering_count]
+    }
+
+    /// Whether a zone's curve yields.
+    pub fn yields(&self, zone: usize) -> bool {
+        zone < self.zone_count && self.compiled[zone].felt.yields()
+    }
+
+    /// How far a zone's curve may come out of where it is drawn, toward the disc, m; zero where it does not yield.
+    pub fn excursion(&self, zone: usize) -> T {
+        self.compiled[zone].excursion
     }
 
     /// Those of them whose loss is set-valued.

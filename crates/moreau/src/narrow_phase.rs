@@ -23,11 +23,12 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
     let (mut margins, mut count) = (Margins::new(), 0);
     for &z in near {
         // The compiler knows a row's length in each case, so the row stays in registers.
-        let touches = match model.supports[z].count() {
-            1 => examine::<T, B, Z, 1>(model, timing, z, first, &mut margins, kinematics, contacts),
-            2 => examine::<T, B, Z, 2>(model, timing, z, first, &mut margins, kinematics, contacts),
-            3 => examine::<T, B, Z, 3>(model, timing, z, first, &mut margins, kinematics, contacts),
-            _ => examine::<T, B, Z, B>(model, timing, z, first, &mut margins, kinematics, contacts),
+        let touches = match model.entries[z] {
+            0 => examine_yielding(model, timing, z, first, &mut margins, kinematics, contacts),
+            1 => examine::<T, B, Z, 1, false>(model, timing, z, first, &mut margins, kinematics, contacts),
+            2 => examine::<T, B, Z, 2, false>(model, timing, z, first, &mut margins, kinematics, contacts),
+            3 => examine::<T, B, Z, 3, false>(model, timing, z, first, &mut margins, kinematics, contacts),
+            _ => examine::<T, B, Z, B, false>(model, timing, z, first, &mut margins, kinematics, contacts),
         };
         contacts.touched[count] = z;
         count += usize::from(touches);
@@ -36,9 +37,24 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
     contacts.margins = margins;
 }
 
+/// Looks at a zone whose curve yields. A function of its own: a mechanism without such zones pays nothing for it.
+#[cold]
+#[inline(never)]
+fn examine_yielding<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    z: usize,
+    first: bool,
+    margins: &mut Margins<T>,
+    kinematics: &Kinematics<T, B>,
+    contacts: &mut Contacts<T, B, Z>,
+) -> bool {
+    examine::<T, B, Z, B, true>(model, timing, z, first, margins, kinematics, contacts)
+}
+
 /// Looks at a zone whose row has K entries. Says whether it is touched.
 #[inline(always)]
-fn examine<T: Real, const B: usize, const Z: usize, const K: usize>(
+fn examine<T: Real, const B: usize, const Z: usize, const K: usize, const YIELDS: bool>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     z: usize,
@@ -52,7 +68,7 @@ fn examine<T: Real, const B: usize, const Z: usize, const K: usize>(
     let (zone, support, contact) = (&model.compiled[z], &model.supports[z], &mut states[z]);
     // Newton moves the pose by far less than a zone's reach. What was out of reach at the prediction stays so.
     let candidates = if first { T::Mask::splat(true) } else { contact.in_reach };
-    let proximity = contact.evaluate::<K>(zone, support, pose, joint_velocity, timing, candidates, margins);
+    let proximity = contact.evaluate::<K, YIELDS>(zone, support, pose, joint_velocity, timing, candidates, margins);
     let touched = proximity.touched;
     active[z] = touched;
     if zone.slides {

@@ -10,6 +10,7 @@ use crate::osnsp::{Guess, Impulses, System};
 use crate::pose::Pose;
 use crate::real::{Mask, Real};
 use crate::settings::Settings;
+use crate::surface::{Surface, Yielding};
 use crate::timing::Timing;
 
 /// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
@@ -217,6 +218,13 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
             return Err(ModelError::TooManyLaws { found: model.laws(), room: N });
         }
         Ok(Workspace::new())
+    }
+
+    /// Says what a zone's curve, which yields ([`Description::yields`](crate::Description)), does in the next step of these settings: before every step, for the
+    /// workspace knows what was said last.
+    pub fn set_surface(&mut self, settings: &Settings<T>, zone: usize, surface: &Surface<T>) {
+        let h = settings.step;
+        self.contacts.states[zone].carried.surface = Yielding::of(surface, h, settings.theta * h);
     }
 
     /// The pose at which the last Newton iteration evaluated the forces.

@@ -200,6 +200,19 @@ impl Check {
         for spring in &i.springs {
             say!("  spring  {:<18} {:>9.4} N m on {}", spring.name, spring.torque_n_m, i.bodies[spring.body].name);
         }
+        for string in &i.strings {
+            say!(
+                "  string  {:<18} {:>6.1} mm  {:>7.3} g/m  {:>6.1} N  {:>8.2} Hz, B {:.2e}, struck at {:.1} mm{}",
+                string.name,
+                string.length_m * 1e3,
+                string.mass_kg_m * 1e3,
+                string.tension_n,
+                string.partial_hz(1),
+                string.inharmonicity(),
+                string.strike_m * 1e3,
+                if i.roles.rigid_string { ", held rigid" } else { "" }
+            );
+        }
         for zone in &i.zones {
             let name = |b: Option<usize>| b.map_or("ground", |b| &i.bodies[b].name);
             let friction = if zone.friction_coefficient > 0.0 {
@@ -254,6 +267,7 @@ impl Check {
             ("bodies", i.bodies.len()),
             ("springs", i.springs.len()),
             ("zones", i.zones.len()),
+            ("strings", i.strings.len()),
             ("screws", i.screws.len()),
             ("parts", i.parts.len()),
             ("numbers", file.provenance.numbers.len()),

@@ -7,6 +7,7 @@ use erard::instrument::Instrument;
 use erard::player::{Hand, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::simulation::{Setup, simulate_hand, simulate_observed};
+use erard::strings::{RATE_HZ, Sound, sound};
 use erard::stroke::{Columns, Prescribed};
 
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
@@ -18,6 +19,7 @@ use crate::inside::{self, Inside, LossReport, losses_svg, reactions_svg};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
+use crate::spectrogram::spectrogram_svg;
 use crate::summary::Summary;
 use crate::table;
 use crate::tell;
@@ -56,6 +58,10 @@ pub struct Press {
     /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
     #[arg(long)]
     losses: bool,
+    /// Write the force of the note's strings on the bridge as sound, too: note.wav, 48 kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano), and
+    /// its spectrogram, spectrogram.svg and spectrogram.png. Played once more in steps of 1/96000 s
+    #[arg(long)]
+    wav: bool,
     /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle leads it along
     /// the stroke's motion; the force at the key is then what comes of it [default: 200]
     #[arg(
@@ -64,7 +70,7 @@ pub struct Press {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "200",
-        conflicts_with_all = ["tolerance", "reactions", "losses"]
+        conflicts_with_all = ["tolerance", "reactions", "losses", "wav"]
     )]
     hand: Option<f64>,
     /// How fast the hand arrives at the key, m/s: 0 presses, more strikes
@@ -103,6 +109,11 @@ impl Press {
         };
         let setup = setup(&stroke);
         check(&setup)?;
+        if self.wav && !instrument.has_yielding_strings() {
+            let message =
+                "--wav needs strings that yield; this instrument's string is rigid (`concert-grand-strings` has some)";
+            return Err(Failure::Usage(message.into()));
+        }
         let mut output =
             self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
         let started = Instant::now();
@@ -132,6 +143,11 @@ impl Press {
         if self.reactions {
             stage_figure(&mut output, "reactions", &reactions_svg(&run, &title, &pins))?;
         }
+        let sound = if self.wav { listen(instrument, &stroke, &setup)? } else { None };
+        if let Some(sound) = &sound {
+            output.stage("note.wav", |w| crate::wav::write(sound, w))?;
+            stage_figure(&mut output, "spectrogram", &spectrogram_svg(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
+        }
         let mut lost = None;
         if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
             let report = LossReport::new(instrument, losses);
@@ -151,6 +167,13 @@ impl Press {
             for line in report.lines() {
                 say!("{line}");
             }
+            say!();
+        }
+        if let Some(sound) = &sound {
+            say!(
+                "note.wav is the force on the bridge, {:.2} N at most, not a piano; steps of 1/96000 s",
+                sound.peak_n()
+            );
             say!();
         }
         let names: Vec<String> =
@@ -188,8 +211,8 @@ impl Press {
             (Some(other), _) => vec![stroke, other.load()?],
             (None, _) => vec![stroke],
         };
-        if self.reactions || self.losses {
-            return Err(Failure::Usage("--reactions and --losses show one run; play the two one by one".into()));
+        if self.reactions || self.losses || self.wav {
+            return Err(Failure::Usage("--reactions, --losses and --wav show one run; play the two one by one".into()));
         }
         let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
         // One clock: both are played as long as the longer one.
@@ -229,6 +252,12 @@ fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failur
     let png = png_from_svg(svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
     output.stage(&format!("{name}.svg"), |w| w.write_all(svg.as_bytes()))?;
     output.stage(&format!("{name}.png"), |w| w.write_all(&png))
+}
+
+/// A stroke played once more, to be heard.
+fn listen(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Option<Sound>, Failure> {
+    let mut progress = Progress::new("listening");
+    Ok(sound(instrument, stroke.inputs(&instrument.finger)?.as_ref(), setup, &mut |share| progress.tell(share))?)
 }
 
 /// A stroke simulated with something else that looks on.

@@ -3,7 +3,7 @@
 //! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`],
 //! to rounding (of single precision, if that is asked for), and the same bits however many threads there are. Nothing is recorded but
 //! the instants of each stroke. Instruments of six to nine bodies and up to twenty zones go in lanes; the others on all cores, but one by one. So
-//! do steps whose error is controlled, for lanes share their steps.
+//! do instruments whose strings yield, and steps whose error is controlled, for lanes share their steps.
 
 mod change;
 mod lanes;
@@ -142,7 +142,8 @@ fn do_jobs(
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
-    let in_lanes: Vec<bool> = instruments.iter().map(|i| Size::of(&describe(i)).has_lanes()).collect();
+    let in_lanes: Vec<bool> =
+        instruments.iter().map(|i| Size::of(&describe(i)).has_lanes() && !i.has_yielding_strings()).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();
     let count = jobs.len() as f64;
     let (lanes, others): (Vec<_>, Vec<_>) = jobs.into_iter().enumerate().partition(|(_, job)| {

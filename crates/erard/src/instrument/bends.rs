@@ -108,6 +108,7 @@ impl Instrument {
             gravity_m_s2: self.gravity_m_s2,
             springs,
             zones: self.zones.iter().map(|zone| rigid.zone(zone)).collect(),
+            strings: self.strings.clone(),
             roles: Roles {
                 key: rigid.body(roles.key),
                 key_front_m: on(roles.key, roles.key_front_m),

@@ -11,6 +11,7 @@ use super::quantity::{At, Num, Pair, Positive, Real};
 use super::reader::{
     G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title,
 };
+use super::strings::read_strings;
 use super::{
     Body, Curve, Dwell, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS,
     MAX_ZONES, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
@@ -37,6 +38,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
         bodies: Vec::new(),
         springs: Vec::new(),
         zones: Vec::new(),
+        strings: Vec::new(),
         roles: Roles::default(),
         finger: Finger::default(),
         screws: Vec::new(),
@@ -55,6 +57,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     if let Some(roles) = &file.roles {
         instrument.roles = read_roles(roles, &mut reader, &instrument)?;
     }
+    read_strings(&file.string, &mut reader, &mut instrument)?;
     if let Some(one_dof) = &file.one_dof {
         read_one_dof(one_dof, &mut instrument)?;
     }
@@ -458,6 +461,7 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
         hammer_head_m,
         key_bottom: zone(&table.key_bottom)?,
         string: zone(&table.string)?,
+        rigid_string: table.rigid_string,
         let_off: zone(&table.let_off)?,
         knuckle: zone_indices(&table.knuckle, instrument)?,
         check: zone(&table.check)?,

@@ -17,8 +17,9 @@ use crate::files::{read_at_most, shown};
 pub const MAX_FILE_BYTES: usize = 4 << 20;
 
 /// The instruments that come with the program, by name.
-const BUILTIN: [(&str, &str); 4] = [
+const BUILTIN: [(&str, &str); 5] = [
     ("concert-grand", include_str!("../../instruments/concert-grand.toml")),
+    ("concert-grand-strings", include_str!("../../instruments/concert-grand-strings.toml")),
     ("concert-grand-rigid", include_str!("../../instruments/concert-grand-rigid.toml")),
     ("steinway-o", include_str!("../../instruments/steinway-o.toml")),
     ("heavy-touch", include_str!("../../instruments/heavy-touch.toml")),

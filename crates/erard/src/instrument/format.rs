@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::provenance::{Certainty, Source};
 use super::quantity::{At, Exponent, NonNegative, Num, Pair, Part, Positive, Real};
-use super::{MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Material};
+use super::{MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_STRINGS, MAX_ZONES, Material};
 
 /// What the key `format` must say.
 pub(crate) const FORMAT: &str = "erard-instrument/1";
@@ -48,6 +48,10 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_ZONES))]
     pub zone: Vec<At<ZoneToml>>,
+    /// The strings that the hammer strikes, at the zone that `roles.string` names; at most 3, those of one note. The string is rigid when absent.
+    #[serde(default)]
+    #[schemars(length(max = MAX_STRINGS))]
+    pub string: Vec<At<StringToml>>,
     /// Who is who in the mechanism. A role that is absent is not there.
     pub roles: Option<At<RolesToml>>,
     /// The player's fingertip: needed when `roles` names a key.
@@ -127,6 +131,38 @@ pub(crate) struct SpringToml {
     /// Stiffness, N m per radian of turning away from the drawn position.
     #[serde(rename = "stiffness_N_m_per_rad")]
     pub stiffness_n_m_per_rad: Num<NonNegative>,
+}
+
+/// A string that yields under the hammer: a stiff string between two supports that do not move. Its inharmonicity B lifts partial n to n f0 sqrt(1 + B n^2).
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "String", extend("oneOf" = [{ "required": ["frequency_Hz"] }, { "required": ["tension_N"] }]))]
+pub(crate) struct StringToml {
+    /// Identifier: lower-case letters, digits and underscores.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
+    pub name: At<String>,
+    /// Speaking length, mm.
+    pub length_mm: Num<Positive>,
+    /// Diameter of the wire, of a wound string's core, mm; it bends the string. With `inharmonicity` and `mass_g_per_m` it may be absent.
+    pub diameter_mm: Option<Num<Positive>>,
+    /// Mass per length, g/m, for a wound string; that of a steel wire of 7850 kg/m3 when absent.
+    pub mass_g_per_m: Option<Num<Positive>>,
+    /// Frequency of the first partial, Hz, to which the string is tuned. In place of `tension_N`.
+    #[serde(rename = "frequency_Hz")]
+    pub frequency_hz: Option<Num<Positive>>,
+    /// Tension, N. In place of `frequency_Hz`.
+    #[serde(rename = "tension_N")]
+    pub tension_n: Option<Num<Positive>>,
+    /// B. That of a steel wire of 202 GPa and `diameter_mm` when absent.
+    pub inharmonicity: Option<Num<NonNegative>>,
+    /// How far it is tuned from its frequency or tension, cents, up positive; 0 when absent.
+    pub detuned_cents: Option<Num<Real>>,
+    /// b1: what all partials' amplitudes lose, 1/s. Amplitudes decay as exp(-(b1 + b3 omega^2) t).
+    pub loss_per_s: Num<NonNegative>,
+    /// b3: what they lose the more, the higher they are, s; 0 when absent.
+    pub loss_s: Option<Num<NonNegative>>,
+    /// Where the hammer strikes, mm from one end.
+    pub strike_mm: Num<Positive>,
 }
 
 /// A felt between a disc (or a point) on one body and a line, a rounded segment or a disc on another.
@@ -252,6 +288,9 @@ pub(crate) struct RolesToml {
     pub key_bottom: Option<At<String>>,
     /// The zone between hammer and string.
     pub string: Option<At<String>>,
+    /// Whether the string stands still although strings are described; no when absent.
+    #[serde(default)]
+    pub rigid_string: bool,
     /// The zone between jack toe and let-off button.
     pub let_off: Option<At<String>>,
     /// The zones that push the hammer up.

@@ -33,6 +33,7 @@ pub mod schema;
 mod screws;
 #[doc(hidden)]
 pub mod serde_fault;
+mod strings;
 
 pub use bends::Placement;
 pub use error::FileError;
@@ -48,6 +49,8 @@ pub const MAX_BODIES: usize = 12;
 pub const MAX_ZONES: usize = 32;
 /// Most springs of an instrument.
 pub const MAX_SPRINGS: usize = 24;
+/// Most strings of a note.
+pub const MAX_STRINGS: usize = 3;
 /// Most regulating screws of an instrument.
 pub const MAX_SCREWS: usize = 64;
 /// Most drawn parts of an instrument.
@@ -71,6 +74,8 @@ pub struct Instrument {
     pub springs: Vec<Spring>,
     /// Contact zones.
     pub zones: Vec<Zone>,
+    /// The strings that the hammer strikes, those of one note. None: the string is rigid.
+    pub strings: Vec<PianoString>,
     /// What the parts of the mechanism are for; what is `None` is not there.
     pub roles: Roles,
     /// The fingertip.
@@ -123,6 +128,27 @@ pub struct Spring {
     pub torque_n_m: f64,
     /// Stiffness, N m/rad.
     pub stiffness_n_m_per_rad: f64,
+}
+
+/// A string between two supports. [`crate::strings`] says what its numbers do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PianoString {
+    /// Identifier, e.g. `left`.
+    pub name: String,
+    /// Speaking length, m.
+    pub length_m: f64,
+    /// Mass per length, kg/m.
+    pub mass_kg_m: f64,
+    /// Tension, N.
+    pub tension_n: f64,
+    /// Bending stiffness EI, N m2.
+    pub bending_n_m2: f64,
+    /// b1, 1/s: the decay of amplitudes, sigma = b1 + b3 omega^2.
+    pub loss_per_s: f64,
+    /// b3, s.
+    pub loss_s: f64,
+    /// Where the hammer strikes, m from one end.
+    pub strike_m: f64,
 }
 
 /// A felt between two curves.
@@ -251,6 +277,8 @@ pub struct Roles {
     pub key_bottom: Option<usize>,
     /// Hammer - string.
     pub string: Option<usize>,
+    /// Whether the string stands still although strings are described.
+    pub rigid_string: bool,
     /// Jack toe - let-off button.
     pub let_off: Option<usize>,
     /// Zones that push the hammer up (jack - knuckle, lever - knuckle).

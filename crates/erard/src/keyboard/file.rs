@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use toml::de::DeTable;
-use toml_edit::DocumentMut;
+use toml_edit::{DocumentMut, Item};
 
-use super::format::{AddedMassToml, FORMAT, FactorToml, KeyboardToml, PointToml, ShiftToml};
-use super::grading::{Graded, Grading, MASS_KEYS};
+use super::format::{AbsentToml, AddedMassToml, FORMAT, FactorToml, KeyboardToml, PointToml, ShiftToml};
+use super::grading::{Absence, Graded, Grading, MASS_KEYS};
 use super::grading_curve::{Between, GradingCurve, GradingPoint};
 use super::{KEYS, Keyboard};
 use crate::instrument::edit::{find, numbers};
@@ -20,9 +20,10 @@ use crate::instrument::serde_fault::serde_fault;
 use crate::instrument::{FileError, Instrument, InstrumentFile};
 
 /// The keyboards that come with the program, by name.
-const BUILTIN: [(&str, &str); 2] = [
+const BUILTIN: [(&str, &str); 3] = [
     ("concert-grand", include_str!("../../keyboards/concert-grand.toml")),
     ("heavy-touch", include_str!("../../keyboards/heavy-touch.toml")),
+    ("concert-grand-strings", include_str!("../../keyboards/concert-grand-strings.toml")),
 ];
 
 impl Keyboard {
@@ -59,7 +60,8 @@ impl Keyboard {
         };
         let mut base: DocumentMut =
             base_text.parse().map_err(|error| whole_file(&base_name, format!("cannot be edited: {error}"), ""))?;
-        let (base_key, gradings) = convert(&file, &mut base).map_err(|fault| dress(file_name, text, fault))?;
+        let (base_key, gradings, absences) =
+            convert(&file, &mut base).map_err(|fault| dress(file_name, text, fault))?;
         Ok(Keyboard {
             name: file.name.trim().to_owned(),
             description: file.description.unwrap_or_default(),
@@ -68,6 +70,7 @@ impl Keyboard {
             base_path,
             base_key,
             gradings,
+            absences,
             sources: file.sources,
         })
     }
@@ -148,7 +151,7 @@ fn instruments() -> String {
 }
 
 /// The key of the base instrument, and the gradings.
-fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Grading>), Fault> {
+fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Grading>, Vec<Absence>), Fault> {
     if file.format.as_str() != FORMAT {
         return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
     }
@@ -165,7 +168,34 @@ fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Gr
     for grading in &file.shift {
         gradings.push(shift(grading, &mut reader, base, base_key)?);
     }
-    Ok((base_key, gradings))
+    let absences = file.absent.iter().map(|absent| absence(absent, base, base_key)).collect::<Result<_, _>>()?;
+    Ok((base_key, gradings, absences))
+}
+
+fn absence(file: &AbsentToml, base: &mut DocumentMut, base_key: usize) -> Result<Absence, Fault> {
+    for path in &file.tables {
+        let segments: Vec<&str> = path.split('.').collect();
+        let listed = base.get(segments[0]).is_some_and(Item::is_array_of_tables);
+        let named = segments.len() == 2 && find(base.as_table_mut(), &[segments[0], segments[1], "name"]).is_some();
+        if !(listed && named) {
+            let expected = "the list and the name of a table of the instrument's file, as in `string.right`";
+            return Err(Fault::at(path.span(), "the instrument has no such table", expected));
+        }
+    }
+    let keys = (*file.keys).map(|key| usize::try_from(key).unwrap_or(0));
+    if !(keys[0] >= 1 && keys[0] <= keys[1] && keys[1] <= KEYS) {
+        let expected = format!("[first, last] from 1 to {KEYS}");
+        return Err(Fault::at(file.keys.span(), "no keys of a piano", expected));
+    }
+    if (keys[0]..=keys[1]).contains(&base_key) {
+        let expected = format!("keys without {base_key}, the `instrument_key`");
+        return Err(Fault::at(file.keys.span(), "the instrument's own key would differ from the instrument", expected));
+    }
+    Ok(Absence {
+        name: title(&file.name, "an absence")?,
+        tables: file.tables.iter().map(|path| path.to_string()).collect(),
+        keys,
+    })
 }
 
 fn added_mass(

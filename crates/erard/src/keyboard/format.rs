@@ -42,6 +42,9 @@ pub(crate) struct KeyboardToml {
     /// Points of the instrument that are moved.
     #[serde(default)]
     pub shift: Vec<At<ShiftToml>>,
+    /// Tables of the instrument that some keys do not have.
+    #[serde(default)]
+    pub absent: Vec<At<AbsentToml>>,
 }
 
 /// A point mass added to a body (taken away where negative): changes its mass, centre of mass and inertia together.
@@ -102,4 +105,17 @@ pub(crate) struct PointToml<T> {
     pub certainty: Option<Certainty>,
     /// How it was derived, or a caution.
     pub note: Option<String>,
+}
+
+/// Tables of the instrument that some keys do not have: the third string of a note in the bass, say.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Absent")]
+pub(crate) struct AbsentToml {
+    /// What it is, for people: `third string`.
+    pub name: At<String>,
+    /// The tables, each by its list and name in the instrument file: `string.right`.
+    pub tables: Vec<At<String>>,
+    /// The first and the last key without them.
+    pub keys: At<[i64; 2]>,
 }

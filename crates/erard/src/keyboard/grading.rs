@@ -31,6 +31,17 @@ pub struct Grading {
     pub curve: GradingCurve,
 }
 
+/// Tables of the instrument that some keys do not have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Absence {
+    /// What it is, for people.
+    pub name: String,
+    /// Each by its list and name in the instrument file, as in `string.right`.
+    pub tables: Vec<String>,
+    /// The first and the last key without them.
+    pub keys: [usize; 2],
+}
+
 /// What a grading changes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Graded {
@@ -68,6 +79,13 @@ pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
             roles.remove("sharp");
         }
     }
+    let absent = keyboard.absences.iter().filter(|absence| (absence.keys[0]..=absence.keys[1]).contains(&key));
+    let absent: Vec<&String> = absent.flat_map(|absence| &absence.tables).collect();
+    for table in &absent {
+        remove(&mut document, table)?;
+    }
+    // Numbers of what is not there are not graded.
+    let is_there = |path: &&String| !absent.iter().any(|table| path.starts_with(&format!("{table}.")));
     let mut changed = Changed::default();
     for Grading { name, graded, curve } in &keyboard.gradings {
         let by = curve.at(key);
@@ -76,12 +94,12 @@ pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
                 add_mass(&mut document, body, by, *at_mm, &mut changed, name)?;
             }
             Graded::Factor { numbers } if by != 1.0 => {
-                for path in numbers {
+                for path in numbers.iter().filter(is_there) {
                     changed.number(&mut document, path, name, |old| vec![old[0] * by])?;
                 }
             }
             Graded::Shift { points, direction } if by != 0.0 => {
-                for path in points {
+                for path in points.iter().filter(is_there) {
                     let moved = |old: &[f64]| vec![old[0] + by * direction[0], old[1] + by * direction[1]];
                     changed.number(&mut document, path, name, moved)?;
                 }
@@ -93,6 +111,15 @@ pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
         format!("Graded for key {key} from the instrument of key {}, by {}", keyboard.base_key, keyboard.file_name);
     changed.write(&mut document, key, &title)?;
     Some(document.to_string())
+}
+
+/// Takes a table out of its list; `None` if it is not there.
+fn remove(document: &mut DocumentMut, path: &str) -> Option<()> {
+    let (list, name) = path.split_once('.')?;
+    let tables = document.get_mut(list)?.as_array_of_tables_mut()?;
+    let place = tables.iter().position(|table| table.get("name").and_then(Item::as_str) == Some(name))?;
+    tables.remove(place);
+    Some(())
 }
 
 /// Mass, centre of mass and inertia about the pivot (the frame's origin) of a body with a point mass more.

@@ -13,6 +13,7 @@ use crate::instrument::Instrument;
 use crate::player::course::Rest;
 use crate::player::{Action, ActionError, Input, Reading, Snapshot, SnapshotError};
 use crate::run::Strike;
+use crate::strings::Strings;
 
 /// How long the keys are let come to a complete rest before they are handed over, s: a few steps are enough.
 const SETTLING_S: f64 = 0.1;
@@ -66,8 +67,13 @@ impl Keys {
             all_marks.push(marks(instrument));
             own.push(Own { rest: action.rest(), digest: action.digest() });
         }
-        let bank = bank(&descriptions, &all_marks, settings)
+        let mut bank = bank(&descriptions, &all_marks, settings)
             .map_err(|(index, error)| KeysError { key: index + 1, error: error.into() })?;
+        for (index, instrument) in instruments.iter().enumerate() {
+            if let Some(strings) = Strings::of(instrument, settings.step) {
+                bank.set_surfaces(index, Box::new(strings));
+            }
+        }
         let strikes = Vec::with_capacity(instruments.len());
         let mut keys = Keys { bank, own, strikes };
         let mut steps = (SETTLING_S / settings.step) as u64;
@@ -190,7 +196,7 @@ impl Keys {
     /// All that a key's following steps depend on: what an [`Action`] of its instrument can go on from, and the other way round.
     #[must_use]
     pub fn save(&self, key: usize) -> Snapshot {
-        Snapshot::new(self.own[key - 1].digest, self.bank.save(key - 1), None)
+        Snapshot::new(self.own[key - 1].digest, self.bank.save(key - 1), None, self.bank.surfaces(key - 1))
     }
 
     /// A key goes on from a snapshot of the same instrument, to the bit; its input stays. Its clock is that of all keys: what the snapshot has
@@ -205,6 +211,9 @@ impl Keys {
             *time_s += later_s;
         }
         self.bank.restore(key - 1, &saved);
+        if let Some(strings) = self.bank.surfaces_mut(key - 1) {
+            strings.restore(snapshot.strings());
+        }
         Ok(())
     }
 }

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 pub use file::{is_keyboard, json_schema};
-pub use grading::{Graded, Grading};
+pub use grading::{Absence, Graded, Grading};
 pub use grading_curve::{Between, GradingCurve, GradingPoint};
 pub use keys::{KeyStrike, Keys, KeysError, Tick};
 
@@ -35,6 +35,8 @@ pub struct Keyboard {
     pub base_key: usize,
     /// What differs from key to key.
     pub gradings: Vec<Grading>,
+    /// What some keys do not have.
+    pub absences: Vec<Absence>,
     /// The sources that the gradings cite, by name.
     pub sources: BTreeMap<String, Source>,
     file_name: String,

@@ -11,6 +11,7 @@ use crate::events::Watch;
 use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, View, mechanism};
 use crate::run::Strike;
+use crate::strings::Strings;
 
 /// Why an action cannot be played.
 #[derive(Debug, Clone, Error)]
@@ -293,6 +294,18 @@ impl Action {
         self.look();
     }
 
+    /// The strings, where they yield: where they are, and what they do to the bridge.
+    pub fn strings(&self) -> Option<&Strings> {
+        Strings::under(self.mechanism.as_ref())
+    }
+
+    /// While the action is brought to rest: the strings follow their forces, and do not ring.
+    pub(crate) fn let_strings_follow(&mut self, statically: bool) {
+        if let Some(surfaces) = self.mechanism.surfaces_mut() {
+            surfaces.follow(statically);
+        }
+    }
+
     /// Absolute angles of the bodies, in the instrument's order, rad, counter-clockwise.
     pub fn angles(&self) -> &[f64] {
         self.mechanism.angles()
@@ -355,12 +368,12 @@ impl Action {
         self.mechanism.as_ref()
     }
 
-    /// All that the following steps depend on. Does not allocate.
+    /// All that the following steps depend on. Does not allocate, but for strings that yield.
     pub fn save(&self) -> Snapshot {
-        Snapshot::new(self.digest, self.mechanism.save(), self.aimed_m)
+        Snapshot::new(self.digest, self.mechanism.save(), self.aimed_m, self.mechanism.surfaces())
     }
 
-    /// Goes on from a snapshot of the same instrument, to the bit. The last step's forces are not part of it: they are zero until the next.
+    /// Goes on from a snapshot of the same instrument, to the bit; strings that yield, in steps of the same length (in others they are at rest). The last step's forces are not part of it: they are zero until the next.
     /// Settings stay as they are.
     ///
     /// # Errors
@@ -368,6 +381,9 @@ impl Action {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
         let (saved, aimed_m) = snapshot.open(self.digest)?;
         self.mechanism.restore(&saved);
+        if let Some(strings) = self.mechanism.surfaces_mut() {
+            strings.restore(snapshot.strings());
+        }
         self.aimed_m = aimed_m;
         self.look();
         self.outcome = Outcome::Converged;

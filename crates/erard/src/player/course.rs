@@ -186,7 +186,7 @@ impl<'a> Course<'a> {
     pub fn finish(self, instrument: &Instrument) -> Run {
         let Observers { watch, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
-        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones } = recorder.finish();
+        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = recorder.finish();
         let ledger = ledger.map(|ledger| ledger.close(mechanism));
         let events = watch.finish();
         let warnings = assess(instrument, &extremes, &events, ledger.as_ref(), &self.work);
@@ -198,6 +198,7 @@ impl<'a> Course<'a> {
             hammer_head_m,
             bodies,
             zones,
+            strings,
             events,
             peak_force_n,
             final_pivot_friction_n_m: mechanism.pivot_friction().to_vec(),

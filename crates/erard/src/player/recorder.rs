@@ -4,7 +4,8 @@ use moreau::Contact;
 
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
-use crate::run::{BodySeries, ZoneSeries};
+use crate::run::{BodySeries, StringSeries, ZoneSeries};
+use crate::strings::Strings;
 
 /// What was written down. Units and signs as in [`crate::run::Run`].
 #[derive(Debug)]
@@ -21,6 +22,8 @@ pub struct Recorded {
     pub bodies: Vec<BodySeries>,
     /// The zones, in the instrument's order.
     pub zones: Vec<ZoneSeries>,
+    /// The strings, where they yield.
+    pub strings: Option<StringSeries>,
 }
 
 /// An observer that writes an action's series down: told of every step, and of every instant that makes a row.
@@ -64,6 +67,7 @@ impl Recorder {
                     contact: vec![[0.0; 4]; rows],
                 })
                 .collect(),
+            strings: Strings::under(m).map(|_| StringSeries { displacement_m: series(), bridge_n: series() }),
         };
         Recorder { recorded, rows: 0, has_hammer, pending: None }
     }
@@ -128,6 +132,10 @@ impl Recorder {
         if self.has_hammer {
             to.hammer_head_m[row] = hammer_m;
         }
+        if let (Some(series), Some(strings)) = (&mut to.strings, Strings::under(m)) {
+            series.displacement_m[row] = strings.displacement_m();
+            series.bridge_n[row] = strings.bridge_n();
+        }
         for ((body, angle), rate) in to.bodies.iter_mut().zip(m.angles()).zip(m.velocities()) {
             body.angle_rad[row] = *angle;
             body.rate_rad_per_s[row] = *rate;
@@ -146,8 +154,9 @@ impl Recorder {
     /// What was written down.
     pub fn finish(self) -> Recorded {
         let Recorder { mut recorded, rows, .. } = self;
-        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones } = &mut recorded;
-        for column in [time_s, force_n, key_m, hammer_head_m] {
+        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = &mut recorded;
+        let strings = strings.iter_mut().flat_map(|s| [&mut s.displacement_m, &mut s.bridge_n]);
+        for column in [time_s, force_n, key_m, hammer_head_m].into_iter().chain(strings) {
             column.truncate(rows);
         }
         for body in bodies {

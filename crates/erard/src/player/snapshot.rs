@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::instrument::Instrument;
-use crate::mechanism::Saved;
+use crate::mechanism::{Saved, Surfaces};
 
 mod bytes;
 
@@ -18,7 +18,7 @@ const ZONES: usize = 32;
 
 /// All that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one instrument, which its digest
 /// tells, and says nothing of the settings.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// See [`VERSION`].
     pub version: u32,
@@ -48,6 +48,9 @@ pub struct Snapshot {
     rigid_force: f64,
     aimed_m: Option<f64>,
     flight: [Option<[f64; 3]>; 2],
+    /// How strings that yield vibrate: none where the string is rigid, or was left out. It depends on the length of steps.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    strings: Vec<f64>,
 }
 
 /// Why a snapshot cannot be gone on from.
@@ -75,7 +78,11 @@ pub enum SnapshotError {
 }
 
 impl Snapshot {
-    pub(crate) fn new(instrument: u64, saved: Saved, aimed_m: Option<f64>) -> Self {
+    pub(crate) fn new(instrument: u64, saved: Saved, aimed_m: Option<f64>, surfaces: Option<&dyn Surfaces>) -> Self {
+        let mut strings = vec![0.0; surfaces.map_or(0, |surfaces| surfaces.numbers())];
+        if let Some(surfaces) = surfaces {
+            surfaces.save(&mut strings);
+        }
         let Saved { state, origin_s, steps, now_s, flight } = saved;
         Snapshot {
             version: VERSION,
@@ -95,7 +102,13 @@ impl Snapshot {
             rigid_force: state.rigid_force,
             aimed_m,
             flight,
+            strings,
         }
+    }
+
+    /// How strings that yield vibrate, in numbers of theirs; none where they are at rest for all that is known.
+    pub(crate) fn strings(&self) -> &[f64] {
+        &self.strings
     }
 
     pub(crate) fn open(&self, instrument: u64) -> Result<(Saved, Option<f64>), SnapshotError> {
@@ -117,7 +130,12 @@ impl Snapshot {
             &self.rested,
         ];
         let single = [self.time_s, self.origin_s, self.rigid_force, self.aimed_m.unwrap_or(0.0)];
-        let mut all = lists.into_iter().flatten().chain(&single).chain(self.flight.iter().flatten().flatten());
+        let mut all = lists
+            .into_iter()
+            .flatten()
+            .chain(&self.strings)
+            .chain(&single)
+            .chain(self.flight.iter().flatten().flatten());
         if !all.all(|x| x.is_finite()) {
             return Err(SnapshotError::NotFinite);
         }
@@ -133,7 +151,7 @@ impl Snapshot {
             pivot_rested: self.pivot_rested,
             rested: self.rested,
         };
-        let Snapshot { origin_s, steps, time_s, flight, aimed_m, .. } = *self;
+        let &Snapshot { origin_s, steps, time_s, flight, aimed_m, .. } = self;
         Ok((Saved { state, origin_s, steps, now_s: time_s, flight }, aimed_m))
     }
 }
@@ -141,8 +159,9 @@ impl Snapshot {
 /// FNV-1a over what the engine is given of an instrument: two with the same digest move alike.
 pub(super) fn digest(instrument: &Instrument) -> u64 {
     let description = crate::assembly::describe::<f64>(instrument);
+    let strings = if instrument.has_yielding_strings() { &instrument.strings[..] } else { &[] };
     // A float prints the shortest digits that read back as the same number.
-    format!("{description:?}")
+    format!("{description:?}{strings:?}")
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -6,11 +6,26 @@ const MARK: [u8; 8] = *b"erardsav";
 /// Numbers of eight bytes between the head and the check sum.
 const WORDS: usize = 1 + 3 + 5 * BODIES + 4 * ZONES + 1 + 2 + 2 * 4;
 
-/// How many bytes a snapshot takes: a mark, the version, the numbers, and a check sum.
+/// How many bytes a snapshot takes without its strings: a mark, the version, the numbers, and a check sum.
 pub const BYTES: usize = MARK.len() + 8 + 8 * WORDS + 8;
 
 impl Snapshot {
-    /// The snapshot as bytes, little-endian, the same on every machine. Does not allocate.
+    /// The snapshot as bytes, little-endian, the same on every machine: those of [`Snapshot::to_bytes`], and behind them how strings that yield
+    /// vibrate, if there are any.
+    #[must_use]
+    pub fn to_vec(&self) -> Vec<u8> {
+        let mut bytes = self.to_bytes().to_vec();
+        if !self.strings.is_empty() {
+            let from = bytes.len();
+            bytes.extend(self.strings.iter().flat_map(|number| number.to_bits().to_le_bytes()));
+            let sum = check_sum(&bytes[from..]);
+            bytes.extend(sum.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// The snapshot as so many bytes, little-endian, the same on every machine, without how strings that yield vibrate ([`Snapshot::to_vec`] has that):
+    /// restored from these they are at rest. Does not allocate.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; BYTES] {
         let mut bytes = [0; BYTES];
@@ -36,12 +51,13 @@ impl Snapshot {
             out.word(u64::from(sample.is_some()));
             out.numbers(&sample.unwrap_or([0.0; 3]));
         }
-        let sum = check_sum(&bytes);
+        let sum = check_sum(&bytes[..BYTES - 8]);
         bytes[BYTES - 8..].copy_from_slice(&sum.to_le_bytes());
         bytes
     }
 
-    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Does not allocate.
+    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Allocates for strings
+    /// only.
     ///
     /// # Errors
     /// [`SnapshotError::NoSnapshot`], [`SnapshotError::Version`], [`SnapshotError::Damaged`], [`SnapshotError::NotFinite`].
@@ -54,8 +70,15 @@ impl Snapshot {
         if version != u64::from(VERSION) {
             return Err(SnapshotError::Version(u32::try_from(version).unwrap_or(u32::MAX)));
         }
-        let bytes: &[u8; BYTES] = bytes.try_into().map_err(|_| no_snapshot)?;
-        if word(&bytes[BYTES - 8..]) != check_sum(bytes) {
+        let Some((bytes, behind)) = bytes.split_at_checked(BYTES) else { return Err(no_snapshot) };
+        let Some((behind, sum)) = behind.split_at_checked(behind.len().saturating_sub(8)) else {
+            return Err(no_snapshot);
+        };
+        if !behind.len().is_multiple_of(8) || !(sum.is_empty() || sum.len() == 8) {
+            return Err(no_snapshot);
+        }
+        let right = |bytes: &[u8], sum: &[u8]| word(sum) == check_sum(bytes);
+        if !right(&bytes[..BYTES - 8], &bytes[BYTES - 8..]) || !(sum.is_empty() || right(behind, sum)) {
             return Err(SnapshotError::Damaged);
         }
         let mut read = In { places: bytes[16..].chunks_exact(8) };
@@ -83,17 +106,16 @@ impl Snapshot {
                 let is_there = read.word() != 0;
                 Some(read.numbers()).filter(|_| is_there)
             }),
+            strings: behind.chunks_exact(8).map(|bytes| f64::from_bits(word(bytes))).collect(),
         };
         snapshot.open(snapshot.instrument)?;
         Ok(snapshot)
     }
 }
 
-/// FNV-1a over all but the last eight bytes.
-fn check_sum(bytes: &[u8; BYTES]) -> u64 {
-    bytes[..BYTES - 8]
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
+/// FNV-1a.
+fn check_sum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 fn word(bytes: &[u8]) -> u64 {

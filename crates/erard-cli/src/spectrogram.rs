@@ -1,0 +1,116 @@
+//! A spectrogram as SVG.
+
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+/// Samples under one window; 85 ms at 48 kHz, so that partials of the lowest notes stand apart.
+const WINDOW: usize = 4096;
+/// Columns and rows at most, and the highest frequency shown, Hz.
+const COLUMNS: usize = 160;
+const ROWS: usize = 200;
+const HIGHEST_HZ: f64 = 10e3;
+/// Below the loudest place, dB.
+const RANGE_DB: f64 = 90.0;
+/// Shades between nothing and the loudest place.
+const SHADES: usize = 24;
+/// The picture, px: its size, and where the plot lies in it.
+const SIZE: [f64; 2] = [900.0, 460.0];
+const PLOT: [f64; 4] = [70.0, 50.0, 800.0, 350.0];
+
+/// Levels of a sound, dB below the loudest place and at least -[`RANGE_DB`]: columns of rows, the lowest frequency first.
+fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
+    let hop = (samples.len().saturating_sub(WINDOW) / COLUMNS).max(1);
+    let fft = FftPlanner::new().plan_fft_forward(WINDOW);
+    let weight = |i: usize| 0.5 - 0.5 * (2.0 * PI * i as f64 / WINDOW as f64).cos();
+    let bins = (HIGHEST_HZ / rate_hz * WINDOW as f64) as usize;
+    let column = |from: usize| -> Vec<f64> {
+        let at = |i: usize| samples.get(from + i).copied().unwrap_or(0.0);
+        let mut spectrum: Vec<Complex<f64>> = (0..WINDOW).map(|i| Complex::new(weight(i) * at(i), 0.0)).collect();
+        fft.process(&mut spectrum);
+        (0..ROWS)
+            .map(|row| {
+                let (low, high) = (row * bins / ROWS, ((row + 1) * bins / ROWS).max(row * bins / ROWS + 1));
+                spectrum[low..high].iter().map(|z| z.norm_sqr()).fold(0.0, f64::max)
+            })
+            .collect()
+    };
+    let powers: Vec<Vec<f64>> = (0..samples.len().max(1)).step_by(hop).take(COLUMNS).map(column).collect();
+    let loudest = powers.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let level = |power: f64| (10.0 * (power / loudest).max(1e-30).log10()).max(-RANGE_DB);
+    powers.into_iter().map(|column| column.into_iter().map(level).collect()).collect()
+}
+
+/// The picture of samples, so many a second.
+pub fn spectrogram_svg(samples: &[f64], rate_hz: f64, title: &str) -> String {
+    let levels = levels(samples, rate_hz);
+    let [left, top, width, height] = PLOT;
+    let (wide, tall) = (width / levels.len().max(1) as f64, height / ROWS as f64);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"DejaVu Sans\" font-size=\"12\">\
+         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>",
+        SIZE[0], SIZE[1]
+    );
+    let text = |svg: &mut String, x: f64, y: f64, anchor: &str, words: &str| {
+        let words = words.replace('&', "&amp;").replace('<', "&lt;");
+        let _ = write!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{words}</text>");
+    };
+    text(&mut svg, left, 20.0, "start", title);
+    let about =
+        format!("force on the bridge, not a piano; {RANGE_DB:.0} dB from white to black, windows of {WINDOW} samples");
+    text(&mut svg, left, 38.0, "start", &about);
+    for shade in 1..=SHADES {
+        let mut path = String::new();
+        for (i, column) in levels.iter().enumerate() {
+            let mut row = 0;
+            while row < ROWS {
+                let of = |row: usize| ((column[row] / RANGE_DB + 1.0) * SHADES as f64).round() as usize;
+                let from = row;
+                while row < ROWS && of(row) == shade {
+                    row += 1;
+                }
+                if row > from {
+                    let (x, y) = (left + i as f64 * wide, top + height - row as f64 * tall);
+                    let h = (row - from) as f64 * tall;
+                    let _ = write!(path, "M{x:.1} {y:.2}h{wide:.2}v{h:.2}h-{wide:.2}z");
+                }
+                row = row.max(from + 1);
+            }
+        }
+        let grey = 255 - 255 * shade / SHADES;
+        let _ = write!(svg, "<path fill=\"#{grey:02x}{grey:02x}{grey:02x}\" d=\"{path}\"/>");
+    }
+    let _ = write!(svg, "<path fill=\"none\" stroke=\"#333\" d=\"M{left} {top}v{height}h{width}\"/>");
+    for khz in (0..=10).step_by(2) {
+        let y = top + height * (1.0 - f64::from(khz) * 1e3 / HIGHEST_HZ);
+        text(&mut svg, left - 6.0, y + 4.0, "end", &format!("{khz} kHz"));
+    }
+    let duration_s = samples.len() as f64 / rate_hz;
+    for part in 0..=4 {
+        let share = f64::from(part) / 4.0;
+        text(&mut svg, left + share * width, top + height + 18.0, "middle", &format!("{:.2} s", share * duration_s));
+    }
+    svg.push_str("</svg>\n");
+    svg
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tone of 3 kHz that begins half-way: its row is loud from there on, and others are not.
+    #[test]
+    fn a_tone_is_where_it_sounds() {
+        let tone = |i: usize| if i < 24_000 { 0.0 } else { (2.0 * PI * 3e3 * i as f64 / 48e3).sin() };
+        let samples: Vec<f64> = (0..48_000).map(tone).collect();
+        let levels = levels(&samples, 48e3);
+        let row = (3e3 / HIGHEST_HZ * ROWS as f64) as usize;
+        let of = |share: f64| &levels[(share * (levels.len() - 1) as f64) as usize];
+        let near = |column: &Vec<f64>| column[row - 1..=row + 1].iter().copied().fold(-1e3, f64::max);
+        assert!(near(of(0.8)) > -1.0 && near(of(0.2)) < -80.0);
+        assert!(of(0.8)[row + 20] < -80.0 && of(0.8)[row - 20] < -80.0);
+        assert!(spectrogram_svg(&samples, 48e3, "a < b").contains("a &lt; b"));
+    }
+}

@@ -1,0 +1,113 @@
+//! Reads the strings of an instrument file.
+
+use super::error::Fault;
+use super::format::StringToml;
+use super::quantity::At;
+use super::reader::{G_PER_KG, Limits, MM_PER_M, Reader, new_name};
+use super::{Instrument, MAX_STRINGS, PianoString};
+use crate::strings::{STEEL_DENSITY_KG_M3, bending_stiffness, tension_for};
+
+/// Cents in an octave.
+const OCTAVE_CENTS: f64 = 1200.0;
+
+/// Reads the strings; roles and zones have been read.
+pub(super) fn read_strings(
+    tables: &[At<StringToml>],
+    reader: &mut Reader<'_>,
+    instrument: &mut Instrument,
+) -> Result<(), Fault> {
+    if let Some(table) = tables.get(MAX_STRINGS) {
+        let expected = format!("at most {MAX_STRINGS} strings, those of one note");
+        return Err(Fault::at(table.span(), "too many strings", expected).found(format!("{} strings", tables.len())));
+    }
+    for table in tables {
+        let zone = instrument.roles.string.map(|zone| &instrument.zones[zone]);
+        let Some(zone) = zone else {
+            let expected = "`string` in [roles], the zone between hammer and string";
+            return Err(Fault::at(table.span(), "a string that nothing strikes", expected));
+        };
+        if zone.felt.dry_loss > 0.0 && zone.felt.dry_slip == 0.0 {
+            let message = format!("the felt of `{}` has a set-valued loss, which no string can yield to", zone.name);
+            return Err(Fault::at(table.span(), message, "`dry_slip` beside its `dry_loss`, or another loss"));
+        }
+        if zone.curve_body.is_some() {
+            let message = format!("the string of `{}` is carried by a body", zone.name);
+            return Err(Fault::at(table.span(), message, "a zone whose side B is on the ground"));
+        }
+        if let Some(name) = instrument.zones.iter().map(|zone| &zone.name).find(|name| *name == "bridge") {
+            let message =
+                format!("the column `{name}_N` of a run with strings is the bridge's, and a zone has this name");
+            return Err(Fault::at(table.span(), message, "another name for that zone"));
+        }
+        let string = read_string(table, reader, &instrument.strings)?;
+        instrument.strings.push(string);
+    }
+    Ok(())
+}
+
+fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoString]) -> Result<PianoString, Fault> {
+    let name = new_name(&table.name, "string", others.iter().map(|string| string.name.as_str()))?;
+    let length_m = reader.scalar(&table.length_mm, Limits::between(10.0, 1e4, "mm"))? / MM_PER_M;
+    let diameter = table.diameter_mm.as_ref();
+    let diameter_m =
+        diameter.map(|mm| reader.scalar(mm, Limits::between(0.1, 20.0, "mm"))).transpose()?.map(|mm| mm / MM_PER_M);
+    let mass_kg_m = match (&table.mass_g_per_m, diameter_m) {
+        (Some(mass), _) => reader.scalar(mass, Limits::between(1e-2, 1e4, "g/m"))? / G_PER_KG,
+        (None, Some(d)) => STEEL_DENSITY_KG_M3 * std::f64::consts::FRAC_PI_4 * d * d,
+        (None, None) => {
+            return Err(Fault::missing(table.span(), "diameter_mm", "the wire's diameter, or `mass_g_per_m`"));
+        }
+    };
+    let inharmonicity = match &table.inharmonicity {
+        Some(b) => Some(reader.scalar(b, Limits::up_to(1.0, ""))?),
+        None => None,
+    };
+    let bending = match (inharmonicity, diameter_m) {
+        (Some(_), _) => 0.0,
+        (None, Some(d)) => bending_stiffness(d),
+        (None, None) => {
+            return Err(Fault::missing(table.span(), "inharmonicity", "B, or the wire's `diameter_mm`"));
+        }
+    };
+    // B = pi^2 EI / (T L^2), and f^2 = f0^2 (1 + B).
+    let (base_n, span) = match (&table.frequency_hz, &table.tension_n) {
+        (Some(hz), None) => {
+            let f = reader.scalar(hz, Limits::between(10.0, 2e4, "Hz"))?;
+            let stiff_n = tension_for(f, length_m, mass_kg_m, bending);
+            (inharmonicity.map_or(stiff_n, |b| stiff_n / (1.0 + b)), hz.value_span())
+        }
+        (None, Some(tension)) => (reader.scalar(tension, Limits::between(1.0, 1e5, "N"))?, tension.value_span()),
+        (None, None) => {
+            return Err(Fault::missing(table.span(), "frequency_Hz", "the first partial's frequency, or `tension_N`"));
+        }
+        (Some(_), Some(tension)) => {
+            let expected = "either `frequency_Hz` or `tension_N`";
+            return Err(Fault::at(tension.span(), "a string is tuned once", expected).found("both"));
+        }
+    };
+    let cents = reader.scalar_or_zero(table.detuned_cents.as_ref(), Limits::symmetric(OCTAVE_CENTS, "cents"))?;
+    if base_n.is_nan() || base_n < 1.0 {
+        let expected = "a longer, thinner or higher string: a tension of at least 1 N";
+        return Err(Fault::at(span, "this string would be held by its stiffness alone", expected)
+            .found(format!("a tension of {base_n:.3} N")));
+    }
+    // Frequencies go with the root of the tension; what bending adds to the first partial is the same in cents to a thousandth.
+    let tension_n = base_n * libm::exp2(2.0 * cents / OCTAVE_CENTS);
+    let square = std::f64::consts::PI * std::f64::consts::PI;
+    let bending_n_m2 = inharmonicity.map_or(bending, |b| b * tension_n * length_m * length_m / square);
+    let strike_m = reader.scalar(&table.strike_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
+    if strike_m >= length_m {
+        let expected = format!("a place on the string, less than {} mm", length_m * MM_PER_M);
+        return Err(Fault::at(table.strike_mm.value_span(), "the hammer strikes beside the string", expected));
+    }
+    Ok(PianoString {
+        name,
+        length_m,
+        mass_kg_m,
+        tension_n,
+        bending_n_m2,
+        loss_per_s: reader.scalar(&table.loss_per_s, Limits::up_to(1e4, "1/s"))?,
+        loss_s: reader.scalar_or_zero(table.loss_s.as_ref(), Limits::up_to(1.0, "s"))?,
+        strike_m,
+    })
+}

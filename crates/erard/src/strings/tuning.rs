@@ -1,0 +1,90 @@
+//! What a string's numbers make of it: frequencies, losses, compliances.
+
+use core::f64::consts::PI;
+
+use crate::instrument::PianoString;
+
+/// Steel wire, kg/m3.
+pub const STEEL_DENSITY_KG_M3: f64 = 7850.0;
+/// Steel wire, Pa.
+pub const STEEL_YOUNG_PA: f64 = 2.02e11;
+/// Partials above this are not stepped, whatever the step: nobody hears them, Hz.
+pub const REACH_HZ: f64 = 20e3;
+/// Partials that a static compliance counts: what is beyond adds less than a thousandth of it.
+const STATIC_PARTIALS: u32 = 4000;
+
+/// Bending stiffness of a round steel wire, N m2, from its diameter, m.
+pub(crate) fn bending_stiffness(diameter_m: f64) -> f64 {
+    let square = diameter_m * diameter_m;
+    STEEL_YOUNG_PA * PI * square * square / 64.0
+}
+
+/// The tension, N, with which the first partial of a string has a frequency, Hz; not positive where bending alone makes it higher.
+pub(crate) fn tension_for(frequency_hz: f64, length_m: f64, mass_kg_m: f64, bending_n_m2: f64) -> f64 {
+    let square = length_m * length_m;
+    // f^2 = f0^2 (1 + B) = (T + pi^2 EI / L^2) / (4 mu L^2).
+    4.0 * mass_kg_m * square * frequency_hz * frequency_hz - PI * PI * bending_n_m2 / square
+}
+
+impl PianoString {
+    /// f0 = sqrt(T/mu)/(2 L), Hz: what the first partial would be without stiffness.
+    #[must_use]
+    pub fn ideal_hz(&self) -> f64 {
+        (self.tension_n / self.mass_kg_m).sqrt() / (2.0 * self.length_m)
+    }
+
+    /// B of f_n = n f0 sqrt(1 + B n^2).
+    #[must_use]
+    pub fn inharmonicity(&self) -> f64 {
+        PI * PI * self.bending_n_m2 / (self.tension_n * self.length_m * self.length_m)
+    }
+
+    /// Frequency of a partial, Hz, without losses (which lower it by less than a millionth).
+    #[must_use]
+    pub fn partial_hz(&self, n: u32) -> f64 {
+        let n = f64::from(n);
+        n * self.ideal_hz() * (1.0 + self.inharmonicity() * n * n).sqrt()
+    }
+
+    /// Decay of a partial's amplitude, 1/s.
+    #[must_use]
+    pub fn decay_per_s(&self, n: u32) -> f64 {
+        let omega = 2.0 * PI * self.partial_hz(n);
+        self.loss_per_s + self.loss_s * omega * omega
+    }
+
+    /// Mass of a mode, kg.
+    #[must_use]
+    pub fn modal_mass_kg(&self) -> f64 {
+        0.5 * self.mass_kg_m * self.length_m
+    }
+
+    /// How many partials lie below a frequency, Hz.
+    #[must_use]
+    pub fn partials_below(&self, hz: f64) -> u32 {
+        (1..STATIC_PARTIALS).take_while(|&n| self.partial_hz(n) < hz).count() as u32
+    }
+
+    /// A mode's displacement at a place, m from the end that the strike is counted from.
+    #[must_use]
+    pub fn shape(n: u32, place_m: f64, length_m: f64) -> f64 {
+        libm::sin(f64::from(n) * PI * place_m / length_m)
+    }
+
+    /// Static compliance at the strike point of all modes beyond the first `n`, m/N.
+    pub(crate) fn static_compliance_beyond(&self, n: u32) -> f64 {
+        let of = |n: u32| {
+            let (shape, omega) = (Self::shape(n, self.strike_m, self.length_m), 2.0 * PI * self.partial_hz(n));
+            shape * shape / (self.modal_mass_kg() * omega * omega)
+        };
+        // The small ones first.
+        (n + 1..=STATIC_PARTIALS.max(n + 1)).rev().map(of).sum()
+    }
+
+    /// The force on the far support per metre of a mode's displacement, N/m: -(T u' - EI u''') there.
+    pub(crate) fn bridge_n_m(&self, n: u32) -> f64 {
+        let (wave, square) = (f64::from(n) * PI / self.length_m, f64::from(n) * f64::from(n));
+        let slope = if n.is_multiple_of(2) { wave } else { -wave };
+        -self.tension_n * (1.0 + self.inharmonicity() * square) * slope
+    }
+}

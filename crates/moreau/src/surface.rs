@@ -1,0 +1,95 @@
+//! Counter-surfaces that yield: the curve of a zone gives way under the felt, as a plucked or struck thing does that is no part of the mechanism.
+//!
+//! What yields is its owner's business. The step asks three numbers of it ([`Surface`]): where it is, where it would be at the step's end if nothing
+//! pressed it, and by how much a newton that lasts for the step displaces it by then. The felt's force is then one scalar unknown within the same
+//! implicit step ([`solve`]; README, "Zones that yield").
+
+use crate::real::{Mask, Real};
+
+/// Most iterations of the scalar equation. Newton's method takes four or five; bisection, which stands behind it, halves the bracket.
+const MOST: u32 = 64;
+
+/// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way in which the felt pushes it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface<T> {
+    /// Its displacement at the step's start, m.
+    pub displacement: T,
+    /// Its displacement at the step's end if the felt does not press it, m.
+    pub free: T,
+    /// A: by how much more it is displaced then per newton that presses it throughout the step, m/N, never negative.
+    pub compliance: T,
+}
+
+/// A surface as the step reads it. All zero: it stands still.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Yielding<T> {
+    /// Its free displacement at the theta point, m.
+    pub offset: T,
+    /// Its mean free velocity, m/s.
+    pub drift: T,
+    /// A/h: what a newton adds to that, m/s per N.
+    pub give: T,
+}
+
+impl<T: Real> Yielding<T> {
+    pub fn still() -> Self {
+        Yielding { offset: T::ZERO, drift: T::ZERO, give: T::ZERO }
+    }
+
+    pub fn of(surface: &Surface<T>, h: T, h_theta: T) -> Self {
+        let drift = (surface.free - surface.displacement) / h;
+        Yielding { offset: surface.displacement + h_theta * drift, drift, give: surface.compliance / h }
+    }
+}
+
+/// Solves F = P(F), where P falls: the felt's force, given the force that presses the surface. `press` tells P and -dP/dF, both at least 0.
+///
+/// F - P(F) rises, so that there is one solution, between 0 and P(0). P is convex (a felt's law is), so that Newton's method rises to the solution
+/// from 0. Where P has a kink, bisection takes over.
+#[inline(always)]
+pub(crate) fn solve<T: Real>(touched: T::Mask, press: impl Fn(T) -> [T; 2]) -> T {
+    let (zero, half) = (T::ZERO, T::from_f64(0.5));
+    let (mut low, mut high, mut force) = (zero, T::from_f64(1e30), zero);
+    let mut open = touched;
+    for _ in 0..MOST {
+        let [found, slope] = press(force);
+        let excess = found - force;
+        low = T::select(zero.lt(excess), force, low);
+        high = T::select(zero.lt(excess), high.min(found), force.min(high));
+        let newton = force + excess / (T::ONE + slope);
+        let inside = low.le(newton).and(newton.le(high));
+        let next = T::select(inside, newton, half * (low + high));
+        let close = (next - force).abs().le(T::from_f64(4.0) * T::EPSILON * next.abs());
+        force = T::select(open, next, force);
+        open = open.and(close.not());
+        if !open.any() {
+            break;
+        }
+    }
+    T::only(touched, force)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the closed form for a linear felt, F = k (g - a F): F = k g / (1 + k a); and a square one, from its quadratic equation.
+    #[test]
+    fn the_scalar_equation_is_solved() {
+        for k in [1e-3_f64, 1.0, 1e6] {
+            let linear = solve(true, |f| [(k * (2.0 - 0.5 * f)).max(0.0), 0.5 * k]);
+            assert!((linear - 2.0 * k / (1.0 + 0.5 * k)).abs() < 1e-14 * linear);
+            let square = solve(true, |f: f64| {
+                let g = (2.0 - 0.5 * f).max(0.0);
+                [k * g * g, k * g]
+            });
+            // k (2 - F/2)^2 = F: with y = 2 - F/2, k y^2 + 2 y - 4 = 0.
+            let y = 4.0 / (1.0 + (1.0 + 4.0 * k).sqrt());
+            assert!((square - k * y * y).abs() < 1e-12 * square, "{k} {square} {}", k * y * y);
+        }
+        // Out of touch as soon as it is pressed: the kink is the solution's neighbour.
+        let step = solve(true, |f: f64| if f < 1.0 { [3.0, 0.0] } else { [0.0, 0.0] });
+        assert!((step - 1.0).abs() < 1e-14, "{step}");
+        assert_eq!(solve(false, |_: f64| [1.0, 0.0]), 0.0);
+    }
+}

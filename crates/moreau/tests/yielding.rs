@@ -1,0 +1,146 @@
+//! Zones whose curves yield, against answers that are not this engine's.
+
+use moreau::{
+    Body, Curve, Description, Exponent, Felt, GROUND, Input, Ledger, Loss, Model, ModelError, Outcome, Settings, State,
+    Surface, Workspace, Yields, Zone, step,
+};
+
+/// kg; on an arm of 1 m.
+const MASS: f64 = 0.009;
+/// N/m, of a linear felt.
+const STIFF: f64 = 2e5;
+/// N s/m: two directions of a string of 670 N and 6.34 g/m, 2 sqrt(T mu), three times.
+const DAMPER: f64 = 3.0 * 2.0 * 2.061;
+const SPEED: f64 = 2.0;
+
+type One = (Model<f64, 1, 1>, State<f64, 1, 1>, Workspace<f64, 1, 1, 2>);
+
+/// A mass at the end of a long arm, flying upward against a felt under a line.
+fn thrown(felt: Felt<f64>, yields: &[Yields<f64>], gravity: f64) -> One {
+    let bodies = [Body { mass: MASS, center_of_mass: [1.0, 0.0], inertia: MASS, ..Body::inert() }];
+    let curve = Curve::Line { point: [0.0, 0.0], normal: [0.0, -1.0] };
+    let zone = Zone { disc_body: 0, center: [1.0, 0.0], radius: 0.0, curve_body: GROUND, curve, felt, friction: None };
+    let description = Description { bodies: &bodies, zones: &[zone], yields, gravity, ..Description::default() };
+    let model = description.compile().unwrap();
+    let mut state = State::at_rest([0.0]);
+    state.velocity = [SPEED];
+    (model, state, Workspace::new())
+}
+
+const YIELDS: [Yields<f64>; 1] = [Yields { zone: 0, excursion: 1e-3 }];
+
+fn linear() -> Felt<f64> {
+    Felt { stiffness: STIFF, exponent: Exponent::Other(1.0), loss: Loss::Quadratic(0.0) }
+}
+
+/// Force at an instant against a surface that gives way as a dashpot does, F = R du/dt: an infinite string.
+fn against_a_dashpot(h: f64, at: f64) -> f64 {
+    let (model, mut state, mut workspace) = thrown(linear(), &YIELDS, 0.0);
+    let settings = Settings { tolerance: 1e-12, ..Settings::new(h) };
+    let (mut place, mut last, mut seen, mut t) = (0.0, 0.0, 0.0, 0.0);
+    while t < 3e-3 {
+        let surface = Surface { displacement: place, free: place, compliance: h / DAMPER };
+        workspace.set_surface(&settings, 0, &surface);
+        assert_eq!(step(&model, &settings, &Input::Free, &mut state, &mut workspace).outcome, Outcome::Converged);
+        let force = workspace.normal_force(&model, &settings, 0);
+        place += h * force / DAMPER;
+        // Forces belong to the middles of their steps.
+        if t - 0.5 * h < at && at <= t + 0.5 * h {
+            seen = last + (force - last) * (at - (t - 0.5 * h)) / h;
+        }
+        (last, t) = (force, t + h);
+    }
+    seen
+}
+
+/// With g the felt's compression, m (g' + F/R)' = -F and F = k g: g'' + 2 s g' + (k/m) g = 0 with 2 s = k/R, g(0) = 0, g'(0) = v. Here s^2 > k/m: the
+/// string is so light that the mass only creeps to rest. Order: a quarter of the error at half the step.
+#[test]
+fn a_mass_on_an_infinite_string() {
+    let (s, square) = (0.5 * STIFF / DAMPER, STIFF / MASS);
+    let exact = |t: f64| {
+        let root = (s * s - square).sqrt();
+        STIFF * SPEED * (-s * t).exp() * (root * t).sinh() / root
+    };
+    assert!(s * s > square);
+    let at = 0.4e-3;
+    let errors = [40e-6, 20e-6, 10e-6].map(|h| (against_a_dashpot(h, at) - exact(at)).abs() / exact(at));
+    println!("{errors:?}");
+    assert!(errors[2] < 2e-3, "{errors:?}");
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((1.7..2.4).contains(&order), "{order} {errors:?}");
+    }
+}
+
+/// What yields by nothing is a curve that stands still, whatever the felt: the same motion, but for the quadrature of the felt's mean there, which is exact here.
+#[test]
+fn what_does_not_yield_stands_still() {
+    for loss in [Loss::Quadratic(1e5), Loss::HuntCrossley(0.1), Loss::Hereditary { relaxed: 0.5, time: 1e-4 }] {
+        let felt = Felt { stiffness: 1e10, exponent: Exponent::TwoAndHalf, loss };
+        let settings = Settings { tolerance: 1e-10, ..Settings::new(25e-6) };
+        let [yielding, still] = [&YIELDS[..], &[]].map(|yields| {
+            let (model, mut state, mut workspace) = thrown(felt, yields, 0.0);
+            for _ in 0..100 {
+                step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+            }
+            state.velocity[0]
+        });
+        assert!(still < -0.1 && (yielding - still).abs() < 1e-4 * still.abs(), "{loss:?}: {yielding} {still}");
+    }
+}
+
+/// A mass that falls upward on a surface, bounces and comes to lie on it, for a second: the books close at every length of step, and no felt gives energy.
+/// The surface is one undamped mode, stepped exactly; its energy is added by hand.
+#[test]
+fn nothing_is_won_between_felt_and_surface() {
+    for h in [20e-6, 50e-6, 200e-6] {
+        let felt = Felt { stiffness: 1e10, exponent: Exponent::Three, loss: Loss::Quadratic(1e5) };
+        let (model, mut state, mut workspace) = thrown(felt, &YIELDS, -9.81);
+        let (modal_mass, omega) = (2e-3, 1600.0_f64);
+        let (mut q, mut v) = (0.0, 0.0);
+        let settings = Settings { tolerance: 1e-12, ..Settings::new(h) };
+        let mut ledger = Ledger::open(&model, &state);
+        let (c, s) = ((omega * h).cos(), (omega * h).sin());
+        for _ in 0..(1.0 / h) as usize {
+            let free = q * c + v * s / omega;
+            let compliance = (1.0 - c) / (modal_mass * omega * omega);
+            workspace.set_surface(&settings, 0, &Surface { displacement: q, free, compliance });
+            let before = state.clone();
+            step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+            ledger.record(&model, &settings, &before, &state, &workspace);
+            let rest = workspace.normal_force(&model, &settings, 0) / (modal_mass * omega * omega);
+            (q, v) = (rest + (q - rest) * c + v * s / omega, v * c - (q - rest) * omega * s);
+        }
+        ledger.now = moreau::Energies::displaced(&model, &state, |_| q);
+        ledger.now.surface = 0.5 * modal_mass * (v * v + omega * omega * q * q);
+        let residual = ledger.residual().abs() / ledger.start.kinetic;
+        println!("h {h:e}: residual {residual:.2e}, lost {:.3e} J", ledger.dissipated());
+        assert!(residual < 1e-8 && ledger.smallest_term >= 0.0 && ledger.felt_damping > 0.0, "{h}: {residual:e}");
+    }
+}
+
+#[test]
+fn wrong_surfaces_are_told() {
+    let zone = |felt| Zone {
+        disc_body: 0,
+        center: [1.0, 0.0],
+        radius: 0.0,
+        curve_body: GROUND,
+        curve: Curve::Line { point: [0.0; 2], normal: [0.0, 1.0] },
+        felt,
+        friction: None,
+    };
+    let wrong = |felt, yields: Yields<f64>| {
+        let (bodies, zones, yields) = ([Body::inert()], [zone(felt)], [yields]);
+        let description = Description { bodies: &bodies, zones: &zones, yields: &yields, ..Description::default() };
+        match description.check() {
+            Err(ModelError::BadNumber { fault, .. }) => fault.field,
+            other => panic!("{other:?}"),
+        }
+    };
+    let dry = Felt { loss: Loss::SetValued { damping: 0.0, eta: 0.2 }, ..linear() };
+    assert_eq!(wrong(dry, YIELDS[0]), "the eta of a zone that yields");
+    assert_eq!(wrong(linear(), Yields { zone: 1, excursion: 0.0 }), "the zone that yields");
+    assert_eq!(wrong(linear(), Yields { zone: 0, excursion: -1.0 }), "excursion");
+}
