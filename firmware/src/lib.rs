@@ -42,6 +42,7 @@ impl<T: Scalar> Grand<T> {
             springs: &springs,
             zones: &zones,
             dwells: &[],
+            yields: &[],
             site,
             gravity: T::from_f64(grand::GRAVITY),
         };

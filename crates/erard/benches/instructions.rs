@@ -1,7 +1,7 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of AVX2
 //! (whatever more the processor has, so that the count is the same on all that have it). Counts repeat
 //! to the digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps of the same
-//! note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes; and of the grand with dry felts.
+//! note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes; and of the grand with dry felts, and with strings.
 //!
 //! `cargo bench -p erard --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none of it; the
 //! difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per step, `--at-most-group M`
@@ -21,7 +21,7 @@ use moreau_sizes::Lanes;
 /// steps.
 type Subject = (&'static str, &'static str, u64, fn(u64));
 
-const SUBJECTS: [Subject; 11] = [
+const SUBJECTS: [Subject; 12] = [
     ("step", "--at-most", 1, |steps| {
         black_box(press(&grand(), &Settings::new(STEP_S), steps));
     }),
@@ -42,6 +42,9 @@ const SUBJECTS: [Subject; 11] = [
     }),
     ("action_step_with_elastoplastic_felts", "--at-most-elastoplastic", 1, |steps| {
         black_box(action_note(&with_dry_felts(0.2), steps));
+    }),
+    ("action_step_with_strings", "--at-most-strings", 1, |steps| {
+        black_box(action_note(&Instrument::builtin("concert-grand-strings").expect("built in"), steps));
     }),
     ("group_step_of_6_bodies", "--at-most-group-6", 1, |steps| lanes_note(&instrument(), steps)),
     ("group_step_of_7_bodies", "--at-most-group-7", 1, |steps| lanes_note(&bending(7), steps)),

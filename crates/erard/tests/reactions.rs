@@ -32,6 +32,7 @@ fn pendulum() -> Instrument {
         springs: Vec::new(),
         zones: Vec::new(),
         roles: Roles::default(),
+        strings: Vec::new(),
         finger: Finger::default(),
         screws: Vec::new(),
         parts: Vec::new(),

@@ -42,6 +42,7 @@ pub(crate) fn two_levers() -> Instrument {
             friction_coefficient: 0.0,
             dwell: None,
         }],
+        strings: vec![],
         roles: Roles::default(),
         finger: Finger { stiffness_n_per_m: 1e4, damping_n_s_per_m: 1.0 },
         screws: vec![],
