@@ -434,7 +434,7 @@ fn one_word_makes_the_string_rigid() {
 #[test]
 fn wrong_strings_are_told() {
     let good = Instrument::builtin_text("concert-grand-strings").unwrap();
-    let first = good.find("[[string]]").unwrap();
+    let first = good.find("\n[[string]]").unwrap() + 1;
     let error = |from: &str, to: &str| {
         let at = first + good[first..].find(from).unwrap_or_else(|| panic!("`{from}` is not there"));
         let text = format!("{}{to}{}", &good[..at], &good[at + from.len()..]);
@@ -459,7 +459,7 @@ fn wrong_strings_are_told() {
         assert!(message.contains(says), "{from}: {message}");
         assert!(line > 0 && found.starts_with("string"), "{from}: key {found}, expected {key}; {}", text.len());
     }
-    let end = first + 10 + good[first + 10..].find("[[string]]").unwrap();
+    let end = first + 1 + good[first..].find("\n[[string]]").unwrap();
     let fourth = good[first..end].replace("\"left\"", "\"more\"");
     let text = format!("{}{fourth}{}", &good[..first], &good[first..]);
     let message = InstrumentFile::parse(&text, "mine.toml").unwrap_err().to_string();

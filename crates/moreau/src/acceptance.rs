@@ -96,7 +96,15 @@ fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
         let (zone, support, contact) = (&model.compiled[z], &model.supports[z], &workspace.contacts.states[z]);
         if contact.in_reach.any() {
             let active = workspace.contacts.active[z];
-            let p = timing.step * contact.remainder(zone, support, &workspace.correction, timing, active);
+            let p = timing.step
+                * contact.remainder(
+                    zone,
+                    support,
+                    &workspace.correction,
+                    timing,
+                    active,
+                    &workspace.contacts.surfaces[z],
+                );
             for (k, j) in support.joints() {
                 impulse[j] = impulse[j].add_product(p, contact.row[k].abs());
             }

@@ -91,10 +91,8 @@ impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
     fn take(&mut self, model: &Model<T, B, Z>, kinematics: &Kinematics<T, B>, joint: &[T; B], timing: &Timing<T>) {
         *self = BroadPhase { angle: *joint, reach: timing.reach, ..BroadPhase::none() };
         for z in 0..model.zone_count {
-            let clearance = T::from_f64(ONSET)
-                - model.compiled[z].gap(&kinematics.pose)
-                - timing.reach
-                - model.compiled[z].excursion;
+            let clearance =
+                T::from_f64(ONSET) - model.compiled[z].gap(&kinematics.pose) - timing.reach - model.excursions[z];
             let mut speed = T::ZERO;
             for (k, j) in model.supports[z].joints() {
                 speed = speed.add_product(model.supports[z].lever(k), kinematics.joint_velocity[j].abs());

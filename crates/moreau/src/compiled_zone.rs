@@ -39,8 +39,6 @@ pub(crate) struct CompiledZone<T> {
     pub felt: FeltLaw<T>,
     from: Vector<T>,
     length: T,
-    /// How far the curve may come toward the disc, m; zero where it does not yield.
-    pub excursion: T,
     /// The disc's radius: from its centre to the contact point, apart from the compression.
     radius: T,
 }
@@ -67,14 +65,12 @@ impl<T: Real> CompiledZone<T> {
             felt: FeltLaw::of(&zone.felt),
             from,
             length,
-            excursion: T::ZERO,
             radius: zone.radius,
         }
     }
 
     /// Its curve yields.
-    pub fn set_yielding(&mut self, excursion: T) {
-        self.excursion = excursion;
+    pub fn set_yielding(&mut self) {
         self.felt.set_yielding();
     }
 

@@ -6,6 +6,7 @@ use crate::felt::{Carried, ONSET};
 use crate::pose::Pose;
 use crate::real::{Mask, Real};
 use crate::support::Support;
+use crate::surface::Yielding;
 use crate::timing::Timing;
 use crate::vector::Vector;
 
@@ -41,8 +42,8 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is asked for.
     gap: T,
     rate: T,
-    /// What the felt finds when the step begins.
-    pub carried: Carried<T>,
+    /// The felt's memory at the step's start, where it has one.
+    pub memory: T,
     /// Row G in relative velocities, for the zone's supporting joints: dg/dt = G w.
     pub row: [T; B],
 }
@@ -58,8 +59,7 @@ pub(crate) struct Proximity<T: Real> {
 impl<T: Real, const B: usize> ContactState<T, B> {
     pub fn apart() -> Self {
         let z = T::ZERO;
-        let carried = Carried::nothing();
-        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, carried, row: [z; B] }
+        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, memory: z, row: [z; B] }
     }
 
     /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K entries.
@@ -74,12 +74,13 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         w: &[T; B],
         timing: &Timing<T>,
         candidates: T::Mask,
+        surface: &Yielding<T>,
         margins: &mut Margins<T>,
     ) -> Proximity<T> {
         let center = zone.center(pose);
         let (mut gap, normal) = zone.gap_and_normal(pose, center);
         if const { YIELDS } {
-            gap -= self.carried.surface.offset;
+            gap -= surface.offset;
         }
         let in_reach = candidates.and((-timing.reach).le(gap));
         self.in_reach = in_reach;
@@ -93,7 +94,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
         let mut rate = row.product(w);
         if const { YIELDS } {
-            rate -= self.carried.surface.drift;
+            rate -= surface.drift;
         }
         (self.gap, self.rate) = (gap, rate);
         // Where the mean is worked out from end to end, the ends say what is touched: sqrt(3) farther out than the Gauss points.
@@ -104,8 +105,15 @@ impl<T: Real, const B: usize> ContactState<T, B> {
 
     /// The felt's force and tangent, where it is touched.
     #[inline(always)]
-    pub fn press(&mut self, zone: &CompiledZone<T>, timing: &Timing<T>, touched: T::Mask, margins: &mut Margins<T>) {
-        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, &self.carried);
+    pub fn press(
+        &mut self,
+        zone: &CompiledZone<T>,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        surface: &Yielding<T>,
+        margins: &mut Margins<T>,
+    ) {
+        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, Carried { memory: &self.memory, surface });
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
@@ -121,14 +129,16 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         change: &[T; B],
         timing: &Timing<T>,
         touched: T::Mask,
+        surface: &Yielding<T>,
     ) -> Contact<T> {
         let (gap, normal) = zone.gap_and_normal(pose, zone.center(pose));
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
-        let pressed_gap = ahead_gap - self.carried.surface.offset;
-        let pressed = zone.felt.press(pressed_gap, rate, timing, touched, &self.carried);
-        let (pressed_gap, rate) = zone.felt.where_pressed(pressed_gap, rate, timing, touched, &self.carried);
-        let recalled = zone.felt.recall(pressed_gap, rate, timing, touched, self.carried.memory);
+        let pressed_gap = ahead_gap - surface.offset;
+        let pressed = zone.felt.press(pressed_gap, rate, timing, touched, Carried { memory: &self.memory, surface });
+        let (pressed_gap, rate) =
+            zone.felt.where_pressed(pressed_gap, rate, timing, touched, Carried { memory: &self.memory, surface });
+        let recalled = zone.felt.recall(pressed_gap, rate, timing, touched, self.memory);
         Contact {
             gap: pressed_gap,
             rate,
@@ -148,15 +158,17 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         change: &[T; B],
         timing: &Timing<T>,
         touched: T::Mask,
+        surface: &Yielding<T>,
     ) -> T {
-        let alone = zone.felt.left_alone(timing, self.carried.memory).0;
+        let alone = zone.felt.left_alone(timing, self.memory).0;
         if !touched.any() {
             return alone;
         }
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, gap) = (self.rate + ahead, self.gap + timing.h_theta * ahead);
-        let (gap, rate) = zone.felt.where_pressed(gap, rate, timing, touched, &self.carried);
-        let recalled = zone.felt.recall(gap, rate, timing, touched, self.carried.memory);
+        let (gap, rate) =
+            zone.felt.where_pressed(gap, rate, timing, touched, Carried { memory: &self.memory, surface });
+        let recalled = zone.felt.recall(gap, rate, timing, touched, self.memory);
         recalled.map_or(alone, |recalled| T::select(touched, recalled.memory, alone))
     }
 
@@ -170,10 +182,12 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         change: &[T; B],
         timing: &Timing<T>,
         active: T::Mask,
+        surface: &Yielding<T>,
     ) -> T {
         let rate = (timing.theta * support.product(&self.row, change)).abs();
         // To second order; where the clamp at zero may have come or gone, to first.
-        let bend = zone.felt.press(self.gap, self.rate, timing, active, &self.carried).curvature;
+        let bend =
+            zone.felt.press(self.gap, self.rate, timing, active, Carried { memory: &self.memory, surface }).curvature;
         let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
         let bent = T::select(linear.lt(bend.slack), quadratic, linear.max(quadratic));
         if active.all() {
@@ -237,7 +251,11 @@ mod tests {
                 let (mut contact, timing) = (ContactState::apart(), Timing::new(1e-3, 0.5));
                 let (pose, support, w) = (Pose::of(&model, &q), &model.supports[0], [0.0; 4]);
                 let (zone, margins) = (&model.compiled[0], &mut Margins::new());
-                assert!(contact.evaluate::<4, false>(zone, support, &pose, &w, &timing, true, margins).touched);
+                assert!(
+                    contact
+                        .evaluate::<4, false>(zone, support, &pose, &w, &timing, true, &Yielding::still(), margins)
+                        .touched
+                );
                 let row = pose.gap_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;
@@ -268,18 +286,36 @@ mod tests {
             for (angle, w) in [(-2e-3, 0.0), (-2e-3, -1.0), (-1e-2, 0.5)] {
                 let mut contact = ContactState::<f64, 1>::apart();
                 let pose = Pose::of(&model, &[angle]);
-                contact.evaluate::<1, false>(compiled, support, &pose, &[w], &timing, true, &mut Margins::new());
+                contact.evaluate::<1, false>(
+                    compiled,
+                    support,
+                    &pose,
+                    &[w],
+                    &timing,
+                    true,
+                    &Yielding::still(),
+                    &mut Margins::new(),
+                );
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend =
-                        compiled.felt.press(contact.gap, contact.rate, &timing, true, &Carried::nothing()).curvature;
+                    let bend = compiled
+                        .felt
+                        .press(
+                            contact.gap,
+                            contact.rate,
+                            &timing,
+                            true,
+                            Carried { memory: &0.0, surface: &Yielding::still() },
+                        )
+                        .curvature;
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;
                     let deepest = (contact.gap + timing.node * contact.rate.abs() + reach * rate).max(0.0);
                     let onset = (felt.stiffness + 8e7 * (contact.rate.abs() + rate)) * deepest * deepest;
                     for (active, expected) in [(true, bent), (false, onset)] {
-                        let found = contact.remainder(compiled, support, &[change], &timing, active);
+                        let found =
+                            contact.remainder(compiled, support, &[change], &timing, active, &Yielding::still());
                         assert!(
                             (found - expected).abs() <= 1e-12 * expected,
                             "{theta} {angle} {w} {change}: {found} {expected}"

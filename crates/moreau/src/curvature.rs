@@ -152,6 +152,7 @@ mod tests {
     use crate::description::{Body, Curve, Description, GROUND};
     use crate::felt::{Exponent, Felt, Loss};
     use crate::pose::Pose;
+    use crate::surface::Yielding;
 
     /// Where the quick bound says that it holds, no joint may see more of what the felts' forces, worked out again after the change, are
     /// away from their linearisation: on a chain of two bodies between felts of every exponent, from apart to pressed by millimetres,
@@ -210,12 +211,13 @@ mod tests {
             let (mut margins, mut exact) = (Margins::new(), [0.0; 2]);
             for (z, zone) in model.compiled.iter().enumerate() {
                 let (mut contact, support) = (ContactState::apart(), &model.supports[z]);
-                let touched =
-                    contact.evaluate::<2, false>(zone, support, &pose, &w, &timing, true, &mut margins).touched;
+                let touched = contact
+                    .evaluate::<2, false>(zone, support, &pose, &w, &timing, true, &Yielding::still(), &mut margins)
+                    .touched;
                 if touched {
-                    contact.press(zone, &timing, true, &mut margins);
+                    contact.press(zone, &timing, true, &Yielding::still(), &mut margins);
                 }
-                let after = contact.contact(zone, support, &pose, &change, &timing, true).force;
+                let after = contact.contact(zone, support, &pose, &change, &timing, true, &Yielding::still()).force;
                 let linear = contact.force + contact.tangent / timing.step * support.product(&contact.row, &change);
                 let p = timing.step * (after - if touched { linear } else { 0.0 }).abs();
                 for (k, j) in support.joints() {
@@ -261,8 +263,17 @@ mod tests {
             let model = description.compile::<1, 1>().unwrap();
             let (pose, support, zone) = (Pose::of(&model, &[0.0]), &model.supports[0], &model.compiled[0]);
             let (mut contact, mut margins) = (ContactState::<f64, 1>::apart(), Margins::new());
-            let near = contact.evaluate::<1, false>(zone, support, &pose, &[0.0], &timing, true, &mut margins);
-            contact.press(zone, &timing, near.touched, &mut margins);
+            let near = contact.evaluate::<1, false>(
+                zone,
+                support,
+                &pose,
+                &[0.0],
+                &timing,
+                true,
+                &Yielding::still(),
+                &mut margins,
+            );
+            contact.press(zone, &timing, near.touched, &Yielding::still(), &mut margins);
             assert!((contact.row[0].abs() - support.lever(0)).abs() < 1e-15 && near.gap > 0.9e-3);
             let mut tight = 0.0_f64;
             // Up to half of what would leave the felt: the bound says nothing of more.
@@ -270,7 +281,8 @@ mod tests {
                 let change = -contact.row[0].signum() * share * near.gap / (timing.theta * reach * support.lever(0));
                 for change in [change, -change] {
                     let (terms, sure) = margins.bound(&model.curvatures, &timing, change.abs());
-                    let after = contact.contact(zone, support, &pose, &[change], &timing, true).force;
+                    let after =
+                        contact.contact(zone, support, &pose, &[change], &timing, true, &Yielding::still()).force;
                     let linear =
                         contact.force + contact.tangent / timing.step * support.product(&contact.row, &[change]);
                     let exact = timing.step * (after - linear).abs() * support.lever(0);

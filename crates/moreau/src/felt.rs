@@ -308,17 +308,11 @@ pub(crate) struct FeltLaw<T> {
 
 /// What a felt finds when a step begins.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Carried<T> {
+pub(crate) struct Carried<'a, T> {
     /// Its memory, where it has one.
-    pub memory: T,
+    pub memory: &'a T,
     /// What it presses on, where that yields.
-    pub surface: Yielding<T>,
-}
-
-impl<T: Real> Carried<T> {
-    pub fn nothing() -> Self {
-        Carried { memory: T::ZERO, surface: Yielding::still() }
-    }
+    pub surface: &'a Yielding<T>,
 }
 
 /// What a felt does during a step.
@@ -386,12 +380,12 @@ impl<T: Real> FeltLaw<T> {
     /// leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the scheme is
     /// backward Euler.
     #[inline(always)]
-    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: &Carried<T>) -> Pressed<T> {
+    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> Pressed<T> {
         if !self.square {
             return if self.yields {
                 self.press_yielding(gap, rate, timing, touched, carried)
             } else {
-                self.press_still(gap, rate, timing, touched, &carried.memory)
+                self.press_still(gap, rate, timing, touched, carried.memory)
             };
         }
         let whole = self.press_square(gap, rate, timing, touched);
@@ -473,28 +467,35 @@ impl<T: Real> FeltLaw<T> {
         rate: T,
         timing: &Timing<T>,
         touched: T::Mask,
-        carried: &Carried<T>,
+        carried: Carried<'_, T>,
     ) -> Pressed<T> {
         let (gap, rate) = self.give_way(gap, rate, timing, touched, carried);
-        let pressed = self.press_exactly(gap, rate, timing, touched, &carried.memory);
+        let pressed = self.press_exactly(gap, rate, timing, touched, carried.memory);
         let slope = T::ONE + carried.surface.give * (pressed.tangent / timing.h_theta);
         Pressed { tangent: pressed.tangent / slope, opening: T::ZERO, ..pressed }
     }
 
     /// The compression and its rate at the theta point, with what a surface that yields gives way under the felt's force: from those that there
     /// would be if it were not pressed.
-    pub fn where_pressed(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: &Carried<T>) -> (T, T) {
+    pub fn where_pressed(
+        &self,
+        gap: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        carried: Carried<'_, T>,
+    ) -> (T, T) {
         if self.yields { self.give_way(gap, rate, timing, touched, carried) } else { (gap, rate) }
     }
 
     #[cold]
     #[inline(never)]
-    fn give_way(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: &Carried<T>) -> (T, T) {
+    fn give_way(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> (T, T) {
         let give = carried.surface.give;
         let behind = |force: T| (gap - timing.h_theta * (give * force), rate - give * force);
         let force = solve(touched, |force| {
             let (gap, rate) = behind(force);
-            let pressed = self.press_exactly(gap, rate, timing, touched, &carried.memory);
+            let pressed = self.press_exactly(gap, rate, timing, touched, carried.memory);
             [pressed.force, give * (pressed.tangent / timing.h_theta)]
         });
         behind(force)

@@ -40,7 +40,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             compiled: core::array::from_fn(|z| CompiledZone::of(&zones[z])),
             zones,
             supports: core::array::from_fn(|z| Support::of_lanes(|lane| &models[lane].supports[z])),
-            entries: first.entries,
+            excursions: [T::ZERO; Z],
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,

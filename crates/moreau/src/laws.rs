@@ -270,7 +270,14 @@ pub(crate) fn keep_memories<T: Real, const B: usize, const Z: usize, const N: us
             T::only(touched, workspace.dry.force[z])
         } else {
             let contact = &workspace.contacts.states[z];
-            contact.remembered(compiled, &model.supports[z], &workspace.correction, &timing, touched)
+            contact.remembered(
+                compiled,
+                &model.supports[z],
+                &workspace.correction,
+                &timing,
+                touched,
+                &workspace.contacts.surfaces[z],
+            )
         };
         state.memory[z] = T::select(lanes, memory, state.memory[z]);
     }
@@ -285,7 +292,7 @@ pub(crate) fn recall_memories<T: Real, const B: usize, const Z: usize, const N: 
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
     for &z in model.remembering_zones() {
-        workspace.contacts.states[z].carried.memory = state.memory[z];
+        workspace.contacts.states[z].memory = state.memory[z];
     }
     dry_felts::begin(model, state, workspace);
     dwell::begin(state, workspace);

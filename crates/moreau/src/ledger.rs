@@ -186,7 +186,7 @@ impl Ledger {
         }
         let timing = Timing::new(settings.step, settings.theta);
         for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
-            let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].carried.memory);
+            let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].memory);
             lose(&mut self.felt_damping, -gained.to_f64());
         }
         self.smallest_term = smallest;

@@ -55,8 +55,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) compiled: [CompiledZone<T>; Z],
     /// Their supporting joints.
     pub(crate) supports: [Support<T, B>; Z],
-    /// How many supporting joints each has; 0 for one whose curve yields.
-    pub(crate) entries: [usize; Z],
+    /// How far the curve of each may come toward its disc, m; zero where it does not yield.
+    pub(crate) excursions: [T; Z],
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -116,7 +116,7 @@ impl<T: Scalar> Description<'_, T> {
             zones: all_zones,
             compiled: all_zones.map(|zone| CompiledZone::of(&zone)),
             curvatures: Curvatures::of(zones.iter().zip(&supports)),
-            entries: core::array::from_fn(|z: usize| supports[z].count()),
+            excursions: [T::ZERO; Z],
             supports,
             zone_count: zones.len(),
             sliding_zones: [0; Z],
@@ -150,8 +150,8 @@ impl<T: Scalar> Description<'_, T> {
             }
         }
         for yields in self.yields {
-            model.compiled[yields.zone].set_yielding(yields.excursion);
-            model.entries[yields.zone] = 0;
+            model.compiled[yields.zone].set_yielding();
+            model.excursions[yields.zone] = yields.excursion;
         }
         model.set_dwells(self.dwells);
         model.remembers = model.remembering_count > 0 || model.dwelling.count > 0;
@@ -256,7 +256,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
 
     /// How far a zone's curve may come out of where it is drawn, toward the disc, m; zero where it does not yield.
     pub fn excursion(&self, zone: usize) -> T {
-        self.compiled[zone].excursion
+        self.excursions[zone]
     }
 
     /// Those of them whose loss is set-valued.

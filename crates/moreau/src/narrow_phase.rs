@@ -4,6 +4,7 @@ use crate::contact::ContactState;
 use crate::curvature::Margins;
 use crate::model::Model;
 use crate::real::{Mask, Real};
+use crate::surface::Yielding;
 use crate::timing::Timing;
 use crate::workspace::{Contacts, Kinematics, Workspace};
 
@@ -23,8 +24,15 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
     let (mut margins, mut count) = (Margins::new(), 0);
     for &z in near {
         // The compiler knows a row's length in each case, so the row stays in registers.
-        let touches = match model.entries[z] {
-            0 => examine_yielding(model, timing, z, first, &mut margins, kinematics, contacts),
+        if model.compiled[z].felt.yields() {
+            // By value, so that the margins stay in registers where nothing yields.
+            let (touches, seen) = examine_yielding(model, timing, z, first, margins, kinematics, contacts);
+            margins = seen;
+            contacts.touched[count] = z;
+            count += usize::from(touches);
+            continue;
+        }
+        let touches = match model.supports[z].count() {
             1 => examine::<T, B, Z, 1, false>(model, timing, z, first, &mut margins, kinematics, contacts),
             2 => examine::<T, B, Z, 2, false>(model, timing, z, first, &mut margins, kinematics, contacts),
             3 => examine::<T, B, Z, 3, false>(model, timing, z, first, &mut margins, kinematics, contacts),
@@ -45,11 +53,12 @@ fn examine_yielding<T: Real, const B: usize, const Z: usize>(
     timing: &Timing<T>,
     z: usize,
     first: bool,
-    margins: &mut Margins<T>,
+    mut margins: Margins<T>,
     kinematics: &Kinematics<T, B>,
     contacts: &mut Contacts<T, B, Z>,
-) -> bool {
-    examine::<T, B, Z, B, true>(model, timing, z, first, margins, kinematics, contacts)
+) -> (bool, Margins<T>) {
+    let touches = examine::<T, B, Z, B, true>(model, timing, z, first, &mut margins, kinematics, contacts);
+    (touches, margins)
 }
 
 /// Looks at a zone whose row has K entries. Says whether it is touched.
@@ -63,12 +72,14 @@ fn examine<T: Real, const B: usize, const Z: usize, const K: usize, const YIELDS
     kinematics: &Kinematics<T, B>,
     contacts: &mut Contacts<T, B, Z>,
 ) -> bool {
-    let Contacts { states, active, slip_row, has_slip_row, .. } = contacts;
+    let Contacts { states, active, slip_row, has_slip_row, surfaces, .. } = contacts;
     let Kinematics { pose, joint_velocity, .. } = kinematics;
     let (zone, support, contact) = (&model.compiled[z], &model.supports[z], &mut states[z]);
     // Newton moves the pose by far less than a zone's reach. What was out of reach at the prediction stays so.
     let candidates = if first { T::Mask::splat(true) } else { contact.in_reach };
-    let proximity = contact.evaluate::<K, YIELDS>(zone, support, pose, joint_velocity, timing, candidates, margins);
+    let surface = if const { YIELDS } { surfaces[z] } else { Yielding::still() };
+    let proximity =
+        contact.evaluate::<K, YIELDS>(zone, support, pose, joint_velocity, timing, candidates, &surface, margins);
     let touched = proximity.touched;
     active[z] = touched;
     if zone.slides {
@@ -92,11 +103,11 @@ pub(crate) fn add_felts<T: Real, const B: usize, const Z: usize, const N: usize>
     w: &[T; B],
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
-    let Contacts { states, active, touched, touched_count, margins, .. } = &mut workspace.contacts;
+    let Contacts { states, active, touched, touched_count, margins, surfaces, .. } = &mut workspace.contacts;
     let system = &mut workspace.problem.system;
     for &z in &touched[..*touched_count] {
         let (support, contact) = (&model.supports[z], &mut states[z]);
-        contact.press(&model.compiled[z], timing, active[z], margins);
+        contact.press(&model.compiled[z], timing, active[z], &surfaces[z], margins);
         let impulse = -(timing.step * contact.force);
         support.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, impulse, w);
     }

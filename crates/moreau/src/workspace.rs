@@ -61,6 +61,8 @@ pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
     /// Rows of the slip velocity, of zones with friction: written when such a zone first touches in a step, and kept.
     pub slip_row: [[T; B]; Z],
     pub has_slip_row: [T::Mask; Z],
+    /// What the curves that yield do, as their owners have said.
+    pub surfaces: [Yielding<T>; Z],
 }
 
 /// Inertia at the predicted pose q_*.
@@ -184,6 +186,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
                 margins: Margins::new(),
                 slip_row: [[z; B]; Z],
                 has_slip_row: [no; Z],
+                surfaces: [Yielding::still(); Z],
             },
             inertia: Inertia { coupling: [z; B], deep_coupling: [[z; B]; B], momentum: [z; B] },
             drive: Drive { site_row: [z; B], force: z, pull: z, tangent: z },
@@ -224,7 +227,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
     /// workspace knows what was said last.
     pub fn set_surface(&mut self, settings: &Settings<T>, zone: usize, surface: &Surface<T>) {
         let h = settings.step;
-        self.contacts.states[zone].carried.surface = Yielding::of(surface, h, settings.theta * h);
+        self.contacts.surfaces[zone] = Yielding::of(surface, h, settings.theta * h);
     }
 
     /// The pose at which the last Newton iteration evaluated the forces.
@@ -258,7 +261,15 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         let (compiled, support) = (&model.compiled[zone], &model.supports[zone]);
         let timing = Timing::new(settings.step, settings.theta);
         let state = &self.contacts.states[zone];
-        let contact = state.contact(compiled, support, self.pose(), &self.correction, &timing, touched);
+        let contact = state.contact(
+            compiled,
+            support,
+            self.pose(),
+            &self.correction,
+            &timing,
+            touched,
+            &self.contacts.surfaces[zone],
+        );
         if !compiled.dry {
             return Some(contact);
         }
