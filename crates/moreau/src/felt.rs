@@ -293,6 +293,8 @@ pub(crate) struct FeltLaw<T> {
     loss: Loss<T>,
     /// r = 2 with the papers' loss: the mean over a step has a closed form.
     square: bool,
+    /// Whether it has no memory, and what it presses on stands still.
+    plain: bool,
     /// Whether what it presses on yields.
     yields: bool,
     /// A law with memory, which stands for all of the force.
@@ -361,12 +363,23 @@ impl<T: Real> FeltLaw<T> {
             Loss::SetValued { eta, .. } | Loss::Elastoplastic { eta, .. } => T::ONE + eta,
             Loss::Hereditary { relaxed, .. } => T::ONE / (T::ONE - relaxed),
         };
-        FeltLaw { stiffness, exponent, loss, square, yields: false, remembering, largest, damping, opening }
+        FeltLaw {
+            stiffness,
+            exponent,
+            loss,
+            square,
+            plain: remembering.is_none(),
+            yields: false,
+            remembering,
+            largest,
+            damping,
+            opening,
+        }
     }
 
     /// What it presses on yields.
     pub fn set_yielding(&mut self) {
-        (self.yields, self.square) = (true, false);
+        (self.yields, self.plain, self.square) = (true, false, false);
     }
 
     pub fn yields(&self) -> bool {
@@ -382,10 +395,10 @@ impl<T: Real> FeltLaw<T> {
     #[inline(always)]
     pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> Pressed<T> {
         if !self.square {
-            return if self.yields {
-                self.press_yielding(gap, rate, timing, touched, carried)
+            return if self.plain {
+                self.press_points(gap, rate, timing, touched)
             } else {
-                self.press_still(gap, rate, timing, touched, carried.memory)
+                self.press_otherwise(gap, rate, timing, touched, carried)
             };
         }
         let whole = self.press_square(gap, rate, timing, touched);
@@ -398,8 +411,25 @@ impl<T: Real> FeltLaw<T> {
         }
     }
 
+    /// A law with memory, or any on a surface that yields. One function apart: the fast paths then hold no more than one call.
+    #[cold]
+    #[inline(never)]
+    fn press_otherwise(
+        &self,
+        gap: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        carried: Carried<'_, T>,
+    ) -> Pressed<T> {
+        if const { T::LANES == 1 } && self.yields {
+            self.press_yielding(gap, rate, timing, touched, carried)
+        } else {
+            self.press_still(gap, rate, timing, touched, carried.memory)
+        }
+    }
+
     /// Any law on a surface that stands still.
-    #[inline(always)]
     fn press_still(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
         match &self.remembering {
             None => self.press_points(gap, rate, timing, touched),
@@ -485,7 +515,11 @@ impl<T: Real> FeltLaw<T> {
         touched: T::Mask,
         carried: Carried<'_, T>,
     ) -> (T, T) {
-        if self.yields { self.give_way(gap, rate, timing, touched, carried) } else { (gap, rate) }
+        if const { T::LANES == 1 } && self.yields {
+            self.give_way(gap, rate, timing, touched, carried)
+        } else {
+            (gap, rate)
+        }
     }
 
     #[cold]
