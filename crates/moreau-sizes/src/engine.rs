@@ -13,6 +13,19 @@ use crate::placed::Sight;
 use crate::surfaces::Under;
 use crate::{InputDuring, Marks, Meeting, OwnedDescription};
 
+/// What a step presses on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Over {
+    /// Nothing that yields.
+    Nothing,
+    /// Surfaces that are still, and the mechanism sleeps.
+    Still,
+    /// Surfaces that ring while it sleeps.
+    Ringing,
+    /// Surfaces, and it moves.
+    Awake,
+}
+
 /// A mechanism without its working memory, which several may share.
 pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub model: Model<f64, B, Z>,
@@ -132,22 +145,25 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         input: &Input<f64>,
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> StepReport {
-        if self.under.is_some() {
-            return self.step_over_surfaces(settings, input, workspace);
+        // One call of the step, which is then part of its caller.
+        let over = if self.under.is_some() { self.tell_of_surfaces(settings, input, workspace) } else { Over::Nothing };
+        let report = self.step_alone(settings, input, workspace);
+        if over != Over::Nothing && report.outcome != Outcome::NonFinite {
+            self.press_on_surfaces(over, settings, workspace);
         }
-        self.step_alone(settings, input, workspace)
+        report
     }
 
-    /// With surfaces that yield. A mechanism that sleeps is left out while they ring, if they cannot reach it.
+    /// Before a step over surfaces that yield: what they do is told. A mechanism that sleeps is left out while they ring, if they cannot reach it.
     #[cold]
     #[inline(never)]
-    fn step_over_surfaces<const N: usize>(
+    fn tell_of_surfaces<const N: usize>(
         &mut self,
         settings: &Settings<f64>,
         input: &Input<f64>,
         workspace: &mut Workspace<f64, B, Z, N>,
-    ) -> StepReport {
-        let Some(mut under) = self.under.take() else { return self.report };
+    ) -> Over {
+        let Some(under) = self.under.take() else { return Over::Nothing };
         let rested = under.surfaces.rests();
         if !rested && self.sleep.is_asleep() && self.within_reach(&under) {
             self.sleep.wake();
@@ -156,19 +172,32 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         if !asleep {
             under.tell(settings, workspace);
         }
-        let report = self.step_alone(settings, input, workspace);
-        if report.outcome != Outcome::NonFinite {
-            if !asleep {
-                for (index, &zone) in under.surfaces.zones().iter().enumerate() {
-                    under.forces[index] = workspace.normal_force(&self.model, settings, zone);
-                }
-            }
-            if !(asleep && rested) {
-                under.advance();
+        self.under = Some(under);
+        match (asleep, rested) {
+            (true, true) => Over::Still,
+            (true, false) => Over::Ringing,
+            (false, _) => Over::Awake,
+        }
+    }
+
+    /// After a step: what it pressed with, and the surfaces go on.
+    #[cold]
+    #[inline(never)]
+    fn press_on_surfaces<const N: usize>(
+        &mut self,
+        over: Over,
+        settings: &Settings<f64>,
+        workspace: &Workspace<f64, B, Z, N>,
+    ) {
+        let Some(under) = &mut self.under else { return };
+        if over == Over::Awake {
+            for (index, &zone) in under.surfaces.zones().iter().enumerate() {
+                under.forces[index] = workspace.normal_force(&self.model, settings, zone);
             }
         }
-        self.under = Some(under);
-        report
+        if over != Over::Still {
+            under.advance();
+        }
     }
 
     /// Whether a surface could touch the mechanism where it is now.

@@ -394,7 +394,15 @@ impl<T: Real> FeltLaw<T> {
     /// backward Euler.
     #[inline(always)]
     pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> Pressed<T> {
-        if !self.square {
+        if const { T::LANES > 1 } {
+            // Nothing yields in lanes.
+            if !self.square {
+                return match &self.remembering {
+                    None => self.press_points(gap, rate, timing, touched),
+                    Some(law) => law.press(gap, rate, timing, touched, *carried.memory),
+                };
+            }
+        } else if !self.square {
             return if self.plain {
                 self.press_points(gap, rate, timing, touched)
             } else {

@@ -57,6 +57,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) supports: [Support<T, B>; Z],
     /// How far the curve of each may come toward its disc, m; zero where it does not yield.
     pub(crate) excursions: [T; Z],
+    /// Whether any does.
+    pub(crate) some_yield: bool,
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -117,6 +119,7 @@ impl<T: Scalar> Description<'_, T> {
             compiled: all_zones.map(|zone| CompiledZone::of(&zone)),
             curvatures: Curvatures::of(zones.iter().zip(&supports)),
             excursions: [T::ZERO; Z],
+            some_yield: !self.yields.is_empty(),
             supports,
             zone_count: zones.len(),
             sliding_zones: [0; Z],

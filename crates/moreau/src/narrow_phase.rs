@@ -22,10 +22,11 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
 ) {
     let Workspace { kinematics, contacts, .. } = workspace;
     let (mut margins, mut count) = (Margins::new(), 0);
+    let some_yield = model.some_yield;
     for &z in near {
         // The compiler knows a row's length in each case, so the row stays in registers.
         // Never in lanes (`lanes.rs`), which need not ask.
-        if const { T::LANES == 1 } && model.compiled[z].felt.yields() {
+        if const { T::LANES == 1 } && some_yield && model.compiled[z].felt.yields() {
             // By value, so that the margins stay in registers where nothing yields.
             let (touches, seen) = examine_yielding(model, timing, z, first, margins, kinematics, contacts);
             margins = seen;
