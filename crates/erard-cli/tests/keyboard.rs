@@ -82,7 +82,7 @@ fn wrong_input_is_told() {
     let cases: [(&[&str], &str); 11] = [
         (
             &["keyboard", "nobody"],
-            "there is no file and no built-in keyboard `nobody` (built in: concert-grand, heavy-touch)",
+            "there is no file and no built-in keyboard `nobody` (built in: concert-grand, heavy-touch, concert-grand-strings)",
         ),
         (&["keyboard", "nobody.toml"], "nobody.toml: cannot be read"),
         (&["keyboard", "grand.toml"], "belongs to an instrument, and a keyboard is expected here"),

@@ -914,7 +914,7 @@ mod tests {
         let mut met = 0;
         for (felt, law, gap, rate, timing) in touched() {
             if let Loss::HuntCrossley(a) = felt.loss {
-                let opening = law.press(gap, rate, &timing, true, &0.0).opening;
+                let opening = law.press(gap, rate, &timing, true, Carried { memory: &0.0, surface: &Yielding::still() }).opening;
                 assert!((opening - (1.0 / a + rate)).abs() <= 1e-12 / a, "{felt:?} {rate}: {opening}");
                 met += 1;
             }
@@ -940,7 +940,7 @@ mod tests {
                 let offset = (timing.step - timing.h_theta) / 3f64.sqrt() * rate;
                 0.5 * (written(gap + offset, rate) + written(gap - offset, rate))
             };
-            let pressed = law.press(gap, rate, &timing, true, &0.0);
+            let pressed = law.press(gap, rate, &timing, true, Carried { memory: &0.0, surface: &Yielding::still() });
             let force = mean(gap, rate);
             assert!((pressed.force - force).abs() <= 1e-12 * force, "{felt:?} {gap} {rate}: {} {force}", pressed.force);
             let e = 1e-6;

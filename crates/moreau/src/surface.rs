@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn the_scalar_equation_is_solved() {
         for k in [1e-3_f64, 1.0, 1e6] {
-            let linear = solve(true, |f| [(k * (2.0 - 0.5 * f)).max(0.0), 0.5 * k]);
+            let linear = solve(true, |f: f64| [(k * (2.0 - 0.5 * f)).max(0.0), 0.5 * k]);
             assert!((linear - 2.0 * k / (1.0 + 0.5 * k)).abs() < 1e-14 * linear);
             let square = solve(true, |f: f64| {
                 let g = (2.0 - 0.5 * f).max(0.0);
