@@ -8,7 +8,7 @@ use crate::real::{Mask, Real};
 use crate::support::Support;
 use crate::surface::Yielding;
 use crate::timing::Timing;
-use crate::vector::Vector;
+use crate::vector::{Vector, scale, sub};
 
 /// A zone as it acted during one step, for whoever reads it.
 #[derive(Debug, Clone, Copy)]
@@ -134,16 +134,45 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         let (gap, normal) = zone.gap_and_normal(pose, zone.center(pose));
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
-        let pressed_gap = ahead_gap - surface.offset;
-        let pressed = zone.felt.press(pressed_gap, rate, timing, touched, Carried { memory: &self.memory, surface });
-        let (pressed_gap, rate) =
-            zone.felt.where_pressed(pressed_gap, rate, timing, touched, Carried { memory: &self.memory, surface });
-        let recalled = zone.felt.recall(pressed_gap, rate, timing, touched, self.memory);
+        let point = zone.contact_point(pose, gap, normal);
+        let carried = Carried { memory: &self.memory, surface };
+        if const { T::LANES == 1 } && zone.felt.yields() {
+            return self.contact_that_yields(zone, [ahead_gap, rate], [normal, point], timing, touched, carried);
+        }
+        let pressed = zone.felt.press(ahead_gap, rate, timing, touched, carried);
+        let recalled = zone.felt.recall(ahead_gap, rate, timing, touched, self.memory);
         Contact {
-            gap: pressed_gap,
+            gap: ahead_gap,
             rate,
             normal,
-            point: zone.contact_point(pose, gap - (ahead_gap - pressed_gap), normal),
+            point,
+            force: pressed.force,
+            damping_force: pressed.damping_force,
+            gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),
+        }
+    }
+
+    /// The same where the curve gives way, from the gap and rate to where it was: it lies lower, and the felt is pressed by so much less.
+    #[cold]
+    #[inline(never)]
+    fn contact_that_yields(
+        &self,
+        zone: &CompiledZone<T>,
+        [gap, rate]: [T; 2],
+        [normal, point]: [Vector<T>; 2],
+        timing: &Timing<T>,
+        touched: T::Mask,
+        carried: Carried<'_, T>,
+    ) -> Contact<T> {
+        let before = gap - carried.surface.offset;
+        let pressed = zone.felt.press(before, rate, timing, touched, carried);
+        let (after, rate) = zone.felt.where_pressed(before, rate, timing, touched, carried);
+        let recalled = zone.felt.recall(after, rate, timing, touched, self.memory);
+        Contact {
+            gap: after,
+            rate,
+            normal,
+            point: sub(point, scale(normal, gap - after)),
             force: pressed.force,
             damping_force: pressed.damping_force,
             gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),

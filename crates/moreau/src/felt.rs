@@ -914,7 +914,8 @@ mod tests {
         let mut met = 0;
         for (felt, law, gap, rate, timing) in touched() {
             if let Loss::HuntCrossley(a) = felt.loss {
-                let opening = law.press(gap, rate, &timing, true, Carried { memory: &0.0, surface: &Yielding::still() }).opening;
+                let opening =
+                    law.press(gap, rate, &timing, true, Carried { memory: &0.0, surface: &Yielding::still() }).opening;
                 assert!((opening - (1.0 / a + rate)).abs() <= 1e-12 / a, "{felt:?} {rate}: {opening}");
                 met += 1;
             }

@@ -180,8 +180,8 @@ mod tests {
         assert!(snapshot.aimed_m.is_some() && snapshot.flight.iter().all(Option::is_some));
         assert!(snapshot.side.iter().any(|s| *s != 0.0));
         let bytes = snapshot.to_bytes();
-        assert_eq!(Snapshot::from_bytes(&bytes), Ok(snapshot));
-        let none = Snapshot { aimed_m: None, flight: [None, Some([1.0, 2.0, 3.0])], ..snapshot };
+        assert_eq!(Snapshot::from_bytes(&bytes), Ok(snapshot.clone()));
+        let none = Snapshot { aimed_m: None, flight: [None, Some([1.0, 2.0, 3.0])], ..snapshot.clone() };
         assert_eq!(Snapshot::from_bytes(&none.to_bytes()), Ok(none));
         let broken = Snapshot { rigid_force: f64::NAN, ..snapshot };
         assert_eq!(Snapshot::from_bytes(&broken.to_bytes()), Err(SnapshotError::NotFinite));
