@@ -2,7 +2,7 @@
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Margins;
-use crate::felt::{Carried, ONSET};
+use crate::felt::{Carried, Curvature, ONSET};
 use crate::pose::Pose;
 use crate::real::{Mask, Real};
 use crate::support::Support;
@@ -113,7 +113,28 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         surface: &Yielding<T>,
         margins: &mut Margins<T>,
     ) {
-        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, Carried { memory: &self.memory, surface });
+        if const { T::LANES == 1 } && zone.felt.yields() {
+            return self.press_on(zone, timing, touched, surface, margins);
+        }
+        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, &self.memory);
+        margins.include_opening(pressed.opening, touched);
+        self.force = pressed.force;
+        self.tangent = pressed.tangent;
+    }
+
+    /// The same on a curve that yields. What is pressed is written here, and handed to nobody, so that the fast path keeps its own in registers.
+    #[cold]
+    #[inline(never)]
+    fn press_on(
+        &mut self,
+        zone: &CompiledZone<T>,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        surface: &Yielding<T>,
+        margins: &mut Margins<T>,
+    ) {
+        let carried = Carried { memory: &self.memory, surface };
+        let pressed = zone.felt.press_yielding(self.gap, self.rate, timing, touched, carried);
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
@@ -135,11 +156,10 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
         let point = zone.contact_point(pose, gap, normal);
-        let carried = Carried { memory: &self.memory, surface };
         if const { T::LANES == 1 } && zone.felt.yields() {
-            return self.contact_that_yields(zone, [ahead_gap, rate], [normal, point], timing, touched, carried);
+            return self.contact_that_yields(zone, [ahead_gap, rate], [normal, point], timing, touched, surface);
         }
-        let pressed = zone.felt.press(ahead_gap, rate, timing, touched, carried);
+        let pressed = zone.felt.press(ahead_gap, rate, timing, touched, &self.memory);
         let recalled = zone.felt.recall(ahead_gap, rate, timing, touched, self.memory);
         Contact {
             gap: ahead_gap,
@@ -162,11 +182,11 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         [normal, point]: [Vector<T>; 2],
         timing: &Timing<T>,
         touched: T::Mask,
-        carried: Carried<'_, T>,
+        surface: &Yielding<T>,
     ) -> Contact<T> {
-        let before = gap - carried.surface.offset;
-        let pressed = zone.felt.press(before, rate, timing, touched, carried);
-        let (after, rate) = zone.felt.where_pressed(before, rate, timing, touched, carried);
+        let (before, carried) = (gap - surface.offset, Carried { memory: &self.memory, surface });
+        let pressed = zone.felt.press_yielding(before, rate, timing, touched, carried);
+        let (after, rate) = zone.felt.give_way(before, rate, timing, touched, carried);
         let recalled = zone.felt.recall(after, rate, timing, touched, self.memory);
         Contact {
             gap: after,
@@ -195,8 +215,11 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, gap) = (self.rate + ahead, self.gap + timing.h_theta * ahead);
-        let (gap, rate) =
-            zone.felt.where_pressed(gap, rate, timing, touched, Carried { memory: &self.memory, surface });
+        let (gap, rate) = if const { T::LANES == 1 } && zone.felt.yields() {
+            zone.felt.give_way(gap, rate, timing, touched, Carried { memory: &self.memory, surface })
+        } else {
+            (gap, rate)
+        };
         let recalled = zone.felt.recall(gap, rate, timing, touched, self.memory);
         recalled.map_or(alone, |recalled| T::select(touched, recalled.memory, alone))
     }
@@ -214,9 +237,33 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         surface: &Yielding<T>,
     ) -> T {
         let rate = (timing.theta * support.product(&self.row, change)).abs();
+        if const { T::LANES == 1 } && zone.felt.yields() {
+            return self.remainder_on(zone, rate, timing, active, surface);
+        }
+        let bend = zone.felt.press(self.gap, self.rate, timing, active, &self.memory).curvature;
+        self.bent(zone, &bend, rate, timing, active)
+    }
+
+    /// The same on a curve that yields.
+    #[cold]
+    #[inline(never)]
+    fn remainder_on(
+        &self,
+        zone: &CompiledZone<T>,
+        rate: T,
+        timing: &Timing<T>,
+        active: T::Mask,
+        surface: &Yielding<T>,
+    ) -> T {
+        let carried = Carried { memory: &self.memory, surface };
+        let bend = zone.felt.press_yielding(self.gap, self.rate, timing, active, carried).curvature;
+        self.bent(zone, &bend, rate, timing, active)
+    }
+
+    /// What a curvature makes of a change of the rate, N.
+    #[inline(always)]
+    fn bent(&self, zone: &CompiledZone<T>, bend: &Curvature<T>, rate: T, timing: &Timing<T>, active: T::Mask) -> T {
         // To second order; where the clamp at zero may have come or gone, to first.
-        let bend =
-            zone.felt.press(self.gap, self.rate, timing, active, Carried { memory: &self.memory, surface }).curvature;
         let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
         let bent = T::select(linear.lt(bend.slack), quadratic, linear.max(quadratic));
         if active.all() {
@@ -327,16 +374,7 @@ mod tests {
                 );
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend = compiled
-                        .felt
-                        .press(
-                            contact.gap,
-                            contact.rate,
-                            &timing,
-                            true,
-                            Carried { memory: &0.0, surface: &Yielding::still() },
-                        )
-                        .curvature;
+                    let bend = compiled.felt.press(contact.gap, contact.rate, &timing, true, &0.0).curvature;
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;

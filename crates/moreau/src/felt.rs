@@ -293,8 +293,6 @@ pub(crate) struct FeltLaw<T> {
     loss: Loss<T>,
     /// r = 2 with the papers' loss: the mean over a step has a closed form.
     square: bool,
-    /// Whether it has no memory, and what it presses on stands still.
-    plain: bool,
     /// Whether what it presses on yields.
     yields: bool,
     /// A law with memory, which stands for all of the force.
@@ -363,23 +361,12 @@ impl<T: Real> FeltLaw<T> {
             Loss::SetValued { eta, .. } | Loss::Elastoplastic { eta, .. } => T::ONE + eta,
             Loss::Hereditary { relaxed, .. } => T::ONE / (T::ONE - relaxed),
         };
-        FeltLaw {
-            stiffness,
-            exponent,
-            loss,
-            square,
-            plain: remembering.is_none(),
-            yields: false,
-            remembering,
-            largest,
-            damping,
-            opening,
-        }
+        FeltLaw { stiffness, exponent, loss, square, yields: false, remembering, largest, damping, opening }
     }
 
     /// What it presses on yields.
     pub fn set_yielding(&mut self) {
-        (self.yields, self.plain, self.square) = (true, false, false);
+        self.yields = true;
     }
 
     pub fn yields(&self) -> bool {
@@ -393,20 +380,11 @@ impl<T: Real> FeltLaw<T> {
     /// leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the scheme is
     /// backward Euler.
     #[inline(always)]
-    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> Pressed<T> {
-        if const { T::LANES > 1 } {
-            // Nothing yields in lanes.
-            if !self.square {
-                return match &self.remembering {
-                    None => self.press_points(gap, rate, timing, touched),
-                    Some(law) => law.press(gap, rate, timing, touched, *carried.memory),
-                };
-            }
-        } else if !self.square {
-            return if self.plain {
-                self.press_points(gap, rate, timing, touched)
-            } else {
-                self.press_otherwise(gap, rate, timing, touched, carried)
+    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
+        if !self.square {
+            return match &self.remembering {
+                None => self.press_points(gap, rate, timing, touched),
+                Some(law) => law.press(gap, rate, timing, touched, *memory),
             };
         }
         let whole = self.press_square(gap, rate, timing, touched);
@@ -416,24 +394,6 @@ impl<T: Real> FeltLaw<T> {
             whole.or(partly, self.press_points(gap, rate, timing, touched))
         } else {
             whole
-        }
-    }
-
-    /// A law with memory, or any on a surface that yields. One function apart: the fast paths then hold no more than one call.
-    #[cold]
-    #[inline(never)]
-    fn press_otherwise(
-        &self,
-        gap: T,
-        rate: T,
-        timing: &Timing<T>,
-        touched: T::Mask,
-        carried: Carried<'_, T>,
-    ) -> Pressed<T> {
-        if const { T::LANES == 1 } && self.yields {
-            self.press_yielding(gap, rate, timing, touched, carried)
-        } else {
-            self.press_still(gap, rate, timing, touched, carried.memory)
         }
     }
 
@@ -497,9 +457,7 @@ impl<T: Real> FeltLaw<T> {
     /// With P the law's mean force and P' its slope with the rate, F = P(rate - a F) has the slope P'/(1 + a P'). It bends less than the law itself,
     /// F'' = P''/(1 + a P')^3, at a compression that is no deeper, so that the law's curvature there is a bound. The quick test knows nothing
     /// of that: a margin of zero leaves such a zone to the exact one.
-    #[cold]
-    #[inline(never)]
-    fn press_yielding(
+    pub fn press_yielding(
         &self,
         gap: T,
         rate: T,
@@ -515,24 +473,7 @@ impl<T: Real> FeltLaw<T> {
 
     /// The compression and its rate at the theta point, with what a surface that yields gives way under the felt's force: from those that there
     /// would be if it were not pressed.
-    pub fn where_pressed(
-        &self,
-        gap: T,
-        rate: T,
-        timing: &Timing<T>,
-        touched: T::Mask,
-        carried: Carried<'_, T>,
-    ) -> (T, T) {
-        if const { T::LANES == 1 } && self.yields {
-            self.give_way(gap, rate, timing, touched, carried)
-        } else {
-            (gap, rate)
-        }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn give_way(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> (T, T) {
+    pub fn give_way(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> (T, T) {
         let give = carried.surface.give;
         let behind = |force: T| (gap - timing.h_theta * (give * force), rate - give * force);
         let force = solve(touched, |force| {
@@ -543,7 +484,7 @@ impl<T: Real> FeltLaw<T> {
         behind(force)
     }
 
-    /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::where_pressed`].
+    /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface that yields.
     pub fn recall(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Option<Recalled<T>> {
         self.remembering.as_ref().map(|law| law.recall(gap, rate, timing, touched, memory))
     }
@@ -914,8 +855,7 @@ mod tests {
         let mut met = 0;
         for (felt, law, gap, rate, timing) in touched() {
             if let Loss::HuntCrossley(a) = felt.loss {
-                let opening =
-                    law.press(gap, rate, &timing, true, Carried { memory: &0.0, surface: &Yielding::still() }).opening;
+                let opening = law.press(gap, rate, &timing, true, &0.0).opening;
                 assert!((opening - (1.0 / a + rate)).abs() <= 1e-12 / a, "{felt:?} {rate}: {opening}");
                 met += 1;
             }
@@ -941,7 +881,7 @@ mod tests {
                 let offset = (timing.step - timing.h_theta) / 3f64.sqrt() * rate;
                 0.5 * (written(gap + offset, rate) + written(gap - offset, rate))
             };
-            let pressed = law.press(gap, rate, &timing, true, Carried { memory: &0.0, surface: &Yielding::still() });
+            let pressed = law.press(gap, rate, &timing, true, &0.0);
             let force = mean(gap, rate);
             assert!((pressed.force - force).abs() <= 1e-12 * force, "{felt:?} {gap} {rate}: {} {force}", pressed.force);
             let e = 1e-6;

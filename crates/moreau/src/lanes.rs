@@ -41,7 +41,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
             zones,
             supports: core::array::from_fn(|z| Support::of_lanes(|lane| &models[lane].supports[z])),
             excursions: [T::ZERO; Z],
-            some_yield: false,
+            look: first.look,
             zone_count: first.zone_count,
             sliding_zones: first.sliding_zones,
             sliding_count: first.sliding_count,

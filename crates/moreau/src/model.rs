@@ -3,6 +3,7 @@
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
 use crate::description::{Body, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Zone};
+use crate::narrow_phase::YIELDING;
 use crate::real::{Real, Scalar};
 use crate::support::Support;
 use crate::tree::Tree;
@@ -57,8 +58,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) supports: [Support<T, B>; Z],
     /// How far the curve of each may come toward its disc, m; zero where it does not yield.
     pub(crate) excursions: [T; Z],
-    /// Whether any does.
-    pub(crate) some_yield: bool,
+    /// How the narrow phase looks at each: the length of its row, or [`YIELDING`].
+    pub(crate) look: [usize; Z],
     pub(crate) zone_count: usize,
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
@@ -119,7 +120,7 @@ impl<T: Scalar> Description<'_, T> {
             compiled: all_zones.map(|zone| CompiledZone::of(&zone)),
             curvatures: Curvatures::of(zones.iter().zip(&supports)),
             excursions: [T::ZERO; Z],
-            some_yield: !self.yields.is_empty(),
+            look: supports.each_ref().map(Support::count),
             supports,
             zone_count: zones.len(),
             sliding_zones: [0; Z],
@@ -154,6 +155,7 @@ impl<T: Scalar> Description<'_, T> {
         }
         for yields in self.yields {
             model.compiled[yields.zone].set_yielding();
+            model.look[yields.zone] = YIELDING;
             model.excursions[yields.zone] = yields.excursion;
         }
         model.set_dwells(self.dwells);

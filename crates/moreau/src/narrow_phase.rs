@@ -8,6 +8,9 @@ use crate::surface::Yielding;
 use crate::timing::Timing;
 use crate::workspace::{Contacts, Kinematics, Workspace};
 
+/// What a model writes in place of a row's length where a zone's curve yields.
+pub(crate) const YIELDING: usize = usize::MAX;
+
 /// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its slip row when it
 /// first touches, once in a step.
 ///
@@ -22,22 +25,19 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
 ) {
     let Workspace { kinematics, contacts, .. } = workspace;
     let (mut margins, mut count) = (Margins::new(), 0);
-    let some_yield = model.some_yield;
     for &z in near {
         // The compiler knows a row's length in each case, so the row stays in registers.
-        // Never in lanes (`lanes.rs`), which need not ask.
-        if const { T::LANES == 1 } && some_yield && model.compiled[z].felt.yields() {
-            // By value, so that the margins stay in registers where nothing yields.
-            let (touches, seen) = examine_yielding(model, timing, z, first, margins, kinematics, contacts);
-            margins = seen;
-            contacts.touched[count] = z;
-            count += usize::from(touches);
-            continue;
-        }
-        let touches = match model.supports[z].count() {
+        let touches = match model.look[z] {
             1 => examine::<T, B, Z, 1, false>(model, timing, z, first, &mut margins, kinematics, contacts),
             2 => examine::<T, B, Z, 2, false>(model, timing, z, first, &mut margins, kinematics, contacts),
             3 => examine::<T, B, Z, 3, false>(model, timing, z, first, &mut margins, kinematics, contacts),
+            // Never in lanes (`lanes.rs`), which need not ask.
+            YIELDING if const { T::LANES == 1 } => {
+                // By value, so that the margins stay in registers where nothing yields.
+                let (touches, seen) = examine_yielding(model, timing, z, first, margins, kinematics, contacts);
+                margins = seen;
+                touches
+            }
             _ => examine::<T, B, Z, B, false>(model, timing, z, first, &mut margins, kinematics, contacts),
         };
         contacts.touched[count] = z;
