@@ -436,8 +436,8 @@ ErardStatus erard_reset(struct ErardAction *action);
 
 /**
  * Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
- * told how many it takes (some 1.2 kB, the same for every action of one library). With `bytes` NULL it is told only. The bytes are the same on every
- * machine. Real time: yes.
+ * told how many it takes: some 1.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
+ * their modes, and the size then belongs to the action. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
  */
 ErardStatus erard_save(const struct ErardAction *action,
                        uint8_t *bytes,

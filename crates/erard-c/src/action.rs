@@ -6,7 +6,7 @@ use std::ptr::null_mut;
 use erard::{Action, Input, Instrument};
 
 use crate::instrument::{ErardInstrument, parse};
-use crate::play::{Play, SAVED_BYTES, settings};
+use crate::play::{Play, settings};
 use crate::reading::{
     ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardInput, ErardReading, within,
 };
@@ -194,24 +194,25 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
 }
 
 /// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
-/// told how many it takes (some 1.2 kB, the same for every action of one library). With `bytes` NULL it is told only. The bytes are the same on every
-/// machine. Real time: yes.
+/// told how many it takes: some 1.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
+/// their modes, and the size then belongs to the action. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a size.
     let (Some(action), Some(size)) = (unsafe { action.as_ref() }, unsafe { size.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let room = core::mem::replace(size, SAVED_BYTES);
+    let needed = action.play.saved_bytes();
+    let room = core::mem::replace(size, needed);
     if bytes.is_null() {
         return ErardStatus::Ok;
     }
-    if room < SAVED_BYTES {
+    if room < needed {
         return ErardStatus::Size;
     }
     quick(|| {
         // SAFETY: there is room.
-        action.play.save(unsafe { &mut *bytes.cast() });
+        action.play.save(unsafe { core::slice::from_raw_parts_mut(bytes, needed) });
         ErardStatus::Ok
     })
 }
@@ -222,10 +223,10 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
 pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and so many bytes.
     let (Some(action), false) = (unsafe { action.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
-    if size != SAVED_BYTES {
+    if size != action.play.saved_bytes() {
         return ErardStatus::Saved;
     }
-    quick(|| action.play.restore(unsafe { &*bytes.cast() }))
+    quick(|| action.play.restore(unsafe { core::slice::from_raw_parts(bytes, size) }))
 }
 
 /// How many bodies it has; 0 for NULL. Real time: yes.

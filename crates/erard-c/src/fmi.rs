@@ -12,7 +12,6 @@ use erard::instrument::{InstrumentFile, with_numbers};
 use erard_workshop::fmu::{INSTRUMENT, Role, STEP_S, Variable, guid, variables};
 
 use crate::action::ErardAction;
-use crate::play::SAVED_BYTES;
 use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_MOTION, ErardInput, ErardReading};
 use crate::saved::{Reader, Writer};
 use crate::status::ErardStatus;
@@ -53,8 +52,9 @@ pub struct Component {
 }
 
 /// A saved state: the action, the inputs, the start and the steps.
-const STATE_BYTES: usize = SAVED_BYTES + 5 * 8;
-type SavedState = [u8; STATE_BYTES];
+type SavedState = Vec<u8>;
+/// Bytes of it behind those of the action.
+const BEHIND: usize = 5 * 8;
 
 type Done = Result<c_int, String>;
 
@@ -177,20 +177,28 @@ impl Component {
         Ok(())
     }
 
-    fn save(&self, state: &mut SavedState) -> Result<(), String> {
+    /// How many bytes a state takes: as many as another of the same instance.
+    fn state_bytes(&self) -> Result<usize, String> {
         let action = self.action.as_ref().ok_or("there is no state before the end of initialisation")?;
-        let (play, more) = state.split_first_chunk_mut().ok_or("no room")?;
+        Ok(action.play.saved_bytes() + BEHIND)
+    }
+
+    fn save(&self) -> Result<SavedState, String> {
+        let mut state = vec![0; self.state_bytes()?];
+        let action = self.action.as_ref().ok_or("there is no state before the end of initialisation")?;
+        let (play, more) = state.split_at_mut(action.play.saved_bytes());
         action.play.save(play);
         let mut out = Writer::new(more);
         out.numbers(&self.inputs);
         out.numbers(&[self.start_s]);
         out.word(self.steps);
-        Ok(())
+        Ok(state)
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), String> {
         let action = self.action.as_mut().ok_or("a state can be set after the end of initialisation only")?;
-        let (play, more) = state.split_first_chunk().ok_or("no state")?;
+        let at = action.play.saved_bytes();
+        let (play, more) = state.split_at_checked(at).filter(|(_, more)| more.len() == BEHIND).ok_or("no state")?;
         let status = action.play.restore(play);
         if status != ErardStatus::Ok {
             return Err(format!("the state is none of this instance: {status:?}"));
@@ -485,8 +493,7 @@ unsafe extern "C" fn fmi2GetFMUstate(component: *mut Component, state: *mut *mut
     unsafe {
         done(component, |c| {
             let place = state.as_mut().ok_or("the state's place is NULL")?;
-            let mut saved = Box::new([0; STATE_BYTES]);
-            c.save(&mut saved)?;
+            let saved = Box::new(c.save()?);
             if !place.is_null() {
                 drop(Box::from_raw(*place));
             }
@@ -523,8 +530,8 @@ unsafe extern "C" fn fmi2SerializedFMUstateSize(
     size: *mut usize,
 ) -> c_int {
     unsafe {
-        done(component, |_| {
-            *size.as_mut().ok_or("the size's place is NULL")? = STATE_BYTES;
+        done(component, |c| {
+            *size.as_mut().ok_or("the size's place is NULL")? = c.state_bytes()?;
             Ok(OK)
         })
     }
@@ -540,10 +547,10 @@ unsafe extern "C" fn fmi2SerializeFMUstate(
     unsafe {
         done(component, |_| {
             let state = state.as_ref().ok_or("the state is NULL")?;
-            if bytes.is_null() || size < STATE_BYTES {
-                return Err(format!("a state takes {STATE_BYTES} bytes; there are {size}"));
+            if bytes.is_null() || size < state.len() {
+                return Err(format!("a state takes {} bytes; there are {size}", state.len()));
             }
-            std::ptr::copy_nonoverlapping(state.as_ptr(), bytes, STATE_BYTES);
+            std::ptr::copy_nonoverlapping(state.as_ptr(), bytes, state.len());
             Ok(OK)
         })
     }
@@ -557,11 +564,12 @@ unsafe extern "C" fn fmi2DeSerializeFMUstate(
     state: *mut *mut SavedState,
 ) -> c_int {
     unsafe {
-        done(component, |_| {
+        done(component, |c| {
             let place = state.as_mut().ok_or("the state's place is NULL")?;
-            let saved: SavedState = list(bytes, size)
-                .try_into()
-                .map_err(|_| format!("a state takes {STATE_BYTES} bytes; there are {size}"))?;
+            let (saved, expected): (SavedState, usize) = (list(bytes, size).to_vec(), c.state_bytes()?);
+            if saved.len() != expected {
+                return Err(format!("a state takes {expected} bytes; there are {size}"));
+            }
             if !place.is_null() {
                 drop(Box::from_raw(*place));
             }

@@ -6,12 +6,12 @@ use std::ptr::null_mut;
 
 use erard::instrument::utf8;
 use erard::keyboard::{Keyboard, Keys};
-use erard::player::{SNAPSHOT_BYTES, Snapshot};
+use erard::player::{MechanismState, SNAPSHOT_BYTES};
 
 use crate::instrument::file_fault;
 use crate::play::{settings, status_of};
 use crate::reading::{ErardBlow, ErardInput, ErardReading};
-use crate::saved::{Reader, Writer, check_sum};
+use crate::saved::{Reader, Writer, check_sum, seal};
 use crate::status::{ErardStatus, Fault, quick, told};
 use crate::text::bytes;
 
@@ -22,13 +22,24 @@ pub struct ErardKeyboard {
     blows: Vec<(f64, f64, u32)>,
     /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.
     offset_s: f64,
+    /// How many numbers say how each key's strings vibrate, and room for those of the key with most, while they are restored.
+    strings: Vec<usize>,
+    aside: Vec<f64>,
+}
+
+impl ErardKeyboard {
+    /// How many bytes a saved state takes.
+    fn saved_bytes(&self) -> usize {
+        HEAD + self.strings.iter().map(|numbers| EACH + 8 * numbers).sum::<usize>() + 8
+    }
 }
 
 /// Most steps that erard_keyboard_step takes at once.
 pub const ERARD_MOST_STEPS: u32 = 1000000;
 
 const MARK: u64 = u64::from_le_bytes(*b"erardkbd");
-/// Mark, keys, length of a step, instant; for each key a snapshot and five numbers of input and two or so of its last blow; a check sum.
+/// Mark, keys, length of a step, instant; for each key its mechanism's state, five numbers of input, two or so of its last blow, and how its strings
+/// vibrate; a check sum.
 const HEAD: usize = 4 * 8;
 const INPUT: usize = 4 * 8;
 const BLOW: usize = 3 * 8;
@@ -61,7 +72,9 @@ pub unsafe extern "C" fn erard_keyboard_new(
             Keys::at_rest(&instruments, settings(step_s)).map_err(|error| Fault::new(status, error.to_string()))?;
         let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
         let offset_s = -keys.time_s();
-        Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
+        let strings: Vec<usize> = (1..=keys.count()).map(|key| keys.string_numbers(key)).collect();
+        let aside = vec![0.0; strings.iter().copied().max().unwrap_or(0)];
+        Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s, strings, aside })))
     })
 }
 
@@ -214,7 +227,7 @@ pub unsafe extern "C" fn erard_keyboard_save(
     let (Some(keyboard), Some(size)) = (unsafe { keyboard.as_ref() }, unsafe { size.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let needed = HEAD + EACH * keyboard.keys.count() + 8;
+    let needed = keyboard.saved_bytes();
     let room = core::mem::replace(size, needed);
     if bytes.is_null() {
         return ErardStatus::Ok;
@@ -226,21 +239,19 @@ pub unsafe extern "C" fn erard_keyboard_save(
     let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, needed) };
     quick(|| {
         let keys = &keyboard.keys;
-        let mut head = Writer::new(&mut bytes[..HEAD]);
-        head.word(MARK);
-        head.word(keys.count() as u64);
-        head.numbers(&[keys.settings().step, keys.time_s() + keyboard.offset_s]);
-        let each = bytes[HEAD..].chunks_exact_mut(EACH).zip(&keyboard.inputs).zip(&keyboard.blows);
-        for (index, ((place, input), (time_s, speed_m_s, blows))) in each.enumerate() {
-            let (snapshot, more) = place.split_at_mut(SNAPSHOT_BYTES);
-            snapshot.copy_from_slice(&keys.save(index + 1).to_bytes());
-            let mut out = Writer::new(more);
+        let mut out = Writer::new(bytes);
+        out.word(MARK);
+        out.word(keys.count() as u64);
+        out.numbers(&[keys.settings().step, keys.time_s() + keyboard.offset_s]);
+        let each = keyboard.inputs.iter().zip(&keyboard.blows).enumerate();
+        for (index, (input, (time_s, speed_m_s, blows))) in each {
+            out.bytes(&keys.mechanism_state(index + 1).to_bytes());
             out.word(u64::from(input.kind));
             out.numbers(&[input.force_n, input.position_m, input.velocity_m_s, *time_s, *speed_m_s]);
             out.word(u64::from(*blows));
+            keys.save_strings(index + 1, &mut |number| out.number(number));
         }
-        let sum = check_sum(bytes);
-        Writer::new(&mut bytes[needed - 8..]).word(sum);
+        seal(bytes);
         ErardStatus::Ok
     })
 }
@@ -272,15 +283,19 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
     if count != keyboard.keys.count() as u64 || step_s != keyboard.keys.settings().step {
         return ErardStatus::Foreign;
     }
-    if bytes.len() != HEAD + EACH * keyboard.keys.count() + 8 || !time_s.is_finite() {
+    if bytes.len() != keyboard.saved_bytes() || !time_s.is_finite() {
         return ErardStatus::Saved;
     }
     // First everything is read, then everything is changed.
     for write in [false, true] {
-        for (index, place) in bytes[HEAD..].chunks_exact(EACH).enumerate() {
-            let (snapshot, more) = place.split_at(SNAPSHOT_BYTES);
-            let snapshot = match Snapshot::from_bytes(snapshot) {
-                Ok(snapshot) => snapshot,
+        let mut left = &bytes[HEAD..];
+        for index in 0..keyboard.keys.count() {
+            let numbers = keyboard.strings[index];
+            let (place, after) = left.split_at(EACH + 8 * numbers);
+            left = after;
+            let (state, more) = place.split_at(SNAPSHOT_BYTES);
+            let state = match MechanismState::from_bytes(state) {
+                Ok(state) => state,
                 Err(error) => return status_of(error),
             };
             let mut read = Reader::new(more);
@@ -288,16 +303,22 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
             let [force_n, position_m, velocity_m_s, blow_s, blow_m_s] = read.numbers();
             let input = ErardInput { kind, reserved: 0, force_n, position_m, velocity_m_s };
             let Ok(checked) = input.checked() else { return ErardStatus::Saved };
-            if snapshot.instrument != keyboard.keys.digest(index + 1) {
+            let blows = read.word() as u32;
+            let strings = &mut keyboard.aside[..numbers];
+            read.fill(strings);
+            if !strings.iter().all(|number| number.is_finite()) {
+                return ErardStatus::NotFinite;
+            }
+            if state.instrument != keyboard.keys.digest(index + 1) {
                 return ErardStatus::Foreign;
             }
             if write {
-                if let Err(error) = keyboard.keys.restore(index + 1, &snapshot) {
+                if let Err(error) = keyboard.keys.restore_from(index + 1, &state, strings) {
                     return status_of(error);
                 }
                 keyboard.keys.drive(index + 1, checked);
                 keyboard.inputs[index] = input;
-                keyboard.blows[index] = (blow_s, blow_m_s, read.word() as u32);
+                keyboard.blows[index] = (blow_s, blow_m_s, blows);
             }
         }
     }

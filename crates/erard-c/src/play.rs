@@ -1,16 +1,16 @@
 //! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the system or uses a clock.
 
-use erard::player::SNAPSHOT_BYTES;
-use erard::{Action, Input, Outcome, Settings, Snapshot, SnapshotError};
+use erard::player::{MechanismState, SNAPSHOT_BYTES};
+use erard::{Action, Input, Outcome, Settings, SnapshotError};
 
 use crate::reading::{ERARD_LONGEST_ADVANCE_S, ErardInput, ErardReading};
-use crate::saved::{Reader, Writer, check_sum};
+use crate::saved::{Reader, Writer, check_sum, seal};
 use crate::status::ErardStatus;
 
 /// Numbers of eight bytes behind the snapshot: length of a step, time owed, ten numbers of the reading, its two counts.
 const WORDS: usize = 2 + 10 + 2;
-/// Bytes of a saved action: the snapshot, what the interface adds, a check sum.
-pub const SAVED_BYTES: usize = SNAPSHOT_BYTES + 8 * WORDS + 8;
+/// Bytes of a saved action without strings that yield: the mechanism's state, what the interface adds, a check sum.
+const SAVED_BYTES: usize = SNAPSHOT_BYTES + 8 * WORDS + 8;
 
 /// A share of a step by which a time may fall short of it and still count as the whole.
 const NEARLY: f64 = 1e-6;
@@ -18,7 +18,9 @@ const NEARLY: f64 = 1e-6;
 /// An action, its rest, and what was last to be read.
 pub struct Play {
     pub action: Action,
-    rest: Snapshot,
+    rest: MechanismState,
+    /// Room for how strings that yield vibrate, while they are restored.
+    strings: Box<[f64]>,
     pub reading: ErardReading,
     /// Time that has been asked for and not yet been stepped, s: less than a step.
     owed_s: f64,
@@ -29,8 +31,9 @@ pub struct Play {
 
 impl Play {
     pub fn new(action: Action, zones: usize) -> Self {
-        let rest = action.save();
-        let mut play = Play { action, rest, reading: ErardReading::default(), owed_s: 0.0, under_way: false, zones };
+        let (rest, strings) = (action.mechanism_state(), vec![0.0; action.string_numbers()].into());
+        let mut play =
+            Play { action, rest, strings, reading: ErardReading::default(), owed_s: 0.0, under_way: false, zones };
         play.look();
         play
     }
@@ -87,14 +90,20 @@ impl Play {
             (self.owed_s, self.reading.new_blows) = (owed_s, 0);
             return ErardStatus::Ok;
         }
-        let (before, read) = (self.action.save(), self.reading);
+        let (before, read) = (self.action.mechanism_state(), self.reading);
+        let mut places = self.strings.iter_mut();
+        self.action.save_strings(&mut |number| {
+            if let Some(place) = places.next() {
+                *place = number;
+            }
+        });
         self.under_way = true;
         let (mut sum, mut blows, mut status) = (0.0, 0, ErardStatus::Ok);
         for n in 0..steps {
             let one = self.one(later(first, n as f64 * h, h));
             if (one as i32) < 0 {
                 // Nothing has happened.
-                let restored = self.action.restore(&before);
+                let restored = self.action.restore_from(&before, &self.strings);
                 self.reading = read;
                 self.under_way = restored.is_err();
                 return one;
@@ -139,7 +148,8 @@ impl Play {
     #[inline(never)]
     pub fn reset(&mut self) -> ErardStatus {
         let Play { action, rest, .. } = self;
-        if action.restore(rest).is_err() {
+        // Of no numbers: strings are at rest.
+        if action.restore_from(rest, &[]).is_err() {
             return ErardStatus::Internal;
         }
         (self.reading, self.owed_s, self.under_way) = (ErardReading::default(), 0.0, false);
@@ -147,28 +157,35 @@ impl Play {
         ErardStatus::Ok
     }
 
-    /// All that the following steps and readings depend on.
+    /// How many bytes [`Play::save`] writes.
+    pub fn saved_bytes(&self) -> usize {
+        SAVED_BYTES + 8 * self.action.string_numbers()
+    }
+
+    /// All that the following steps and readings depend on, in [`Play::saved_bytes`] bytes.
     #[inline(never)]
-    pub fn save(&self, bytes: &mut [u8; SAVED_BYTES]) {
-        let (snapshot, more) = bytes.split_at_mut(SNAPSHOT_BYTES);
-        snapshot.copy_from_slice(&self.action.save().to_bytes());
-        let mut out = Writer::new(more);
+    pub fn save(&self, bytes: &mut [u8]) {
+        let mut out = Writer::new(bytes);
+        out.bytes(&self.action.mechanism_state().to_bytes());
         let r = &self.reading;
         out.numbers(&[self.action.settings().step, self.owed_s]);
         out.numbers(&[r.time_s, r.key_m, r.key_m_s, r.finger_n, r.finger_mean_n]);
         out.numbers(&[r.hammer_m, r.hammer_m_s, r.string_n, r.blow_time_s, r.blow_m_s]);
         out.word(u64::from(r.blows));
         out.word(u64::from(r.new_blows));
-        let sum = check_sum(bytes);
-        Writer::new(&mut bytes[SAVED_BYTES - 8..]).word(sum);
+        self.action.save_strings(&mut |number| out.number(number));
+        seal(bytes);
     }
 
     /// Goes on from there.
     #[inline(never)]
-    pub fn restore(&mut self, bytes: &[u8; SAVED_BYTES]) -> ErardStatus {
-        let (snapshot, more) = bytes.split_at(SNAPSHOT_BYTES);
-        let snapshot = match Snapshot::from_bytes(snapshot) {
-            Ok(snapshot) => snapshot,
+    pub fn restore(&mut self, bytes: &[u8]) -> ErardStatus {
+        let Some((own, more)) = bytes.split_at_checked(SNAPSHOT_BYTES) else { return ErardStatus::Saved };
+        if bytes.len() != self.saved_bytes() {
+            return ErardStatus::Saved;
+        }
+        let state = match MechanismState::from_bytes(own) {
+            Ok(state) => state,
             Err(error) => return status_of(error),
         };
         let mut read = Reader::new(more);
@@ -176,13 +193,14 @@ impl Play {
         let [time_s, key_m, key_m_s, finger_n, finger_mean_n] = read.numbers();
         let [hammer_m, hammer_m_s, string_n, blow_time_s, blow_m_s] = read.numbers();
         let (blows, new_blows) = (read.word() as u32, read.word() as u32);
+        read.fill(&mut self.strings);
         if read.word() != check_sum(bytes) || !(0.0..=step_s).contains(&owed_s) {
             return ErardStatus::Saved;
         }
         if step_s != self.action.settings().step {
             return ErardStatus::Foreign;
         }
-        if let Err(error) = self.action.restore(&snapshot) {
+        if let Err(error) = self.action.restore_from(&state, &self.strings) {
             return status_of(error);
         }
         self.owed_s = owed_s;

@@ -15,10 +15,30 @@ impl<'a> Writer<'a> {
         }
     }
 
+    pub fn number(&mut self, number: f64) {
+        self.word(number.to_bits());
+    }
+
     pub fn numbers(&mut self, numbers: &[f64]) {
         for number in numbers {
-            self.word(number.to_bits());
+            self.number(*number);
         }
+    }
+
+    /// Words that are bytes already.
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        let mut read = Reader::new(bytes);
+        for _ in 0..bytes.len() / 8 {
+            self.word(read.word());
+        }
+    }
+}
+
+/// Writes the check sum of all bytes but the last eight into these.
+pub fn seal(bytes: &mut [u8]) {
+    let (sum, at) = (check_sum(bytes), bytes.len().saturating_sub(8));
+    if let Some((_, place)) = bytes.split_at_mut_checked(at) {
+        Writer::new(place).word(sum);
     }
 }
 
@@ -36,10 +56,14 @@ impl<'a> Reader<'a> {
 
     pub fn numbers<const K: usize>(&mut self) -> [f64; K] {
         let mut numbers = [0.0; K];
-        for place in &mut numbers {
+        self.fill(&mut numbers);
+        numbers
+    }
+
+    pub fn fill(&mut self, numbers: &mut [f64]) {
+        for place in numbers {
             *place = f64::from_bits(self.word());
         }
-        numbers
     }
 }
 

@@ -110,10 +110,10 @@ fn snapshots_that_do_not_fit_are_refused() {
     let foreign = Action::new(&other).unwrap().save();
     assert_eq!(action.restore(&foreign), Err(SnapshotError::Instrument));
     let mut broken = own.clone();
-    broken.version = 7;
+    broken.mechanism.version = 7;
     assert_eq!(action.restore(&broken), Err(SnapshotError::Version(7)));
     let mut broken = own.clone();
-    broken.angle_rad[2] = f64::NAN;
+    broken.mechanism.angle_rad[2] = f64::NAN;
     assert_eq!(action.restore(&broken), Err(SnapshotError::NotFinite));
     assert_eq!(format!("{:?}", action.save()), before);
 }

@@ -165,8 +165,8 @@ fn blows_converge_with_the_second_order() {
             m.step(&moreau::Input::Free);
         }
         let surfaces = m.surfaces().unwrap();
-        let mut numbers = vec![0.0; surfaces.numbers()];
-        surfaces.save(&mut numbers);
+        let mut numbers = Vec::new();
+        surfaces.save(&mut |number| numbers.push(number));
         let of = |n: u32| {
             let omega = 2.0 * std::f64::consts::PI * instrument.strings[0].partial_hz(n);
             let at = 2 * (n as usize - 1);
@@ -245,8 +245,8 @@ fn strings_lose_what_their_dashpots_take() {
     let surfaces = m.surfaces().unwrap();
     let (energy, modes) = (surfaces.energy(), strings(m.as_ref()).modes());
     assert!(energy > 1e-3 && modes == 96);
-    let mut numbers = vec![0.0; surfaces.numbers()];
-    surfaces.save(&mut numbers);
+    let mut numbers = Vec::new();
+    surfaces.save(&mut |number| numbers.push(number));
     // The modes as they are, each string's in turn.
     let string = &instrument.strings[0];
     let (t, steps) = (0.2, 200_000);
@@ -405,7 +405,7 @@ fn snapshots_hold_the_strings() {
         assert_eq!(first.strings().unwrap().bridge_n().to_bits(), second.strings().unwrap().bridge_n().to_bits());
     }
     let mut hushed = Action::new(&instrument).unwrap();
-    hushed.restore(&erard::Snapshot::from_bytes(&snapshot.to_bytes()).unwrap()).unwrap();
+    hushed.restore(&erard::Snapshot::from_bytes(&snapshot.mechanism.to_bytes()).unwrap()).unwrap();
     assert_eq!(hushed.strings().unwrap().displacement_m(), 0.0);
     let mut damaged = snapshot.to_vec();
     let last = damaged.len() - 20;

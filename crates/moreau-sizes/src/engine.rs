@@ -163,16 +163,19 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         input: &Input<f64>,
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> Over {
-        let Some(under) = self.under.take() else { return Over::Nothing };
+        let Stepped { under: Some(under), sleep, model, state, may_rest, .. } = self else { return Over::Nothing };
         let rested = under.surfaces.rests();
-        if !rested && self.sleep.is_asleep() && self.within_reach(&under) {
-            self.sleep.wake();
+        if !rested && sleep.is_asleep() {
+            // Could a surface touch the mechanism where it is now?
+            let pose = Pose::of(model, &state.angle);
+            if under.surfaces.zones().iter().any(|&zone| pose.gap(model, zone) > -model.excursion(zone)) {
+                sleep.wake();
+            }
         }
-        let asleep = self.may_rest && self.sleep.would_rest(input).is_some();
+        let asleep = *may_rest && sleep.would_rest(input).is_some();
         if !asleep {
             under.tell(settings, workspace);
         }
-        self.under = Some(under);
         match (asleep, rested) {
             (true, true) => Over::Still,
             (true, false) => Over::Ringing,
@@ -198,12 +201,6 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         if over != Over::Still {
             under.advance();
         }
-    }
-
-    /// Whether a surface could touch the mechanism where it is now.
-    fn within_reach(&self, under: &Under) -> bool {
-        let pose = Pose::of(&self.model, &self.state.angle);
-        under.surfaces.zones().iter().any(|&zone| pose.gap(&self.model, zone) > -self.model.excursion(zone))
     }
 
     /// Whether the last step was left out.

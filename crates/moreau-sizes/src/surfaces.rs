@@ -28,8 +28,8 @@ pub trait Surfaces: Send {
     fn lost(&self) -> f64;
     /// How many numbers [`Surfaces::save`] writes at the present length of steps.
     fn numbers(&self) -> usize;
-    /// All that the following steps depend on.
-    fn save(&self, to: &mut [f64]);
+    /// All that the following steps depend on, number by number.
+    fn save(&self, put: &mut dyn FnMut(f64));
     /// Goes on from there; from nothing (an empty list) at rest, undisplaced.
     fn restore(&mut self, from: &[f64]);
     /// The thing itself, for who knows what it is.

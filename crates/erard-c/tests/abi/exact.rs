@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 use erard::Input;
 use erard_c::*;
 
-use crate::{Action, moving, pushed};
+use crate::{Action, last_error, moving, pushed};
 
 /// Two strokes, the second of them before the first has died away.
 fn stroke(n: usize) -> f64 {
@@ -56,10 +56,17 @@ fn steps_are_the_native_actions() {
     }
 }
 
-/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on.
+/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on; strings that yield ring on as they did.
 #[test]
 fn saved_states_go_on_to_the_bit() {
-    let (straight, other) = (Action::grand(), Action::grand());
+    goes_on(&Action::grand(), &Action::grand());
+    let (straight, other) = (Action::strung(), Action::strung());
+    assert!(straight.save().len() > Action::grand().save().len() + 16 * 50, "fifty modes and more are saved");
+    assert_eq!(other.restore(&Action::grand().save()), ErardStatus::Saved);
+    goes_on(&straight, &other);
+}
+
+fn goes_on(straight: &Action, other: &Action) {
     let mut all = Vec::new();
     let mut saved = Vec::new();
     for n in 0..10_000 {
@@ -150,6 +157,13 @@ impl Keyboard {
         Keyboard(keyboard)
     }
 
+    fn strung() -> Self {
+        let text = include_str!("../../../erard/keyboards/concert-grand-strings.toml");
+        let keyboard = unsafe { erard_keyboard_new(text.as_ptr().cast(), text.len(), 50e-6, null_mut()) };
+        assert!(!keyboard.is_null(), "{}", last_error());
+        Keyboard(keyboard)
+    }
+
     fn drive(&self, key: u32, force_n: f64) {
         assert_eq!(unsafe { erard_keyboard_drive(self.0, key, &pushed(force_n)) }, ErardStatus::Ok);
     }
@@ -181,6 +195,36 @@ impl Drop for Keyboard {
     fn drop(&mut self) {
         unsafe { erard_keyboard_free(self.0) };
     }
+}
+
+/// While strings of three keys ring, in another keyboard: the same bits of readings, and the same blows.
+#[test]
+fn a_strung_keyboard_goes_on() {
+    let (first, second) = (Keyboard::strung(), Keyboard::strung());
+    let press = |keyboard: &Keyboard, force_n| [1, 40, 88].map(|key| keyboard.drive(key, force_n));
+    press(&first, 8.0);
+    assert!(first.step(4000).len() >= 3);
+    press(&first, 0.0);
+    first.step(500);
+    let bytes = first.save();
+    press(&second, 12.0);
+    second.step(300);
+    assert_eq!(unsafe { erard_keyboard_restore(second.0, bytes.as_ptr(), bytes.len()) }, ErardStatus::Ok);
+    for round in 0..6 {
+        let force_n = if round % 2 == 0 { 9.0 } else { 0.0 };
+        press(&first, force_n);
+        press(&second, force_n);
+        assert_eq!(first.step(1500).len(), second.step(1500).len());
+        for key in [1, 40, 88] {
+            // Instants are right to a rounding, and with them the speed of the blow, which is read from the flight before it.
+            let (here, there) = (first.read(key), second.read(key));
+            assert_eq!(bits(&here)[1..7], bits(&there)[1..7], "key {key} in round {round}");
+            assert!((here.blow_m_s - there.blow_m_s).abs() < 1e-9, "{} {}", here.blow_m_s, there.blow_m_s);
+        }
+    }
+    let mut bad = bytes.clone();
+    bad.truncate(bytes.len() - 8);
+    assert_eq!(unsafe { erard_keyboard_restore(second.0, bad.as_ptr(), bad.len()) }, ErardStatus::Saved);
 }
 
 /// The keys that are played blow, each as an action of its own does; those at rest sleep. Saved and restored, at another instant of the clock and one step

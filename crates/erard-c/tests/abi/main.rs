@@ -28,6 +28,15 @@ impl Action {
         Action(action)
     }
 
+    /// The built-in concert grand whose strings yield.
+    pub(crate) fn strung() -> Self {
+        let text = include_str!("../../../erard/instruments/concert-grand-strings.toml");
+        let mut status = ErardStatus::Internal;
+        let action = unsafe { erard_action_new(text.as_ptr().cast(), text.len(), 50e-6, &raw mut status) };
+        assert_eq!((status, action.is_null()), (ErardStatus::Ok, false), "{}", last_error());
+        Action(action)
+    }
+
     pub(crate) fn force(&self, force_n: f64) -> ErardReading {
         let mut reading = ErardReading::default();
         assert_eq!(unsafe { erard_step_force(self.0, force_n, &raw mut reading) }, ErardStatus::Ok);

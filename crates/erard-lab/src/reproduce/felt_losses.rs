@@ -58,7 +58,7 @@ fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> 
     let failed = |error: &dyn std::fmt::Display| ReproduceError::Instrument(error.to_string());
     let mut action = Action::with(&free, Settings::new(STEP_S)).map_err(|error| failed(&error))?;
     let mut pushed = action.save();
-    pushed.velocity_rad_s[hammer] += 2e-3;
+    pushed.mechanism.velocity_rad_s[hammer] += 2e-3;
     action.restore(&pushed).map_err(|error| failed(&error))?;
     let (mut before, mut turns, mut swings) = (2e-3, Vec::new(), [0.0_f64; 2]);
     for n in 0..(0.3 / STEP_S) as u32 {

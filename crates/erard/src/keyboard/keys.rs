@@ -11,7 +11,7 @@ pub use moreau_sizes::Tick;
 use crate::assembly::{describe, marks};
 use crate::instrument::Instrument;
 use crate::player::course::Rest;
-use crate::player::{Action, ActionError, Input, Reading, Snapshot, SnapshotError};
+use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
 use crate::run::Strike;
 use crate::strings::Strings;
 
@@ -196,7 +196,26 @@ impl Keys {
     /// All that a key's following steps depend on: what an [`Action`] of its instrument can go on from, and the other way round.
     #[must_use]
     pub fn save(&self, key: usize) -> Snapshot {
-        Snapshot::new(self.own[key - 1].digest, self.bank.save(key - 1), None, self.bank.surfaces(key - 1))
+        Snapshot::new(self.mechanism_state(key), self.bank.surfaces(key - 1))
+    }
+
+    /// The same but for how a key's strings vibrate: [`Action::mechanism_state`].
+    #[must_use]
+    pub fn mechanism_state(&self, key: usize) -> MechanismState {
+        MechanismState::new(self.own[key - 1].digest, self.bank.save(key - 1), None)
+    }
+
+    /// [`Action::string_numbers`] of a key.
+    #[must_use]
+    pub fn string_numbers(&self, key: usize) -> usize {
+        self.bank.surfaces(key - 1).map_or(0, |strings| strings.numbers())
+    }
+
+    /// [`Action::save_strings`] of a key.
+    pub fn save_strings(&self, key: usize, put: &mut dyn FnMut(f64)) {
+        if let Some(strings) = self.bank.surfaces(key - 1) {
+            strings.save(put);
+        }
     }
 
     /// A key goes on from a snapshot of the same instrument, to the bit; its input stays. Its clock is that of all keys: what the snapshot has
@@ -205,14 +224,22 @@ impl Keys {
     /// # Errors
     /// [`SnapshotError`].
     pub fn restore(&mut self, key: usize, snapshot: &Snapshot) -> Result<(), SnapshotError> {
-        let (mut saved, _) = snapshot.open(self.own[key - 1].digest)?;
+        self.restore_from(key, &snapshot.mechanism, snapshot.strings())
+    }
+
+    /// The same from its parts: [`Action::restore_from`].
+    ///
+    /// # Errors
+    /// [`SnapshotError`].
+    pub fn restore_from(&mut self, key: usize, state: &MechanismState, strings: &[f64]) -> Result<(), SnapshotError> {
+        let (mut saved, _) = state.open(self.own[key - 1].digest, strings)?;
         let later_s = self.bank.now_s() - saved.now_s;
         for [time_s, ..] in saved.flight.iter_mut().flatten() {
             *time_s += later_s;
         }
         self.bank.restore(key - 1, &saved);
-        if let Some(strings) = self.bank.surfaces_mut(key - 1) {
-            strings.restore(snapshot.strings());
+        if let Some(surfaces) = self.bank.surfaces_mut(key - 1) {
+            surfaces.restore(strings);
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::Input;
 use super::course::{RIGID_CORRECTION, Rest};
-use super::snapshot::{Snapshot, SnapshotError, digest};
+use super::snapshot::{MechanismState, Snapshot, SnapshotError, digest};
 use crate::equilibrium::{self, EquilibriumError};
 use crate::events::Watch;
 use crate::instrument::Instrument;
@@ -368,21 +368,46 @@ impl Action {
         self.mechanism.as_ref()
     }
 
-    /// All that the following steps depend on. Does not allocate, but for strings that yield.
+    /// All that the following steps depend on. Allocates for strings that yield only; [`Action::mechanism_state`] and [`Action::save_strings`] never do.
     pub fn save(&self) -> Snapshot {
-        Snapshot::new(self.digest, self.mechanism.save(), self.aimed_m, self.mechanism.surfaces())
+        Snapshot::new(self.mechanism_state(), self.mechanism.surfaces())
     }
 
-    /// Goes on from a snapshot of the same instrument, to the bit; strings that yield, in steps of the same length (in others they are at rest). The last step's forces are not part of it: they are zero until the next.
-    /// Settings stay as they are.
+    /// All that the following steps depend on, but for how strings that yield vibrate. Does not allocate.
+    pub fn mechanism_state(&self) -> MechanismState {
+        MechanismState::new(self.digest, self.mechanism.save(), self.aimed_m)
+    }
+
+    /// How many numbers say how strings that yield vibrate, in steps of the present length; 0 where there are none.
+    pub fn string_numbers(&self) -> usize {
+        self.mechanism.surfaces().map_or(0, |strings| strings.numbers())
+    }
+
+    /// How strings that yield vibrate: [`Action::string_numbers`] numbers, one after the other. Does not allocate.
+    pub fn save_strings(&self, put: &mut dyn FnMut(f64)) {
+        if let Some(strings) = self.mechanism.surfaces() {
+            strings.save(put);
+        }
+    }
+
+    /// Goes on from a snapshot of the same instrument, to the bit; strings that yield, in steps of the same length (in others they are at rest).
+    /// The last step's forces are not part of it: they are zero until the next. Settings stay as they are.
     ///
     /// # Errors
     /// [`SnapshotError`]: another instrument's, or of another version; nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
-        let (saved, aimed_m) = snapshot.open(self.digest)?;
+        self.restore_from(&snapshot.mechanism, snapshot.strings())
+    }
+
+    /// The same from its parts: of no numbers, or of so many as there are not, strings that yield are at rest. Does not allocate.
+    ///
+    /// # Errors
+    /// As [`Action::restore`].
+    pub fn restore_from(&mut self, state: &MechanismState, strings: &[f64]) -> Result<(), SnapshotError> {
+        let (saved, aimed_m) = state.open(self.digest, strings)?;
         self.mechanism.restore(&saved);
-        if let Some(strings) = self.mechanism.surfaces_mut() {
-            strings.restore(snapshot.strings());
+        if let Some(surfaces) = self.mechanism.surfaces_mut() {
+            surfaces.restore(strings);
         }
         self.aimed_m = aimed_m;
         self.look();

@@ -22,4 +22,4 @@ pub use ledger::LedgerBook;
 pub use losses::{ContactLoss, LossRecorder, Losses, PinLoss};
 pub use reactions::{PinSeries, ReactionRecorder, Reactions};
 pub use recorder::{Recorded, Recorder};
-pub use snapshot::{BYTES as SNAPSHOT_BYTES, Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};
+pub use snapshot::{BYTES as SNAPSHOT_BYTES, MechanismState, Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};

@@ -20,6 +20,17 @@ const ZONES: usize = 32;
 /// tells, and says nothing of the settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
+    /// The state of the mechanism.
+    #[serde(flatten)]
+    pub mechanism: MechanismState,
+    /// How strings that yield vibrate: none where the string is rigid, or was left out. It depends on the length of steps.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) strings: Vec<f64>,
+}
+
+/// All of a [`Snapshot`] but how strings that yield vibrate: of a size that is always the same, to be copied without allocating.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MechanismState {
     /// See [`VERSION`].
     pub version: u32,
     /// Digest of the instrument's numbers.
@@ -48,9 +59,6 @@ pub struct Snapshot {
     rigid_force: f64,
     aimed_m: Option<f64>,
     flight: [Option<[f64; 3]>; 2],
-    /// How strings that yield vibrate: none where the string is rigid, or was left out. It depends on the length of steps.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    strings: Vec<f64>,
 }
 
 /// Why a snapshot cannot be gone on from.
@@ -78,13 +86,25 @@ pub enum SnapshotError {
 }
 
 impl Snapshot {
-    pub(crate) fn new(instrument: u64, saved: Saved, aimed_m: Option<f64>, surfaces: Option<&dyn Surfaces>) -> Self {
-        let mut strings = vec![0.0; surfaces.map_or(0, |surfaces| surfaces.numbers())];
+    /// How strings that yield vibrate, in numbers of theirs; none where they are at rest for all that is known.
+    #[must_use]
+    pub fn strings(&self) -> &[f64] {
+        &self.strings
+    }
+
+    pub(crate) fn new(mechanism: MechanismState, surfaces: Option<&dyn Surfaces>) -> Self {
+        let mut strings = Vec::with_capacity(surfaces.map_or(0, |surfaces| surfaces.numbers()));
         if let Some(surfaces) = surfaces {
-            surfaces.save(&mut strings);
+            surfaces.save(&mut |number| strings.push(number));
         }
+        Snapshot { mechanism, strings }
+    }
+}
+
+impl MechanismState {
+    pub(crate) fn new(instrument: u64, saved: Saved, aimed_m: Option<f64>) -> Self {
         let Saved { state, origin_s, steps, now_s, flight } = saved;
-        Snapshot {
+        MechanismState {
             version: VERSION,
             instrument,
             time_s: now_s,
@@ -102,23 +122,18 @@ impl Snapshot {
             rigid_force: state.rigid_force,
             aimed_m,
             flight,
-            strings,
         }
     }
 
-    /// How strings that yield vibrate, in numbers of theirs; none where they are at rest for all that is known.
-    pub(crate) fn strings(&self) -> &[f64] {
-        &self.strings
-    }
-
-    pub(crate) fn open(&self, instrument: u64) -> Result<(Saved, Option<f64>), SnapshotError> {
+    /// What the mechanism goes on from, if this is of such an instrument and `strings` and all else is finite.
+    pub(crate) fn open(&self, instrument: u64, strings: &[f64]) -> Result<(Saved, Option<f64>), SnapshotError> {
         if self.version != VERSION {
             return Err(SnapshotError::Version(self.version));
         }
         if self.instrument != instrument {
             return Err(SnapshotError::Instrument);
         }
-        let lists: [&[f64]; 9] = [
+        let lists: [&[f64]; 10] = [
             &self.angle_rad,
             &self.velocity_rad_s,
             &self.increment,
@@ -128,14 +143,10 @@ impl Snapshot {
             &self.memory,
             &self.pivot_rested,
             &self.rested,
+            strings,
         ];
         let single = [self.time_s, self.origin_s, self.rigid_force, self.aimed_m.unwrap_or(0.0)];
-        let mut all = lists
-            .into_iter()
-            .flatten()
-            .chain(&self.strings)
-            .chain(&single)
-            .chain(self.flight.iter().flatten().flatten());
+        let mut all = lists.into_iter().flatten().chain(&single).chain(self.flight.iter().flatten().flatten());
         if !all.all(|x| x.is_finite()) {
             return Err(SnapshotError::NotFinite);
         }
@@ -151,7 +162,7 @@ impl Snapshot {
             pivot_rested: self.pivot_rested,
             rested: self.rested,
         };
-        let &Snapshot { origin_s, steps, time_s, flight, aimed_m, .. } = self;
+        let MechanismState { origin_s, steps, time_s, flight, aimed_m, .. } = *self;
         Ok((Saved { state, origin_s, steps, now_s: time_s, flight }, aimed_m))
     }
 }

@@ -368,13 +368,7 @@ impl Surfaces for Strings {
         2 * self.modes.len() + 4
     }
 
-    fn save(&self, to: &mut [f64]) {
-        let mut places = to.iter_mut();
-        let mut put = |number: f64| {
-            if let Some(place) = places.next() {
-                *place = number;
-            }
-        };
+    fn save(&self, put: &mut dyn FnMut(f64)) {
         for i in 0..self.modes.len() {
             put(self.blocks[i / WIDE].q[i % WIDE]);
             put(self.blocks[i / WIDE].v[i % WIDE]);

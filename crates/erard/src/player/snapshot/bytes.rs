@@ -1,6 +1,6 @@
 //! A snapshot as bytes: for C, for pickles, for files. The same on every machine.
 
-use super::{BODIES, Snapshot, SnapshotError, VERSION, ZONES};
+use super::{BODIES, MechanismState, Snapshot, SnapshotError, VERSION, ZONES};
 
 const MARK: [u8; 8] = *b"erardsav";
 /// Numbers of eight bytes between the head and the check sum.
@@ -10,11 +10,11 @@ const WORDS: usize = 1 + 3 + 5 * BODIES + 4 * ZONES + 1 + 2 + 2 * 4;
 pub const BYTES: usize = MARK.len() + 8 + 8 * WORDS + 8;
 
 impl Snapshot {
-    /// The snapshot as bytes, little-endian, the same on every machine: those of [`Snapshot::to_bytes`], and behind them how strings that yield
+    /// The snapshot as bytes, little-endian, the same on every machine: those of [`MechanismState::to_bytes`], and behind them how strings that yield
     /// vibrate, if there are any.
     #[must_use]
     pub fn to_vec(&self) -> Vec<u8> {
-        let mut bytes = self.to_bytes().to_vec();
+        let mut bytes = self.mechanism.to_bytes().to_vec();
         if !self.strings.is_empty() {
             let from = bytes.len();
             bytes.extend(self.strings.iter().flat_map(|number| number.to_bits().to_le_bytes()));
@@ -24,8 +24,32 @@ impl Snapshot {
         bytes
     }
 
-    /// The snapshot as so many bytes, little-endian, the same on every machine, without how strings that yield vibrate ([`Snapshot::to_vec`] has that):
-    /// restored from these they are at rest. Does not allocate.
+    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Bytes of a [`MechanismState`] are one
+    /// whose strings are at rest.
+    ///
+    /// # Errors
+    /// [`SnapshotError::NoSnapshot`], [`SnapshotError::Version`], [`SnapshotError::Damaged`], [`SnapshotError::NotFinite`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        let (own, behind) = bytes.split_at_checked(BYTES).unwrap_or((bytes, &[]));
+        let mechanism = MechanismState::from_bytes(own)?;
+        let no_snapshot = SnapshotError::NoSnapshot { found: bytes.len() };
+        let Some((behind, sum)) = behind.split_at_checked(behind.len().saturating_sub(8)) else {
+            return Err(no_snapshot);
+        };
+        if !behind.len().is_multiple_of(8) || !(sum.is_empty() || sum.len() == 8) {
+            return Err(no_snapshot);
+        }
+        if !sum.is_empty() && word(sum) != check_sum(behind) {
+            return Err(SnapshotError::Damaged);
+        }
+        let strings: Vec<f64> = behind.chunks_exact(8).map(|bytes| f64::from_bits(word(bytes))).collect();
+        mechanism.open(mechanism.instrument, &strings)?;
+        Ok(Snapshot { mechanism, strings })
+    }
+}
+
+impl MechanismState {
+    /// The state as so many bytes, little-endian, the same on every machine. Does not allocate.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; BYTES] {
         let mut bytes = [0; BYTES];
@@ -56,8 +80,7 @@ impl Snapshot {
         bytes
     }
 
-    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Allocates for strings
-    /// only.
+    /// The state that such bytes are. Whether it belongs to an instrument is seen when it is restored. Does not allocate.
     ///
     /// # Errors
     /// [`SnapshotError::NoSnapshot`], [`SnapshotError::Version`], [`SnapshotError::Damaged`], [`SnapshotError::NotFinite`].
@@ -70,19 +93,14 @@ impl Snapshot {
         if version != u64::from(VERSION) {
             return Err(SnapshotError::Version(u32::try_from(version).unwrap_or(u32::MAX)));
         }
-        let Some((bytes, behind)) = bytes.split_at_checked(BYTES) else { return Err(no_snapshot) };
-        let Some((behind, sum)) = behind.split_at_checked(behind.len().saturating_sub(8)) else {
+        let Some((all, sum)) = bytes.split_at_checked(BYTES - 8).filter(|(_, sum)| sum.len() == 8) else {
             return Err(no_snapshot);
         };
-        if !behind.len().is_multiple_of(8) || !(sum.is_empty() || sum.len() == 8) {
-            return Err(no_snapshot);
-        }
-        let right = |bytes: &[u8], sum: &[u8]| word(sum) == check_sum(bytes);
-        if !right(&bytes[..BYTES - 8], &bytes[BYTES - 8..]) || !(sum.is_empty() || right(behind, sum)) {
+        if word(sum) != check_sum(all) {
             return Err(SnapshotError::Damaged);
         }
-        let mut read = In { places: bytes[16..].chunks_exact(8) };
-        let snapshot = Snapshot {
+        let mut read = In { places: all[16..].chunks_exact(8) };
+        let state = MechanismState {
             version: VERSION,
             instrument: read.word(),
             time_s: read.number(),
@@ -106,10 +124,9 @@ impl Snapshot {
                 let is_there = read.word() != 0;
                 Some(read.numbers()).filter(|_| is_there)
             }),
-            strings: behind.chunks_exact(8).map(|bytes| f64::from_bits(word(bytes))).collect(),
         };
-        snapshot.open(snapshot.instrument)?;
-        Ok(snapshot)
+        state.open(state.instrument, &[])?;
+        Ok(state)
     }
 }
 
@@ -165,12 +182,12 @@ mod tests {
     use super::*;
     use crate::{Action, Input, Instrument};
 
-    fn pressed() -> Snapshot {
+    fn pressed() -> MechanismState {
         let mut action = Action::new(&Instrument::builtin("concert-grand-rigid").unwrap()).unwrap();
         for n in 0..700 {
             action.step(Input::Rigid { position_m: f64::from(n) * 1e-5, velocity_m_s: 0.2 });
         }
-        action.save()
+        action.mechanism_state()
     }
 
     /// Every number is read back as it was, and every place of the bytes is one of them.
@@ -180,11 +197,11 @@ mod tests {
         assert!(snapshot.aimed_m.is_some() && snapshot.flight.iter().all(Option::is_some));
         assert!(snapshot.side.iter().any(|s| *s != 0.0));
         let bytes = snapshot.to_bytes();
-        assert_eq!(Snapshot::from_bytes(&bytes), Ok(snapshot.clone()));
-        let none = Snapshot { aimed_m: None, flight: [None, Some([1.0, 2.0, 3.0])], ..snapshot.clone() };
-        assert_eq!(Snapshot::from_bytes(&none.to_bytes()), Ok(none));
-        let broken = Snapshot { rigid_force: f64::NAN, ..snapshot };
-        assert_eq!(Snapshot::from_bytes(&broken.to_bytes()), Err(SnapshotError::NotFinite));
+        assert_eq!(MechanismState::from_bytes(&bytes), Ok(snapshot));
+        let none = MechanismState { aimed_m: None, flight: [None, Some([1.0, 2.0, 3.0])], ..snapshot };
+        assert_eq!(MechanismState::from_bytes(&none.to_bytes()), Ok(none));
+        let broken = MechanismState { rigid_force: f64::NAN, ..snapshot };
+        assert_eq!(MechanismState::from_bytes(&broken.to_bytes()), Err(SnapshotError::NotFinite));
         let filled = Out { places: [0_u8; BYTES].chunks_exact_mut(8) }.places.len();
         assert_eq!(filled, 2 + WORDS + 1);
     }
