@@ -45,6 +45,43 @@ fn what_sticks_stays() {
     assert_eq!((o.state.angle, o.state.velocity, longest), ([1.0], [0.0], 1.0));
 }
 
+/// The error of a smooth step in closed form, where the velocity's counts and where the angle's does: the midpoint rule turns (angle, velocity) of
+/// the oscillator by 2 atan(h/2), its halves by 4 atan(h/4), and a third of the difference is their error; backward Euler divides them by
+/// 1 + h^2 and turns them, and all of the difference is it.
+#[test]
+fn the_error_of_a_smooth_step_is_the_closed_form() {
+    let (h, tolerance) = (0.125_f64, 1e-2);
+    let midpoint = |h: f64, [x, v]: [f64; 2]| {
+        let (s, c) = (2.0 * (0.5 * h).atan()).sin_cos();
+        [c * x + s * v, c * v - s * x]
+    };
+    let euler = |h: f64, [x, v]: [f64; 2]| {
+        let v = (v - h * x) / (1.0 + h * h);
+        [x + h * v, v]
+    };
+    type Rule<'a> = (f64, f64, &'a dyn Fn(f64, [f64; 2]) -> [f64; 2]);
+    let rules: [Rule<'_>; 2] = [(0.5, 1.0 / 3.0, &midpoint), (1.0, 1.0, &euler)];
+    // A large longest step makes little of the angle's error.
+    for (start, largest, of_velocity) in [([1.0, 0.0], 10.0, true), ([0.0, 1.0], h, false)] {
+        for (theta, share, rule) in rules {
+            let mut o = Oscillator::new(0.0, start[0], start[1]);
+            let settings = Settings { theta, ..Settings::new(1e-3) };
+            let accuracy = Accuracy::new(tolerance, 1e-9, largest);
+            let mut controller = Controller::new(h);
+            let free = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Free;
+            let Oscillator { model, state, halves, .. } = &mut o;
+            let did = controlled_step(model, &settings, &accuracy, &mut controller, h, free, state, halves);
+            let (whole, end) = (rule(h, start), rule(0.5 * h, rule(0.5 * h, start)));
+            let velocity = share * (end[1] - whole[1]).abs() / (tolerance * (1.0 + end[1].abs()));
+            let angle = share * (end[0] - whole[0]).abs() / (tolerance * largest);
+            assert_eq!(velocity > angle, of_velocity, "{velocity} {angle}");
+            let expected = velocity.max(angle);
+            assert!((did.error - expected).abs() < 1e-9 * expected, "theta {theta}: {} {expected}", did.error);
+            assert_eq!(did.rejected, 0, "{did:?}");
+        }
+    }
+}
+
 /// Across a reversal nothing is extrapolated; where the law's side stays, all is. A step never exceeds its limit.
 #[test]
 fn nothing_is_extrapolated_across_a_reversal() {
