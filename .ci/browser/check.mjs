@@ -25,6 +25,38 @@ const visit = async (path, hash, options, look) => {
 
 const run = async (path) => {
   const desk = { viewport: { width: 1400, height: 900 } };
+  // Felts give way: while the hammer is at the string its felt ends where the string begins, and is as drawn before and after.
+  await visit(path, '#shown=0.06,0.09', desk, async (page) => {
+    const seen = await page.evaluate(() => {
+      const part = (name) => [...document.querySelectorAll('[data-action="0"] .parts > path')].find((e) => e.querySelector('title')?.textContent === name);
+      const felt = part('hammer felt'), string = part('string');
+      if (!felt || !string) return null;
+      const drawn = felt.getAttribute('d'), picture = document.getElementById('action').getScreenCTM().inverse();
+      const heights = (e) => {
+        const at = picture.multiply(e.getScreenCTM()), length = e.getTotalLength();
+        return Array.from({ length: 2000 }, (_, k) => e.getPointAtLength((k * length) / 2000).matrixTransform(at).y);
+      };
+      const below = Math.max(...heights(string)), slider = document.getElementById('time');
+      const into = () => below - Math.min(...heights(felt));
+      let [dented, rigid, changed] = [-Infinity, -Infinity, 0];
+      for (let t = 0.0705; t < 0.0735; t += 2e-4) {
+        slider.value = t;
+        slider.dispatchEvent(new Event('input'));
+        dented = Math.max(dented, into());
+        const now = felt.getAttribute('d');
+        changed += now !== drawn;
+        felt.setAttribute('d', drawn);
+        rigid = Math.max(rigid, into());
+        felt.setAttribute('d', now);
+      }
+      slider.value = 0.085;
+      slider.dispatchEvent(new Event('input'));
+      return { dented, rigid, changed, back: felt.getAttribute('d') === drawn };
+    });
+    if (!seen) return;
+    expect(path, seen.rigid > 0.3 && seen.dented < 0.02, `the hammer's felt ends at the string: ${JSON.stringify(seen)}`);
+    expect(path, seen.changed > 3 && seen.back, `felts are dented while they are pressed, and no longer: ${JSON.stringify(seen)}`);
+  });
   await visit(path, '#t=0.053&shown=0.02,0.08&view=60,-200,250,180&names=1', desk, async (page) => {
     const state = await page.evaluate(() => ({
       slider: [+document.getElementById('time').min, +document.getElementById('time').max, +document.getElementById('time').value],

@@ -7,7 +7,7 @@ export interface Scene {
   shapes: string;
   gradients: string;
   bodies: (Hinge & { name: string; angle: number })[];
-  zones: { name: string; label: string; sign: number; unseen: boolean }[];
+  zones: { name: string; label: string; sign: number; unseen: boolean; disc: number | null; curve: number | null }[];
   press: { body: number; point: number[] } | null;
   labels: { text: string; piece: number; at: number[] }[];
   arrow: ArrowLaw;

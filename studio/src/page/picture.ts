@@ -1,8 +1,8 @@
 // The picture of one or two actions: moved, pushed at by arrows, named, zoomed, and grasped by the key.
 import {
-  arrowOf, carry, element, freePlace, layNames, move, movingIn, newtons, placeBodies, STILL,
+  arrowOf, carry, dent, element, freePlace, layNames, move, movingIn, newtons, outlinesIn, placeBodies, STILL,
 } from "../../../crates/erard-figures/src/page/moving.js";
-import type { Frame, Moving, Name } from "../../../crates/erard-figures/src/page/moving.js";
+import type { Dent, Frame, Moving, Name, Outline } from "../../../crates/erard-figures/src/page/moving.js";
 import type { Pose, Scene } from "../engine/protocol";
 
 interface Shown {
@@ -11,6 +11,8 @@ interface Shown {
   index: number;
   group: SVGElement;
   moving: Moving[];
+  outlines: Outline[];
+  dents: Map<number, Dent | null>;
   placed: Frame[];
   finger: { path: SVGElement; text: SVGElement };
   zones: ({ path: SVGElement; text: SVGElement } | null)[];
@@ -88,8 +90,9 @@ export class Picture {
       for (const part of group.querySelectorAll<SVGElement>("[data-body]")) {
         if (pressed.has(Number(part.dataset.body))) part.classList.add("key");
       }
+      const moving = movingIn(group);
       return {
-        scene, index, group, moving: movingIn(group), placed: [], pose: null, finger: arrow("touch"),
+        scene, index, group, moving, outlines: outlinesIn(group, moving), dents: new Map(), placed: [], pose: null, finger: arrow("touch"),
         zones: scene.zones.map((zone) => (zone.unseen ? null : arrow("contact"))),
       };
     });
@@ -123,6 +126,10 @@ export class Picture {
       one.pose = pose;
       one.placed = placeBodies(one.scene.bodies, (body) => pose.angles[body]!);
       move(one.moving, one.placed);
+      dent(one.outlines, one.scene.zones.map((zone, k) => {
+        const [force, x, y, nx, ny] = pose.contacts.subarray(5 * k, 5 * k + 5);
+        return zone.unseen || !(force! > 0) ? null : { sides: zone, at: [1e3 * x!, 1e3 * y!], normal: [nx!, ny!] };
+      }), one.dents);
     }
     this.push();
     this.name();

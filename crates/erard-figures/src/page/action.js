@@ -9,12 +9,24 @@ data.actions.forEach((action, index) => {
   action.pieces = [...action.group.querySelectorAll(".parts > path")];
   action.layers = { forces: element("g", {}, $("forces")), numbers: element("g", {}, $("numbers")) };
   action.moving = movingIn(action.group);
+  action.outlines = outlinesIn(action.group, action.moving);
+  action.dents = new Map();
 });
+
+// Where a zone is pressed, for the felt that gives way there: the place of the nearer of two frames.
+const pressedAt = (zone, where) => {
+  const first = where.share < 0.5 ? where.i : where.j, frame = zone.at[first] >= 0 ? first : where.i + where.j - first;
+  const entry = zone.at[frame];
+  if (zone.unseen || entry < 0) return null;
+  const turn = zone.values[entry + 3];
+  return { sides: zone, at: [zone.values[entry + 1], zone.values[entry + 2]], normal: [zone.sign * Math.cos(turn), zone.sign * Math.sin(turn)] };
+};
 
 const pose = (where) => {
   for (const action of data.actions) {
     action.placed = placeBodies(action.bodies, (body) => mix(action.bodies[body].angle, where));
     move(action.moving, action.placed);
+    if (!action.group.hasAttribute("hidden")) dent(action.outlines, action.zones.map((zone) => pressedAt(zone, where)), action.dents);
   }
 };
 

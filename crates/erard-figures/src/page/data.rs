@@ -97,8 +97,8 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
         .iter()
         .enumerate()
         .map(|(index, zone)| {
-            let Sides { sign, unseen } = scene::sides(instrument, drawing, index);
-            contacts(zone, frames, sign, unseen)
+            let sides = scene::sides(instrument, drawing, index);
+            contacts(zone, frames, &sides)
         })
         .collect();
     let pins: Vec<Value> = shown
@@ -161,7 +161,8 @@ fn panel_value(panel: &Panel, shown: &[Shown<'_>], lanes: &[(usize, usize)], tim
 
 /// A zone's contact, only where it pushes: `spans` are `[first frame, frames]`, and for every frame within them stand
 /// force, point (mm) and the direction of the arrow, one span after the other.
-fn contacts(zone: &ZoneSeries, frames: &Frames, sign: f64, unseen: bool) -> Value {
+fn contacts(zone: &ZoneSeries, frames: &Frames, sides: &Sides) -> Value {
+    let Sides { sign, unseen, disc, curve } = *sides;
     let mut spans: Vec<[usize; 2]> = Vec::new();
     let mut values: Vec<f64> = Vec::new();
     for (frame, &(row, share)) in frames.0.iter().enumerate() {
@@ -180,7 +181,15 @@ fn contacts(zone: &ZoneSeries, frames: &Frames, sign: f64, unseen: bool) -> Valu
         let [x, y, nx, ny] = contact.map(f64::from);
         values.extend([force, x * MM, y * MM, (sign * ny).atan2(sign * nx)]);
     }
-    json!({"label": zone.label, "spans": spans, "values": floats(values.into_iter()), "unseen": unseen})
+    json!({
+        "label": zone.label,
+        "spans": spans,
+        "values": floats(values.into_iter()),
+        "sign": sign,
+        "unseen": unseen,
+        "disc": disc,
+        "curve": curve,
+    })
 }
 
 /// The values as little-endian `f32`, in base64. What is not finite becomes 0: the page draws numbers only.

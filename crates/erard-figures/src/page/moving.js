@@ -27,6 +27,9 @@ export const STILL = { x: 0, y: 0, cos: 1, sin: 0, angle: 0 };
 /** A point of a frame in the picture. @type {(on: Frame, point: number[]) => number[]} */
 export const carry = (on, [x, y]) => [on.x + on.cos * x - on.sin * y, on.y + on.sin * x + on.cos * y];
 
+/** A point of the picture in a frame. @type {(on: Frame, at: number[]) => number[]} */
+export const home = (on, [x, y]) => [on.cos * (x - on.x) + on.sin * (y - on.y), on.cos * (y - on.y) - on.sin * (x - on.x)];
+
 /** The frames of all bodies, whose absolute angles `angle` tells. @type {(bodies: Hinge[], angle: (body: number) => number) => Frame[]} */
 export const placeBodies = (bodies, angle) => {
   /** @type {Frame[]} */
@@ -156,5 +159,110 @@ export const layNames = (inside, [left, top, right, bottom], pixel) => {
       label.y = above ? top + (14 + 16 * (1 - label.row)) * pixel : bottom - (6 + 16 * (1 - label.row)) * pixel;
       label.from = above ? label.y + 3 * pixel : label.y - 12 * pixel;
     }
+  }
+};
+
+/** An outline of the picture: what it is made of (how soft: 0 is the softest, -1 is hard), its path as drawn, its points once they are asked for (mm
+ * of its frame, y up), and the body that carries it (null: the ground).
+ * @typedef {{ element: SVGGeometryElement, moving: Moving | undefined, body: number | null, soft: number, drawn: string, points: number[][] | null, dented: boolean }} Outline */
+/** The bodies on the two sides of a contact (null: the ground).
+ * @typedef {{ disc: number | null, curve: number | null }} Sides */
+/** A pressed contact: its point (mm, y up) and the normal toward the disc's side.
+ * @typedef {{ sides: Sides, at: number[], normal: number[] }} Pressed */
+/** Which outline gives way in a contact, to which, and whether it is the disc's; where on that part it was pressed last, and the way into the felt there, in
+ * the part's frame. @typedef {{ felt: Outline, into: Outline, ofDisc: boolean, at: number[], inward: number[] }} Dent */
+
+const SOFT = ["felt", "cloth", "leather"];
+/** mm: between points of an outline; how far an outline may be from a contact that it shows; how far about the contact, and how deep, a felt is dented. */
+const FINE = 0.25, NEAR = 1.5, ABOUT = 15, DEEPEST = 4;
+
+/** The outlines in a group of shapes. @type {(group: Element, moving: Moving[]) => Outline[]} */
+export const outlinesIn = (group, moving) => [.../** @type {NodeListOf<SVGGeometryElement>} */ (group.querySelectorAll(".parts > path"))].map((element) => ({
+  element, moving: moving.find((one) => one.element === element), body: "body" in element.dataset ? Number(element.dataset.body) : null,
+  soft: SOFT.findIndex((finish) => element.getAttribute("fill") === `url(#${finish})`), drawn: element.getAttribute("d") ?? "", points: null, dented: false,
+}));
+
+/** An outline's points, in its frame. @type {(outline: Outline) => number[][]} */
+const pointsOf = (outline) => {
+  if (!outline.points) {
+    const { element } = outline, length = element.getTotalLength(), count = Math.max(8, Math.ceil(length / FINE));
+    outline.points = Array.from({ length: count }, (_, k) => element.getPointAtLength((k * length) / count)).map(({ x, y }) => [x, -y]);
+  }
+  return outline.points;
+};
+/** @type {(outline: Outline) => Frame} */
+const frameOf = (outline) => outline.moving?.frame ?? STILL;
+/** How far an outline passes from a point. @type {(outline: Outline, at: number[]) => number} */
+const farFrom = (outline, at) => {
+  const frame = frameOf(outline);
+  return Math.min(...pointsOf(outline).map((p) => carry(frame, p)).map(([x, y]) => Math.hypot(x - at[0], y - at[1])));
+};
+
+/** Which two outlines show a contact: the softest of both sides, and the nearest of the other's. Nothing if the picture does not show it.
+ * @type {(outlines: Outline[], pressed: Pressed) => Dent | null} */
+const dentOf = (outlines, { sides, at }) => {
+  const near = (/** @type {number | null} */ body) => outlines.filter((outline) => outline.body === body)
+    .map((outline) => ({ outline, far: farFrom(outline, at) })).filter(({ far }) => far < NEAR).sort((a, b) => a.far - b.far);
+  const disc = near(sides.disc), curve = near(sides.curve);
+  const felts = [...disc, ...curve].filter(({ outline }) => outline.soft >= 0).sort((a, b) => a.outline.soft - b.outline.soft || a.far - b.far);
+  const felt = felts[0]?.outline;
+  if (!felt) return null;
+  const ofDisc = disc.some(({ outline }) => outline === felt);
+  const into = (ofDisc ? curve : disc).sort((a, b) => +(a.outline.soft >= 0) - +(b.outline.soft >= 0) || a.far - b.far)[0]?.outline;
+  return into ? { felt, into, ofDisc, at: [0, 0], inward: [0, 0] } : null;
+};
+
+/** Where a point of a felt goes that lies within the part that presses it, or beyond its surface: out of it, the way `inward` into the felt.
+ * @type {(p: number[], beyond: boolean, inward: number[], part: number[][]) => number[]} */
+const pushedOut = (p, beyond, [dx, dy], part) => {
+  let crossings = 0, way = 0;
+  part.forEach((from, k) => {
+    const to = part[(k + 1) % part.length];
+    const a = (from[0] - p[0]) * dy - (from[1] - p[1]) * dx, b = (to[0] - p[0]) * dy - (to[1] - p[1]) * dx;
+    if (a > 0 === b > 0) return;
+    const share = a / (a - b);
+    const along = (from[0] + share * (to[0] - from[0]) - p[0]) * dx + (from[1] + share * (to[1] - from[1]) - p[1]) * dy;
+    if (along < 0) return;
+    crossings++;
+    if (along <= DEEPEST) way = Math.max(way, along);
+  });
+  return beyond || crossings % 2 === 1 ? [p[0] + way * dx, p[1] + way * dy] : p;
+};
+
+/** Felts give way where something presses them, and are as drawn elsewhere. The outlines are where `move` has put them; `found` keeps which outlines show
+ * which contact. @type {(outlines: Outline[], pressed: (Pressed | null)[], found: Map<number, Dent | null>) => void} */
+export const dent = (outlines, pressed, found) => {
+  /** @type {Map<Outline, number[][]>} */
+  const dented = new Map();
+  pressed.forEach((contact, zone) => {
+    let shown = found.get(zone);
+    if (contact && shown === undefined) found.set(zone, shown = dentOf(outlines, contact));
+    if (!shown) return;
+    const { felt, into, ofDisc } = shown, own = frameOf(felt), other = frameOf(into);
+    // A felt that lags behind what leaves it pushes no more, and is dented still.
+    if (contact) {
+      shown.at = home(other, contact.at);
+      shown.inward = home({ ...other, x: 0, y: 0 }, ofDisc ? contact.normal : contact.normal.map((n) => -n));
+    }
+    const at = carry(other, shown.at), inward = carry({ ...other, x: 0, y: 0 }, shown.inward);
+    const part = pointsOf(into).map((p) => carry(other, p));
+    const before = dented.get(felt) ?? pointsOf(felt);
+    let moves = dented.has(felt);
+    const after = before.map((point) => {
+      const p = carry(own, point), away = [p[0] - at[0], p[1] - at[1]];
+      if (Math.hypot(...away) > ABOUT) return point;
+      const beyond = contact !== null && ofDisc && away[0] * inward[0] + away[1] * inward[1] < 0;
+      const moved = pushedOut(p, beyond, inward, part);
+      if (moved === p) return point;
+      moves = true;
+      return home(own, moved);
+    });
+    if (moves) dented.set(felt, after);
+  });
+  for (const outline of outlines) {
+    const points = dented.get(outline);
+    if (points) outline.element.setAttribute("d", `M${points.map(([x, y]) => `${x.toFixed(3)} ${(-y).toFixed(3)}`).join("L")}Z`);
+    else if (outline.dented) outline.element.setAttribute("d", outline.drawn);
+    outline.dented = points !== undefined;
   }
 };

@@ -28,9 +28,16 @@ pub fn scene(instrument: &Instrument) -> Value {
         .collect();
     let zones: Vec<Value> = (0..instrument.zones.len())
         .map(|zone| {
-            let Sides { sign, unseen } = sides(instrument, &drawing, zone);
+            let Sides { sign, unseen, disc, curve } = sides(instrument, &drawing, zone);
             let known = &instrument.zones[zone];
-            json!({"name": known.name, "label": known.label, "sign": sign, "unseen": unseen})
+            json!({
+                "name": known.name,
+                "label": known.label,
+                "sign": sign,
+                "unseen": unseen,
+                "disc": disc,
+                "curve": curve,
+            })
         })
         .collect();
     json!({
@@ -58,6 +65,9 @@ pub(super) struct Sides {
     pub sign: f64,
     /// Whether one of its sides is not in the picture.
     pub unseen: bool,
+    /// The bodies on its two sides; `None` is the ground.
+    pub disc: Option<usize>,
+    pub curve: Option<usize>,
 }
 
 pub(super) fn sides(instrument: &Instrument, drawing: &Drawing, zone: usize) -> Sides {
@@ -66,6 +76,8 @@ pub(super) fn sides(instrument: &Instrument, drawing: &Drawing, zone: usize) -> 
     Sides {
         sign: known.map_or(1.0, |_| drawing::arrow_sign(instrument, zone)),
         unseen: known.is_some_and(|zone| is_unseen(zone.disc_body) || is_unseen(zone.curve_body)),
+        disc: known.and_then(|zone| zone.disc_body),
+        curve: known.and_then(|zone| zone.curve_body),
     }
 }
 
