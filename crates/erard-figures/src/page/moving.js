@@ -163,8 +163,8 @@ export const layNames = (inside, [left, top, right, bottom], pixel) => {
 };
 
 /** An outline of the picture: what it is made of (how soft: 0 is the softest, -1 is hard), its path as drawn, its points once they are asked for (mm
- * of its frame, y up), and the body that carries it (null: the ground).
- * @typedef {{ element: SVGGeometryElement, moving: Moving | undefined, body: number | null, soft: number, drawn: string, points: number[][] | null, dented: boolean }} Outline */
+ * of its frame, y up; `corners` are those that a straight line does not pass), and the body that carries it (null: the ground).
+ * @typedef {{ element: SVGGeometryElement, moving: Moving | undefined, body: number | null, soft: number, drawn: string, points: number[][] | null, corners: number[][], dented: boolean }} Outline */
 /** The bodies on the two sides of a contact (null: the ground).
  * @typedef {{ disc: number | null, curve: number | null }} Sides */
 /** A pressed contact: its point (mm, y up) and the normal toward the disc's side.
@@ -173,20 +173,25 @@ export const layNames = (inside, [left, top, right, bottom], pixel) => {
  * the part's frame. @typedef {{ felt: Outline, into: Outline, ofDisc: boolean, at: number[], inward: number[] }} Dent */
 
 const SOFT = ["felt", "cloth", "leather"];
-/** mm: between points of an outline; how far an outline may be from a contact that it shows; how far about the contact, and how deep, a felt is dented. */
-const FINE = 0.25, NEAR = 1.5, ABOUT = 15, DEEPEST = 4;
+/** mm: between points of an outline; how little a point may be beside the line of its neighbours to be none of its corners; how far an outline may be from a contact that it shows; how far about the contact, and how deep, a felt is dented. */
+const FINE = 0.25, STRAIGHT = 1e-4, NEAR = 1.5, ABOUT = 15, DEEPEST = 4;
 
 /** The outlines in a group of shapes. @type {(group: Element, moving: Moving[]) => Outline[]} */
 export const outlinesIn = (group, moving) => [.../** @type {NodeListOf<SVGGeometryElement>} */ (group.querySelectorAll(".parts > path"))].map((element) => ({
   element, moving: moving.find((one) => one.element === element), body: "body" in element.dataset ? Number(element.dataset.body) : null,
-  soft: SOFT.findIndex((finish) => element.getAttribute("fill") === `url(#${finish})`), drawn: element.getAttribute("d") ?? "", points: null, dented: false,
+  soft: SOFT.findIndex((finish) => element.getAttribute("fill") === `url(#${finish})`), drawn: element.getAttribute("d") ?? "", points: null, corners: [], dented: false,
 }));
 
 /** An outline's points, in its frame. @type {(outline: Outline) => number[][]} */
 const pointsOf = (outline) => {
   if (!outline.points) {
     const { element } = outline, length = element.getTotalLength(), count = Math.max(8, Math.ceil(length / FINE));
-    outline.points = Array.from({ length: count }, (_, k) => element.getPointAtLength((k * length) / count)).map(({ x, y }) => [x, -y]);
+    const points = Array.from({ length: count }, (_, k) => element.getPointAtLength((k * length) / count)).map(({ x, y }) => [x, -y]);
+    outline.points = points;
+    outline.corners = points.filter(([x, y], k) => {
+      const [a, b] = points[(k + count - 1) % count], [c, d] = points[(k + 1) % count];
+      return Math.abs((c - a) * (y - b) - (d - b) * (x - a)) > STRAIGHT * Math.hypot(c - a, d - b);
+    });
   }
   return outline.points;
 };
@@ -244,18 +249,16 @@ export const dent = (outlines, pressed, found) => {
       shown.at = home(other, contact.at);
       shown.inward = home({ ...other, x: 0, y: 0 }, ofDisc ? contact.normal : contact.normal.map((n) => -n));
     }
-    const at = carry(other, shown.at), inward = carry({ ...other, x: 0, y: 0 }, shown.inward);
-    const part = pointsOf(into).map((p) => carry(other, p));
-    const before = dented.get(felt) ?? pointsOf(felt);
+    const { at, inward } = shown;
     let moves = dented.has(felt);
-    const after = before.map((point) => {
-      const p = carry(own, point), away = [p[0] - at[0], p[1] - at[1]];
-      if (Math.hypot(...away) > ABOUT) return point;
-      const beyond = contact !== null && ofDisc && away[0] * inward[0] + away[1] * inward[1] < 0;
-      const moved = pushedOut(p, beyond, inward, part);
+    const after = (dented.get(felt) ?? pointsOf(felt)).map((point) => {
+      const p = home(other, carry(own, point)), away = [p[0] - at[0], p[1] - at[1]];
+      const deep = away[0] * inward[0] + away[1] * inward[1];
+      if (Math.abs(deep) > DEEPEST || Math.hypot(...away) > ABOUT) return point;
+      const moved = pushedOut(p, contact !== null && ofDisc && deep < 0, inward, into.corners);
       if (moved === p) return point;
       moves = true;
-      return home(own, moved);
+      return home(own, carry(other, moved));
     });
     if (moves) dented.set(felt, after);
   });
