@@ -2,6 +2,9 @@
 //!
 //! Both play the same note, in turns, so that what else the machine does falls on both: means over whole rounds, the least of them; then every step is
 //! timed by itself for the slowest. With `--at-most PERCENT` it fails where the interface's mean is more above the native one's.
+//!
+//! `-- --instructions` counts instead of timing: instructions per step of both over the first 4000 steps of the note, under valgrind's callgrind. Counts repeat
+//! to the digit whatever else the machine does; `--at-most` then bounds what is counted.
 
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
@@ -9,6 +12,7 @@ use std::time::Instant;
 
 use erard::{Input, Instrument};
 use erard_c::*;
+use erard_lab::benchmarks::callgrind::instructions;
 
 const STEPS: usize = 20_000;
 const ROUNDS: usize = 30;
@@ -57,6 +61,13 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let at_most =
         arguments.iter().position(|a| a == "--at-most").map(|n| arguments[n + 1].parse::<f64>().expect("percent"));
+    let after = |name: &str| arguments.iter().position(|a| a == name).map(|n| arguments[n + 1].as_str());
+    if let Some(steps) = after("--steps") {
+        return play(after("--count") == Some("native"), steps.parse().expect("steps"));
+    }
+    if arguments.iter().any(|a| a == "--instructions") {
+        return count(at_most);
+    }
     let mut native = erard::Action::new(&Instrument::builtin("concert-grand").expect("built in")).expect("it rests");
     let action = unsafe { erard_action_new(null(), 0, 50e-6, null_mut()) };
     let (mut through, mut directly) = (Timed::new(), Timed::new());
@@ -93,6 +104,48 @@ fn main() {
         && more > at_most
     {
         eprintln!("error: the interface costs {more:.1} %; at most {at_most} %");
+        std::process::exit(1);
+    }
+}
+
+/// The note's first steps, natively or through the interface.
+fn play(natively: bool, steps: usize) {
+    let mut native = erard::Action::new(&Instrument::builtin("concert-grand").expect("built in")).expect("it rests");
+    let action = unsafe { erard_action_new(null(), 0, 50e-6, null_mut()) };
+    let mut reading = ErardReading::default();
+    for n in 0..steps {
+        if natively {
+            black_box(native.step(Input::Force(black_box(force(n)))));
+            black_box(native.blow());
+        } else {
+            black_box(unsafe { erard_step_force(action, black_box(force(n)), &raw mut reading) });
+        }
+    }
+    unsafe { erard_action_free(action) };
+}
+
+/// Instructions per step of both.
+fn count(at_most: Option<f64>) {
+    const COUNTED: u64 = 4000;
+    let counted = |who: &str| {
+        let over = |steps: u64| instructions(&["--count", who, "--steps", &steps.to_string()]);
+        match (over(0), over(COUNTED)) {
+            (Ok(none), Ok(all)) => (all - none) as f64 / COUNTED as f64,
+            (Err(error), _) | (_, Err(error)) => {
+                eprintln!("error: {error}");
+                std::process::exit(1);
+            }
+        }
+    };
+    let (native, through) = (counted("native"), counted("interface"));
+    let more = 100.0 * (through / native - 1.0);
+    println!("native Action::step  {native:.0} instructions a step");
+    println!("erard_step_force     {through:.0} instructions a step");
+    println!("the interface costs {more:+.1} % of instructions");
+    if let Some(at_most) = at_most
+        && more > at_most
+    {
+        eprintln!("error: the interface costs {more:.1} % of instructions; at most {at_most} %");
         std::process::exit(1);
     }
 }
