@@ -90,6 +90,20 @@ def test_studies(grand: erard.Instrument) -> None:
         erard.study(grand, force=5.0)
 
 
+def test_what_is_varied_has_units_and_is_drawn_over(grand: erard.Instrument) -> None:
+    study = erard.study(grand, {"let_off": [-2e-4, 0.0, 2e-4], "body.hammer.mass": [0.9, 1.1]}, force=5.0, duration=0.06)
+    assert (study.units["let_off"], study.units["body.hammer.mass"]) == ("m", "1")
+    assert study.to_xarray()["let_off"].attrs["units"] == "m" and study.to_arrow().schema.field("let_off").metadata == {b"unit": b"m"}
+    pytest.importorskip("matplotlib").use("Agg")
+    [panel] = study.plot().axes
+    assert panel.get_xlabel() == "let_off (mm)" and len(panel.lines) == 2
+    assert list(panel.lines[1].get_ydata()) == list(study["hammer_speed_m_per_s"][1::2])
+    [panel] = study.plot("let_off_s", over="body.hammer.mass").axes
+    assert panel.get_xlabel() == "body.hammer.mass (factor)" and len(panel.lines) == 3
+    with pytest.raises(erard.InputError, match="let_off, body.hammer.mass"):
+        study.plot(over="drop")
+
+
 def test_what_was_sampled_goes_along(grand: erard.Instrument) -> None:
     """Into data frames and data bases as lists, into xarray as a second dimension."""
     rollout = erard.rollout(grand, force=forces(3), dt=1e-3)

@@ -188,6 +188,9 @@ def test_figures(run: erard.Run, grand: erard.Instrument, tmp_path: Path) -> Non
     assert run.svg().startswith("<svg") and "let-off" in run.svg() and run.svg() in run._repr_html_()
     pytest.importorskip("matplotlib").use("Agg")
     assert len(run.plot().axes) == 4 and len(run.plot("key_m").axes) == 1
+    [above] = [child for child in run.plot().axes[0].get_children() if type(child).__name__ == "SecondaryAxis"]
+    told = ", ".join(label.get_text() for label in above.get_xticklabels())
+    assert sorted(told.split(", ")) == sorted(name.replace("_", " ") for name in run.events if name != "hammer_speed")
     drawing = grand.draw("let_off", stroke="mf", labels=True, forces=True)
     drawing.save(tmp_path / "action.svg")
     assert (tmp_path / "action.svg").read_text() == drawing._repr_svg_() and "let off" in drawing.svg
