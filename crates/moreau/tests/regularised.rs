@@ -23,6 +23,9 @@ fn a_regularised_pivot_is_solved() {
             let friction = (((1.0 - theta) * w0 + theta * w1) / 0.1).tanh();
             // The slope of the residual is 1 + h theta c_d / width, 4 at most.
             assert!((w1 - w0 + 0.3 * friction).abs() < 4e-5 * (1.0 + w1.abs()), "{w0} -> {w1}");
+            // The torque that is kept is the one that acted, against the motion.
+            let kept = state.save().pivot_friction[0];
+            assert!((0.3 * kept - (w1 - w0)).abs() < 4e-5 * (1.0 + w1.abs()), "{kept}: {w0} -> {w1}");
         }
     }
 }
