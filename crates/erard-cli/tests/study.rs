@@ -113,10 +113,51 @@ fn wrong_studies() {
         (&["--vary", "let_off=0..1:99999", "--vary", "drop=0..1:99999"], "more than 2000000 strokes"),
         (&["--vary", "let_off=0,1", "--duration", "-1"], "--duration"),
         (&["--vary", "let_off=0,1", "--dt", "1"], "--dt"),
+        (&["--sensitivities", "--vary", "let_off=0,1"], "--vary"),
+        (&["--vary", "let_off=0,1", "--by", "let_off"], "--sensitivities"),
+        (&["--sensitivities", "--by", "let_of"], "let_off"),
+        (&["--sensitivities", "--by", "let_off,let_off"], "asked for twice"),
+        (&["--sensitivities", "--by", "force"], "--force-step"),
+        (&["--sensitivities", "--of", "loudness"], "hammer_speed_m_per_s"),
+        (&["--sensitivities", "--of", "let_off_s,let_off_s"], "asked for twice"),
     ] {
         let said = folder.bad(arguments);
         assert!(said.contains(told), "{arguments:?}: {said}");
     }
+}
+
+/// Derivatives in three formats that say the same, the largest effect first; the table shows them.
+#[test]
+fn what_matters_is_told() {
+    let folder = Folder::new("study-sensitivities");
+    let (of, by) = (
+        "hammer_speed_m_per_s,key_bottom_after_blow_s",
+        "let_off,body.hammer.mass,zone.check.stiffness,force,zone.jack_knuckle.friction_coefficient",
+    );
+    let mut arguments = vec!["study", "--sensitivities", "--of", of, "--by", by];
+    arguments.extend(["--force-step", "5", "--instrument", "concert-grand-rigid", "--duration", "0.2"]);
+    let said = folder.good(&arguments);
+    assert!(said.contains("hammer speed") && said.contains("switches of friction"), "{said}");
+    let told: Value = serde_json::from_str(&folder.read("erard-out-study/sensitivities.json")).unwrap();
+    let rows = told["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 10);
+    let csv = folder.read("erard-out-study/sensitivities.csv");
+    assert_eq!(csv.lines().count(), 11);
+    let effects: Vec<f64> = rows[..5].iter().map(|row| row["effect"].as_f64().unwrap().abs()).collect();
+    assert!(effects.windows(2).all(|pair| pair[0] >= pair[1]), "{effects:?}");
+    for (row, line) in rows.iter().zip(csv.lines().skip(1)) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!((row["of"].as_str(), row["by"].as_str()), (Some(cells[0]), Some(cells[1])));
+        let number: f64 = cells[3].parse().unwrap();
+        assert_eq!(row["derivative"].as_f64(), Some(number));
+        assert_eq!(row["method"], "gradient");
+    }
+    let of = |by: &str| rows.iter().find(|row| row["by"] == by).unwrap();
+    assert_eq!(of("zone.check.stiffness")["derivative"], 0.0);
+    assert!(of("force")["derivative"].as_f64().unwrap() > 0.1 && of("force")["per"] == "N");
+    let svg = folder.read("erard-out-study/sensitivities.svg");
+    assert!(svg.contains("let_off +0.100 mm") && svg.ends_with("</svg>\n"));
+    assert!(folder.0.join("erard-out-study/sensitivities.png").is_file());
 }
 
 /// Control-C: exit code 130, nothing written.

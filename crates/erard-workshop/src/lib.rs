@@ -11,6 +11,7 @@ pub mod fmu;
 pub mod kinematics;
 pub mod measure;
 pub mod regulate;
+pub mod sensitivities;
 pub mod study;
 pub mod trying;
 pub mod weighing;

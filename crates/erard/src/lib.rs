@@ -21,6 +21,7 @@ pub mod assembly;
 pub mod equilibrium;
 pub mod events;
 pub mod files;
+pub mod gradient;
 pub mod grand;
 pub mod instrument;
 pub mod keyboard;

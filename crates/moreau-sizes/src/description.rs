@@ -1,6 +1,8 @@
 //! What a mechanism is, in lists of any length.
 
-use moreau::{Body, Description, Dwell, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
+use moreau::{
+    Body, Curve, Description, Dwell, Exponent, Felt, Loss, Model, ModelError, Scalar, Site, Spring, Yields, Zone,
+};
 
 /// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is [`moreau::GROUND`].
 #[derive(Debug, Clone)]
@@ -41,6 +43,101 @@ impl<T: Scalar> OwnedDescription<T> {
     /// The first angles in a given size; unused places are zero.
     pub fn first_angles<const B: usize>(&self) -> [T; B] {
         core::array::from_fn(|i| self.angles.get(i).copied().unwrap_or(T::ZERO))
+    }
+}
+
+impl OwnedDescription<f64> {
+    /// All its numbers, in a fixed order.
+    pub fn numbers(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        self.map(&mut |x| {
+            numbers.push(x);
+            x
+        });
+        numbers
+    }
+
+    /// The same mechanism with other numbers, of another type, in the same order; what lacks at the end is zero.
+    pub fn with_numbers<T: Scalar>(&self, numbers: impl IntoIterator<Item = T>) -> OwnedDescription<T> {
+        let mut numbers = numbers.into_iter();
+        self.map(&mut |_| numbers.next().unwrap_or(T::ZERO))
+    }
+
+    /// Every number through a function, which is called in a fixed order.
+    fn map<T: Scalar>(&self, f: &mut dyn FnMut(f64) -> T) -> OwnedDescription<T> {
+        let bodies = self.bodies.iter().map(|b| Body {
+            parent: b.parent,
+            pivot: b.pivot.map(&mut *f),
+            mass: f(b.mass),
+            inertia: f(b.inertia),
+            center_of_mass: b.center_of_mass.map(&mut *f),
+            dry: f(b.dry),
+            viscous: f(b.viscous),
+        });
+        let bodies = bodies.collect();
+        let springs = self.springs.iter().map(|s| Spring {
+            body: s.body,
+            torque: f(s.torque),
+            stiffness: f(s.stiffness),
+            reference: f(s.reference),
+        });
+        let springs = springs.collect();
+        let zones = self.zones.iter().map(|z| Zone {
+            disc_body: z.disc_body,
+            center: z.center.map(&mut *f),
+            radius: f(z.radius),
+            curve_body: z.curve_body,
+            curve: match z.curve {
+                Curve::Line { point, normal } => Curve::Line { point: point.map(&mut *f), normal: normal.map(&mut *f) },
+                Curve::Segment { from, direction, length, rounding } => Curve::Segment {
+                    from: from.map(&mut *f),
+                    direction: direction.map(&mut *f),
+                    length: f(length),
+                    rounding: f(rounding),
+                },
+                Curve::Disc { center, radius } => Curve::Disc { center: center.map(&mut *f), radius: f(radius) },
+            },
+            felt: felt(&z.felt, f),
+            friction: z.friction.map(&mut *f),
+        });
+        let zones = zones.collect();
+        let dwells = self.dwells.iter().map(|d| Dwell { part: d.part, ratio: f(d.ratio), time: f(d.time) }).collect();
+        let yields =
+            self.yields.iter().map(|y| Yields { zone: y.zone, excursion: f(y.excursion) }).collect();
+        let site = self.site.map(|s| Site {
+            body: s.body,
+            point: s.point.map(&mut *f),
+            direction: s.direction.map(&mut *f),
+            stiffness: f(s.stiffness),
+            damping: f(s.damping),
+        });
+        let gravity = f(self.gravity);
+        let angles = self.angles.iter().map(|x| f(*x)).collect();
+        OwnedDescription { bodies, springs, zones, dwells, yields, site, gravity, angles }
+    }
+}
+
+fn felt<T: Scalar>(felt: &Felt<f64>, f: &mut dyn FnMut(f64) -> T) -> Felt<T> {
+    Felt {
+        stiffness: f(felt.stiffness),
+        exponent: match felt.exponent {
+            // The usual exponents are no numbers that could be varied.
+            Exponent::Two => Exponent::Two,
+            Exponent::TwoAndHalf => Exponent::TwoAndHalf,
+            Exponent::Three => Exponent::Three,
+            Exponent::Other(r) => Exponent::Other(f(r)),
+        },
+        loss: match felt.loss {
+            Loss::HuntCrossley(a) => Loss::HuntCrossley(f(a)),
+            Loss::SetValued { damping, eta } => Loss::SetValued { damping: f(damping), eta: f(eta) },
+            Loss::Elastoplastic { damping, eta, slip } => {
+                Loss::Elastoplastic { damping: f(damping), eta: f(eta), slip: f(slip) }
+            }
+            Loss::Hereditary { relaxed, time } => Loss::Hereditary { relaxed: f(relaxed), time: f(time) },
+            // Losses that are added to the engine come here as errors of its model, not unseen.
+            Loss::Quadratic(b) => Loss::Quadratic(f(b)),
+            _ => Loss::Quadratic(f(f64::NAN)),
+        },
     }
 }
 

@@ -1,6 +1,6 @@
 //! When and how fast a watched point meets a watched zone, told by its flight before.
 
-use moreau::{Clearance, Model, Pose, TrackedPoint};
+use moreau::{Clearance, Model, Pose, Real, Scalar, TrackedPoint};
 
 use crate::Marks;
 
@@ -163,29 +163,38 @@ impl<const B: usize> Flight<B> {
     }
 }
 
+/// Instant (s) and speed (m/s) of the meeting that follows if a point flies on as it did between two samples (instant, s; the zone's compression, m; speed,
+/// m/s), its acceleration unchanged, at the latest at `now_s`:
+///
+/// a = dv/dt, d = -g / (dg/dx), v^2 = v_b^2 + 2 a d, t = t_b + 2 d / (v_b + v)
+///
+/// with both slopes taken over the step before, g the zone's compression and x the point's path. The end of the step in which the
+/// zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's blow a hundredth slower.
+/// `None` where there is no such flight: at the second look, and where the zone was touched a step before.
+pub fn met_in_flight<T: Scalar>([older, before]: [[T; 3]; 2], now_s: T) -> Option<[T; 2]> {
+    let ([older_s, older_m, v0], [before_s, before_m, v1]) = (older, before);
+    let last_s = before_s - older_s;
+    let nearer = before_m - older_m;
+    if older_m > T::ZERO || nearer <= T::ZERO {
+        return None;
+    }
+    let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
+    let distance_m = -before_m / nearer * half * (v0 + v1) * last_s;
+    let square = v1 * v1 + two * (v1 - v0) / last_s * distance_m;
+    if square <= T::ZERO {
+        return None;
+    }
+    let speed_m_s = Real::sqrt(square);
+    let flight_s = two * distance_m / (v1 + speed_m_s);
+    Some([Real::min(before_s + flight_s, now_s), speed_m_s])
+}
+
 impl Sample {
-    /// The meeting that follows if the point flies on as it did between `older` and here, its acceleration unchanged:
-    ///
-    /// a = dv/dt, d = -g / (dg/dx), v^2 = v_b^2 + 2 a d, t = t_b + 2 d / (v_b + v)
-    ///
-    /// with both slopes taken over the step before, g the zone's compression and x the point's path. The end of the step in which the
-    /// zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's blow a hundredth slower.
-    /// `None` where there is no such flight: at the second look, and where the zone was touched a step before.
+    /// The meeting that follows if the point flies on as it did between `older` and here ([`met_in_flight`]).
     pub fn flight(&self, older: &Sample, now: &Sample) -> Option<Meeting> {
-        let (v0, v1) = (older.speed_m_s, self.speed_m_s);
-        let last_s = self.time_s - older.time_s;
-        let nearer = self.gap_m - older.gap_m;
-        if older.gap_m > 0.0 || nearer <= 0.0 {
-            return None;
-        }
-        let distance_m = -self.gap_m / nearer * 0.5 * (v0 + v1) * last_s;
-        let square = v1 * v1 + 2.0 * (v1 - v0) / last_s * distance_m;
-        if square <= 0.0 {
-            return None;
-        }
-        let speed_m_s = square.sqrt();
-        let flight_s = 2.0 * distance_m / (v1 + speed_m_s);
-        Some(Meeting { time_s: (self.time_s + flight_s).min(now.time_s), speed_m_s })
+        let numbers = |s: &Sample| [s.time_s, s.gap_m, s.speed_m_s];
+        met_in_flight([numbers(older), numbers(self)], now.time_s)
+            .map(|[time_s, speed_m_s]| Meeting { time_s, speed_m_s })
     }
 
     /// The meeting where the compression, running linearly from here to `now`, is zero; the speed runs linearly, too.

@@ -6,9 +6,10 @@
 //!
 //! - [`Mechanism`]: one, with its own working memory;
 //! - [`Bank`]: many that are stepped one after the other and sleep while nothing changes;
-//! - [`SideBySide`]: several of one topology in the processor's vector lanes.
+//! - [`SideBySide`]: several of one topology in the processor's vector lanes;
+//! - [`Tangents`]: one, with the derivatives of its motion.
 //!
-//! All three look at what happens through the same code ([`Marks`], [`Meeting`]).
+//! The first three look at what happens through the same code ([`Marks`], [`Meeting`]).
 
 mod bank;
 mod description;
@@ -19,13 +20,15 @@ mod placed;
 mod side_by_side;
 mod size;
 mod surfaces;
+mod tangents;
 
 pub use bank::{Bank, Tick, bank};
 pub use description::{Marks, OwnedDescription};
-pub use flight::Meeting;
+pub use flight::{Meeting, met_in_flight};
 pub use mechanism::{InputDuring, Mechanism, Saved, View, mechanism};
 pub use moreau_lanes::Lanes;
 pub use placed::{Placed, Visible, placed};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};
 pub use surfaces::Surfaces;
+pub use tangents::{DIRECTIONS, Number, Tangents, tangents};

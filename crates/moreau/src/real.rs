@@ -131,6 +131,13 @@ pub trait Real:
     fn tanh(self) -> Self;
     /// Sine and cosine for any argument. Slow; the kernel calls it beyond a quarter of pi.
     fn sin_cos_any(self) -> (Self, Self);
+    /// Whether the derivatives that these numbers carry have settled, after Newton's method has corrected them by `corrections`: always, for numbers that
+    /// carry none ([`Dual`](crate::Dual) does).
+    #[inline(always)]
+    fn derivatives_settled(corrections: &[Self], values: &[Self]) -> Self::Mask {
+        let _ = (corrections, values);
+        Self::Mask::splat(true)
+    }
 }
 
 /// Hides from the compiler, in lanes, what a reference points to.

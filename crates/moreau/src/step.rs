@@ -268,6 +268,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     let linear = linearisation_holds(model, settings, &timing, near, &next, workspace);
     let enough = if linear.all() { linear } else { linear.or(small(&workspace.correction, &next, settings.tolerance)) };
     let mut settled = enough.and(solved).and(finite).and(done.not());
+    settled = settled.and(T::derivatives_settled(&workspace.correction, &next));
     if model.remembers && !settings.friction.is_regularised() {
         settled = settled.and(unsettled(model, settings, w0, &next, workspace).not());
     }

@@ -350,6 +350,12 @@ impl StrokeOptions {
     }
 
     /// A constant force that is given otherwise: any stroke that is asked for contradicts it.
+    /// Whether a constant force was asked for.
+    pub fn is_constant(&self) -> bool {
+        self.force_step.is_some()
+    }
+
+    /// A constant force, and nothing else.
     pub fn load_constant(&self) -> Result<Stroke, Failure> {
         if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != DriveName::Force) {
             return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));

@@ -19,6 +19,7 @@ use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::report::chart_svg;
 use crate::say;
+use crate::study::sensitivities as sensitive;
 use crate::study::{Axis, GRADING, Row, Source, Target, chart, columns, doubts, lines};
 use crate::table;
 use crate::tell;
@@ -43,8 +44,24 @@ at most six curves.";
 #[command(after_help = AFTER)]
 pub struct Study {
     /// What is varied, from where to where and in how many values, or values with commas; may be repeated
-    #[arg(long, value_name = "NAME=FROM..TO:COUNT", required = true, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "NAME=FROM..TO:COUNT",
+        required_unless_present = "sensitivities",
+        allow_hyphen_values = true
+    )]
     vary: Vec<String>,
+    /// Tell which numbers of the instrument matter most, instead: derivatives of hammer speed, let-off, timing and touch weight, the largest first
+    #[arg(long, conflicts_with_all = ["vary", "measure", "single"])]
+    sensitivities: bool,
+    /// What derivatives are taken by: names and paths as --vary takes them, with commas [default: every screw and parameter]
+    #[arg(long, value_name = "NAME,NAME,..", value_delimiter = ',', requires = "sensitivities")]
+    by: Vec<String>,
+    /// Of what: keys with commas, of hammer_speed_m_per_s, let_off_s, hammer_contact_s, key_bottom_s, key_bottom_after_blow_s, free_flight_s,
+    /// key_start_s, toe_contact_s, key_start_to_hammer_s, down_weight_g, up_weight_g, balance_weight_g [default: speed, let-off, key bottom after the blow,
+    /// down-weight and balance weight]
+    #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', requires = "sensitivities")]
+    of: Vec<String>,
     /// Measure every variant, too: keys of measure.json with commas, such as down_weight_g,effective_inertia_kg,repetition_rate_half_hz
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',')]
     measure: Vec<String>,
@@ -81,6 +98,9 @@ fn rows_shown(text: &str) -> Result<usize, String> {
 impl Study {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
+        if self.sensitivities {
+            return self.tell_what_matters();
+        }
         let settings = self.step.settings()?;
         let measures = measured_lines("--measure", &self.measure)?;
         let (instrument, source) = self.source()?;
@@ -126,6 +146,50 @@ impl Study {
         say!();
         say!("{} strokes; {failed} failed", rows.len());
         say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
+        Ok(())
+    }
+
+    /// The derivatives of a stroke's outcome.
+    fn tell_what_matters(&self) -> Result<(), Failure> {
+        let settings = self.step.settings()?;
+        let of = sensitive::wanted(&self.of)?;
+        let (instrument, text) = load_instrument_and_text(self.instrument.asked())?;
+        let instrument = self.instrument.reduced(instrument)?;
+        let by = sensitive::variables(&instrument, &text, &self.by, self.stroke.is_constant())?;
+        let stroke = self.stroke.load()?;
+        let duration_s = self.duration.unwrap_or(stroke.duration_s);
+        let setup =
+            Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None, ledger: false };
+        check(&setup)?;
+        let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];
+        let mut output = self.out.prepare("study", &files)?;
+        // Once, so that what is wrong with it is told before any work.
+        drop(stroke.inputs(&instrument.finger)?);
+        let finger = instrument.finger;
+        let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));
+        let found = sensitive::find(&instrument, by, of, &inputs, &setup)?;
+        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
+        output.stage("sensitivities.csv", |w| sensitive::write_csv(&found, w))?;
+        output.stage("sensitivities.json", |w| {
+            serde_json::to_writer_pretty(&mut *w, &sensitive::report(&found, &instrument.name, &stroke.title))?;
+            Ok(())
+        })?;
+        let (svg, png) = sensitive::pictures(&found, &title)?;
+        output.stage("sensitivities.svg", |w| w.write_all(svg.as_bytes()))?;
+        output.stage("sensitivities.png", |w| w.write_all(&png))?;
+        output.commit()?;
+
+        say!("{title}");
+        say!();
+        for line in sensitive::lines(&found, self.rows) {
+            say!("{line}");
+        }
+        say!();
+        let [switches, unresolved] = found.switches;
+        if switches > 0 {
+            say!("{switches} switches of friction on the way, {unresolved} of them not told apart");
+        }
+        say!("Written to {}: {}", shown(self.out.folder()), files.join(", "));
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! What `erard study` is asked and answers: what is varied, the table, the figure.
 
 mod figure;
+pub mod sensitivities;
 mod table;
 mod vary;
 

@@ -16,6 +16,7 @@ mod pair;
 mod png;
 mod run;
 mod ticks;
+mod tornado;
 
 pub use axis::Scale;
 pub use decimate::decimate;
@@ -25,6 +26,7 @@ pub use pair::{COINCIDE, pair_figure, pair_svg};
 pub use png::{PngError, png_from_svg};
 pub use run::{events, instants, run_figure, run_svg, windows};
 pub use ticks::range as padded_range;
+pub use tornado::{Bar, Tornado, TornadoPanel, tornado_svg};
 
 use crate::drawing::FONTS;
 use crate::svg::{escape, number};

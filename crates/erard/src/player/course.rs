@@ -17,7 +17,7 @@ use crate::trust::{Extremes, assess};
 /// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
 pub const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
 /// How much of a rigid drive's position error is taken back per step, or in this time where steps are of any length, s.
-pub(super) const RIGID_CORRECTION: f64 = 0.1;
+pub(crate) const RIGID_CORRECTION: f64 = 0.1;
 const RIGID_CORRECTION_S: f64 = 50e-6;
 
 /// Told the share done; ends the run by returning false.

@@ -1,0 +1,278 @@
+//! `erard study --sensitivities`: which numbers matter.
+
+use std::io::Write;
+
+use erard::instrument::Instrument;
+use erard::simulation::Setup;
+use erard_figures::figure::{Bar, Tornado, TornadoPanel, png_from_svg, tornado_svg};
+use erard_workshop::sensitivities::{
+    Mark, Quantity, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
+    sensitivities, threads,
+};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::table::three;
+
+/// Bars of a panel of the figure.
+const MOST_BARS: usize = 14;
+
+/// What is differentiated: the keys asked for, or the usual ones.
+///
+/// # Errors
+/// A key that does not exist.
+pub fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
+    let all = quantities();
+    let asked: Vec<&str> = if keys.is_empty() { USUAL.to_vec() } else { keys.iter().map(String::as_str).collect() };
+    let mut found: Vec<Quantity> = Vec::new();
+    for key in asked {
+        let Some(one) = all.iter().find(|one| one.key == key) else {
+            let known: Vec<&str> = all.iter().map(|one| one.key).collect();
+            return Err(Failure::Usage(format!("--of: found `{key}`, expected keys of {}", known.join(", "))));
+        };
+        if found.contains(one) {
+            return Err(Failure::Usage(format!("--of: `{key}` is asked for twice")));
+        }
+        found.push(*one);
+    }
+    Ok(found)
+}
+
+/// By what: the numbers asked for, or all parameters.
+///
+/// # Errors
+/// A number that does not exist, or that stands at an end of its range.
+pub fn variables(
+    instrument: &Instrument,
+    text: &str,
+    names: &[String],
+    constant: bool,
+) -> Result<Vec<Variable>, Failure> {
+    if names.is_empty() {
+        return Ok(Variable::all(instrument));
+    }
+    let mut found: Vec<Variable> = Vec::new();
+    for name in names {
+        if name == "force" && !constant {
+            return Err(Failure::Usage("--by force: expected a constant force, as --force-step gives".into()));
+        }
+        if found.iter().any(|one| one.name == *name) {
+            return Err(Failure::Usage(format!("--by: `{name}` is asked for twice")));
+        }
+        let one = Variable::named(instrument, text, name)
+            .map_err(|error: VariableError| Failure::Usage(format!("--by: {error}")))?;
+        found.push(one);
+    }
+    Ok(found)
+}
+
+/// Works them out.
+///
+/// # Errors
+/// What cannot be differentiated, and an interruption.
+pub fn find<'a>(
+    instrument: &Instrument,
+    by: Vec<Variable>,
+    of: Vec<Quantity>,
+    stroke: &(dyn Fn() -> erard_workshop::study::Stroke<'a> + Sync),
+    setup: &Setup,
+) -> Result<Sensitivities, Failure> {
+    let mut progress = Progress::new("differentiating");
+    sensitivities(instrument, by, of, stroke, setup, threads(), &mut |share| progress.tell(share)).map_err(|error| {
+        match error {
+            SensitivityError::Simulation(error) => Failure::Simulation(error),
+            SensitivityError::Measure(error) => Failure::Measure { label: instrument.name.clone(), error },
+            SensitivityError::Gradient(erard::gradient::GradientError::Simulation(error)) => Failure::Simulation(error),
+            error => Failure::Usage(error.to_string()),
+        }
+    })
+}
+
+/// A row of sensitivities.json and sensitivities.csv.
+#[derive(Debug, Serialize)]
+pub struct Row<'a> {
+    of: &'a str,
+    by: &'a str,
+    per: &'a str,
+    derivative: f64,
+    error: f64,
+    usual_change: f64,
+    effect: f64,
+    elasticity: Option<f64>,
+    method: &'a str,
+    differences: Option<f64>,
+    differences_error: Option<f64>,
+    mark: &'a str,
+}
+
+/// sensitivities.json.
+#[derive(Debug, Serialize)]
+pub struct Report<'a> {
+    instrument: &'a str,
+    stroke: &'a str,
+    values: Vec<Value<'a>>,
+    switches: u32,
+    unresolved_switches: u32,
+    rows: Vec<Row<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Value<'a> {
+    of: &'a str,
+    value: Option<f64>,
+    method: &'a str,
+}
+
+fn row<'a>(all: &'a Sensitivities, one: &'a Sensitivity) -> Row<'a> {
+    let (of, by) = (&all.of[one.of], &all.by[one.by]);
+    Row {
+        of: of.key,
+        by: &by.name,
+        per: by.per,
+        derivative: one.derivative,
+        error: one.error,
+        usual_change: by.usual,
+        effect: one.effect(all),
+        elasticity: one.elasticity(all),
+        method: of.method.name(),
+        differences: one.differences.map(|[slope, _]| slope),
+        differences_error: one.differences.map(|[_, error]| error),
+        mark: one.mark.name(),
+    }
+}
+
+/// All of it, to be written as JSON.
+pub fn report<'a>(all: &'a Sensitivities, instrument: &'a str, stroke: &'a str) -> Report<'a> {
+    let values = all.of.iter().zip(&all.values);
+    Report {
+        instrument,
+        stroke,
+        values: values.map(|(of, value)| Value { of: of.key, value: *value, method: of.method.name() }).collect(),
+        switches: all.switches[0],
+        unresolved_switches: all.switches[1],
+        rows: all.rows.iter().map(|one| row(all, one)).collect(),
+    }
+}
+
+/// sensitivities.csv.
+///
+/// # Errors
+/// Of the writer.
+pub fn write_csv(all: &Sensitivities, to: &mut dyn Write) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(to);
+    for one in &all.rows {
+        csv.serialize(row(all, one))?;
+    }
+    csv.flush()
+}
+
+/// So many units of the number, as its label says them.
+fn usual(variable: &Variable) -> String {
+    format!("{} {}", three(variable.usual), variable.per)
+}
+
+fn shown(quantity: &Quantity, x: f64) -> f64 {
+    if quantity.thousandths { 1e3 * x } else { x }
+}
+
+fn heading(all: &Sensitivities, k: usize) -> String {
+    let of = &all.of[k];
+    let value = all.values[k].map_or("did not happen".to_owned(), |x| format!("{} {}", three(shown(of, x)), of.unit));
+    format!("{}: {value}", of.label)
+}
+
+/// The figure.
+pub fn figure(all: &Sensitivities, title: &str) -> Tornado {
+    let panel = |k: usize| TornadoPanel {
+        title: heading(all, k),
+        unit: all.of[k].unit.to_owned(),
+        bars: all
+            .rows
+            .iter()
+            .filter(|one| one.of == k && one.effect(all) != 0.0)
+            .take(MOST_BARS)
+            .map(|one| {
+                let variable = &all.by[one.by];
+                Bar {
+                    label: format!("{} +{}", variable.name, usual(variable)),
+                    effect: shown(&all.of[k], one.effect(all)),
+                    error: shown(&all.of[k], one.error * variable.usual),
+                    marked: one.mark != Mark::None,
+                }
+            })
+            .collect(),
+    };
+    Tornado {
+        title: title.to_owned(),
+        subtitle: "what a usual change of a number does to first order; hollow: the solution jumps nearby, or the slope holds only close by"
+            .to_owned(),
+        panels: (0..all.of.len()).map(panel).filter(|panel| !panel.bars.is_empty()).collect(),
+    }
+}
+
+/// The figure as SVG and PNG.
+///
+/// # Errors
+/// A fault of the renderer.
+pub fn pictures(all: &Sensitivities, title: &str) -> Result<(String, Vec<u8>), Failure> {
+    let svg = tornado_svg(&figure(all, title));
+    let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+    Ok((svg, png))
+}
+
+/// Three digits of a number of any size.
+fn digits(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return "0".to_owned();
+    }
+    let places = (2 - x.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    if x.abs() < 1e-6 { format!("{x:.1e}") } else { format!("{x:.places$}") }
+}
+
+/// The table for people: of every quantity at most so many rows.
+pub fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let wide = all.by.iter().map(|one| one.name.chars().count()).max().unwrap_or(0).max(12);
+    for (k, of) in all.of.iter().enumerate() {
+        if k > 0 {
+            lines.push(String::new());
+        }
+        lines.push(format!("{}   (by {})", heading(all, k), of.method.name()));
+        let rows: Vec<&Sensitivity> = all.rows.iter().filter(|one| one.of == k).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        lines.push(format!(
+            "  {:wide$} {:>10} {:>12} {:>10} {:>11} {:>12}",
+            "",
+            "change",
+            format!("{} +-", of.unit),
+            "error",
+            "elasticity",
+            "differences"
+        ));
+        for one in rows.iter().take(most) {
+            let variable = &all.by[one.by];
+            let scaled = |x: f64| digits(shown(of, x * variable.usual));
+            lines.push(
+                format!(
+                    "  {:wide$} {:>10} {:>12} {:>10} {:>11} {:>12}  {}",
+                    variable.name,
+                    usual(variable),
+                    scaled(one.derivative),
+                    scaled(one.error),
+                    one.elasticity(all).map_or("-".to_owned(), digits),
+                    one.differences.map_or("-".to_owned(), |[slope, _]| scaled(slope)),
+                    one.mark.name(),
+                )
+                .trim_end()
+                .to_owned(),
+            );
+        }
+        if rows.len() > most {
+            lines.push(format!("  {} more; sensitivities.csv holds them", rows.len() - most));
+        }
+    }
+    lines
+}

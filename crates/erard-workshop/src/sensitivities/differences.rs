@@ -1,0 +1,185 @@
+//! Differences over windows that are wide against what one step resolves: what derivatives are held against, and what touch weights have instead.
+
+use erard::grand::{Parts, pedal_down};
+use erard::instrument::Instrument;
+use erard::player::Input;
+use erard::run::Events;
+use erard::simulation::{Setup, SimulationError};
+
+use super::{SensitivityError, Variable};
+use crate::cores::{do_all, job};
+use crate::measure::weights::{Touch, by_loop, free_way};
+use crate::study::{Job, JobResult, Played, Stroke, Workers, play_all};
+
+/// Where the quantity is looked at: so many windows from where the number stands.
+const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+/// A change that differences see: a share of the quantity.
+const SEEN: f64 = 2e-5;
+/// Two slopes to the two sides whose difference is more than this share of the larger one are not one slope.
+const ONE_SLOPE: f64 = 0.5;
+
+/// A slope over a window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Differences {
+    /// By differences to both sides, extrapolated from two windows.
+    pub slope: f64,
+    /// How far the two windows are apart.
+    pub error: f64,
+    /// To either side.
+    sides: [f64; 2],
+    /// What of the five values no parabola explains.
+    left: f64,
+    window: f64,
+}
+
+impl Differences {
+    /// From the values at two windows below to two above, and in the middle.
+    fn of([a, b, m, c, d]: [f64; 5], window: f64) -> Self {
+        let (near, far) = ((c - b) / (2.0 * window), (d - a) / (4.0 * window));
+        Differences {
+            slope: (4.0 * near - far) / 3.0,
+            error: (near - far).abs(),
+            sides: [(m - b) / window, (c - m) / window],
+            left: (a - 4.0 * b + 6.0 * m - 4.0 * c + d).abs() / 16.0,
+            window,
+        }
+    }
+
+    /// Whether it changes the quantity by something that differences see.
+    pub fn matters(&self, value: f64) -> bool {
+        self.slope.abs() * self.window > SEEN * value.abs()
+    }
+
+    /// Whether the two sides have slopes of their own, and no parabola has the values between.
+    pub fn jumps(&self) -> bool {
+        let [below, above] = self.sides;
+        let larger = below.abs().max(above.abs());
+        (above - below).abs() > ONE_SLOPE * larger && self.left > 0.1 * larger * self.window
+    }
+}
+
+/// The variants that differences need.
+pub(super) struct Window<'a> {
+    by: &'a [Variable],
+    instruments: Vec<Instrument>,
+    /// Of every variable, which instruments; `None` where it cannot be changed so.
+    places: Vec<Option<[usize; 4]>>,
+    /// Half the window of every variable.
+    half: Vec<f64>,
+}
+
+impl<'a> Window<'a> {
+    pub fn new(instrument: &Instrument, by: &'a [Variable], half: fn(&Variable) -> f64) -> Self {
+        let mut instruments = vec![instrument.clone()];
+        let places = by
+            .iter()
+            .map(|variable| {
+                let varied: Option<Vec<Instrument>> =
+                    PLACES.iter().map(|place| variable.at(instrument, place * half(variable))).collect();
+                varied.map(|varied| {
+                    let from = instruments.len();
+                    instruments.extend(varied);
+                    core::array::from_fn(|k| from + k)
+                })
+            })
+            .collect();
+        Window { by, instruments, places, half: by.iter().map(half).collect() }
+    }
+
+    /// Plays the stroke on all of them.
+    pub fn play<'s>(
+        &self,
+        stroke: &(dyn Fn() -> Stroke<'s> + Sync),
+        setup: &Setup,
+        threads: usize,
+        progress: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Vec<JobResult>, SimulationError> {
+        let mut force = vec![0.0; self.instruments.len()];
+        for ((variable, places), half) in self.by.iter().zip(&self.places).zip(&self.half) {
+            for (place, index) in PLACES.iter().zip(places.iter().flatten()) {
+                force[*index] = if variable.is_force() { place * half } else { 0.0 };
+            }
+        }
+        let jobs = force.into_iter().enumerate().map(|(instrument, more)| {
+            let own = stroke();
+            let stroke: Stroke<'s> = match more {
+                0.0 => own,
+                more => Box::new(move |t| match own(t) {
+                    Input::Force(force_n) => Input::Force(force_n + more),
+                    other => other,
+                }),
+            };
+            Job { instrument, stroke }
+        });
+        let workers = Workers { threads, ..Workers::all() };
+        let setup = Setup { ledger: false, ..*setup };
+        play_all(&self.instruments, jobs.collect(), &setup, workers, progress)
+    }
+
+    /// Weighs all of them, by slow loops.
+    pub fn weigh(&self, threads: usize, progress: &mut dyn FnMut(f64) -> bool) -> Result<Vec<Touch>, SensitivityError> {
+        let mut found: Vec<Option<Option<Touch>>> = vec![None; self.instruments.len()];
+        let work = found.iter_mut().zip(&self.instruments).enumerate().map(|(k, (place, instrument))| {
+            job(place, move |going| -> Result<Option<Touch>, SensitivityError> {
+                match touch(instrument, going) {
+                    Ok(touch) => Ok(Some(touch)),
+                    // A variant that cannot be weighed has no differences; the instrument itself must be.
+                    Err(error) if k == 0 || error.is_interruption() => Err(error.into()),
+                    Err(_) => Ok(None),
+                }
+            })
+        });
+        do_all(work.collect(), threads, progress)?;
+        Ok(found.into_iter().map(|one| one.flatten().unwrap_or_default()).collect())
+    }
+
+    /// Of a quantity of the strokes by a variable.
+    pub fn of_events(&self, played: &[JobResult], variable: usize, key: &str) -> Option<Differences> {
+        let value = |index: usize| played.get(index)?.as_ref().ok().and_then(|one| event(one, key));
+        self.of(variable, value)
+    }
+
+    /// Of a weight by a variable.
+    pub fn of_weights(&self, weighed: &[Touch], variable: usize, key: &str) -> Option<Differences> {
+        self.of(variable, |index| weight(weighed.get(index)?, key))
+    }
+
+    fn of(&self, variable: usize, value: impl Fn(usize) -> Option<f64>) -> Option<Differences> {
+        let [a, b, c, d] = self.places[variable]?;
+        let values = [value(a)?, value(b)?, value(0)?, value(c)?, value(d)?];
+        Some(Differences::of(values, self.half[variable]))
+    }
+}
+
+fn touch(instrument: &Instrument, going: crate::cores::Interrupt<'_>) -> Result<Touch, crate::measure::MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    let way = free_way(&lifted, &parts, going)?;
+    Ok(by_loop(&lifted, way.end_m, going)?.touch)
+}
+
+/// A weight by its key, g.
+pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
+    match key {
+        "down_weight_g" => touch.down_weight_g,
+        "up_weight_g" => touch.up_weight_g,
+        _ => touch.balance_weight_g(),
+    }
+}
+
+/// A quantity of a stroke by its key.
+fn event(played: &Played, key: &str) -> Option<f64> {
+    let events: &Events = &played.events;
+    match key {
+        "hammer_speed_m_per_s" => events.hammer_speed_m_s,
+        "let_off_s" => events.let_off_s,
+        "hammer_contact_s" => events.hammer_contact_s,
+        "key_bottom_s" => events.key_bottom_s,
+        "key_bottom_after_blow_s" => events.key_bottom_after_blow_s(),
+        "free_flight_s" => events.free_flight_s(),
+        "key_start_s" => events.key_start_s,
+        "toe_contact_s" => events.toe_contact_s,
+        "key_start_to_hammer_s" => Some(events.hammer_contact_s? - events.key_start_s?),
+        _ => None,
+    }
+}

@@ -1,0 +1,371 @@
+//! Which numbers of an instrument matter, and how much: the derivatives of a stroke's outcome by them.
+//!
+//! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the steps' length apart. It is done
+//! with three steps, [`SHARES`] of the stroke's: the middle result is told, half of their range is its error. Beside it stand differences over a window
+//! that is wide against anything that one step resolves: where they say something else, or something else to either side, the solution
+//! jumps nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
+
+mod differences;
+mod variable;
+
+pub use variable::{Variable, VariableError};
+
+use erard::gradient::{DIRECTIONS, Direction, Followed, GradientError, Number, QUANTITIES, STACK_BYTES, follow};
+use erard::instrument::Instrument;
+use erard::simulation::{Setup, SimulationError};
+use moreau::Settings;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use thiserror::Error;
+
+use crate::cores::{self, Ending, Interrupt, do_all, job};
+use crate::measure::MeasureError;
+use crate::study::Stroke;
+use differences::{Differences, Window};
+
+/// A quantity that is differentiated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quantity {
+    /// Its name, which ends with its unit.
+    pub key: &'static str,
+    /// For people.
+    pub label: &'static str,
+    /// Unit in which it is shown, and how many of these an SI unit (a gram, of a weight) is.
+    pub unit: &'static str,
+    /// Thousandths: whether it is shown in them.
+    pub thousandths: bool,
+    /// How it is differentiated.
+    pub method: Method,
+}
+
+/// How a number was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// In numbers that carry derivatives.
+    Gradient,
+    /// By differences.
+    Differences,
+}
+
+impl Method {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Gradient => "gradient",
+            Method::Differences => "differences",
+        }
+    }
+}
+
+/// What is told of an instrument, unless something else is asked for.
+pub const USUAL: [&str; 5] =
+    ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_blow_s", "down_weight_g", "balance_weight_g"];
+
+/// Everything that can be asked for.
+pub fn quantities() -> Vec<Quantity> {
+    let told = [
+        ("hammer_speed_m_per_s", "hammer speed", "m/s", false),
+        ("let_off_s", "let-off", "ms", true),
+        ("hammer_contact_s", "hammer meets the string", "ms", true),
+        ("key_bottom_s", "key meets its bottom", "ms", true),
+        ("key_bottom_after_blow_s", "key bottom after the blow", "ms", true),
+        ("free_flight_s", "free flight", "ms", true),
+        ("key_start_s", "key start", "ms", true),
+        ("toe_contact_s", "toe meets the button", "ms", true),
+        ("key_start_to_hammer_s", "key start to hammer", "ms", true),
+    ];
+    let followed = told.map(|(key, label, unit, thousandths)| Quantity {
+        key,
+        label,
+        unit,
+        thousandths,
+        method: Method::Gradient,
+    });
+    let weight = |key, label| Quantity { key, label, unit: "g", thousandths: false, method: Method::Differences };
+    let weights = [
+        weight("down_weight_g", "down-weight"),
+        weight("up_weight_g", "up-weight"),
+        weight("balance_weight_g", "balance weight"),
+    ];
+    followed.into_iter().chain(weights).collect()
+}
+
+/// What is to be said against a derivative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// Nothing.
+    None,
+    /// Differences to the two sides are not those of one slope: the solution jumps or has a corner within the window.
+    Jumps,
+    /// Differences over the window are not what the derivative says: it holds for a smaller neighbourhood only.
+    Local,
+    /// The number cannot be changed so to both sides.
+    OneSided,
+}
+
+impl Mark {
+    /// Its name in results; empty for none.
+    pub fn name(self) -> &'static str {
+        match self {
+            Mark::None => "",
+            Mark::Jumps => "jumps",
+            Mark::Local => "local",
+            Mark::OneSided => "one-sided",
+        }
+    }
+}
+
+/// One derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensitivity {
+    /// Of which quantity: place in [`Sensitivities::of`].
+    pub of: usize,
+    /// By which number: place in [`Sensitivities::by`].
+    pub by: usize,
+    /// Change of the quantity (SI units, or g) per unit of the number ([`Variable::per`]).
+    pub derivative: f64,
+    /// Its error: of the steps' length, or of the differences.
+    pub error: f64,
+    /// Differences over the window, and their own error; `None` where the number cannot be changed so.
+    pub differences: Option<[f64; 2]>,
+    /// What is to be said against it.
+    pub mark: Mark,
+}
+
+impl Sensitivity {
+    /// What the quantity changes by with the number's usual change ([`Variable::usual`]).
+    pub fn effect(&self, all: &Sensitivities) -> f64 {
+        self.derivative * all.by[self.by].usual
+    }
+
+    /// Relative change of the quantity over relative change of the number; `None` where either has no relative change.
+    pub fn elasticity(&self, all: &Sensitivities) -> Option<f64> {
+        let value = all.values[self.of]?;
+        let own = all.by[self.by].relative()?;
+        (value != 0.0).then(|| self.derivative * own / value)
+    }
+}
+
+/// All derivatives of a stroke's outcome.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivities {
+    /// Of what.
+    pub of: Vec<Quantity>,
+    /// Their values; `None` where it did not happen.
+    pub values: Vec<Option<f64>>,
+    /// By what.
+    pub by: Vec<Variable>,
+    /// Every one of every quantity that happened, by quantity, the largest effect first.
+    pub rows: Vec<Sensitivity>,
+    /// Instants at which derivatives jump, from the pose as drawn to the blow, and those that could not be told apart.
+    pub switches: [u32; 2],
+}
+
+/// Why there are none.
+#[derive(Debug, Error)]
+pub enum SensitivityError {
+    /// Not differentiated.
+    #[error(transparent)]
+    Gradient(#[from] GradientError),
+    /// Not played.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// Not weighed.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+}
+
+impl Ending for SensitivityError {
+    fn is_interruption(&self) -> bool {
+        match self {
+            SensitivityError::Gradient(error) => error.is_interruption(),
+            SensitivityError::Simulation(error) => error.is_interruption(),
+            SensitivityError::Measure(error) => error.is_interruption(),
+        }
+    }
+}
+
+/// Parts of the progress: gradients, strokes for differences, weights.
+const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
+
+/// The derivatives of a stroke's outcome by an instrument's numbers.
+///
+/// `stroke` makes what drives the key. `progress` is told the share done and ends the work by returning false.
+///
+/// # Errors
+/// What cannot be differentiated or played as it stands; a number that cannot be changed has a mark.
+pub fn sensitivities<'a>(
+    instrument: &Instrument,
+    by: Vec<Variable>,
+    of: Vec<Quantity>,
+    stroke: &(dyn Fn() -> Stroke<'a> + Sync),
+    setup: &Setup,
+    threads: usize,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Sensitivities, SensitivityError> {
+    // Outlines are for drawings.
+    let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
+    let weighed = of.iter().any(|one| one.method == Method::Differences);
+    let followed = of.iter().any(|one| one.method == Method::Gradient);
+    let parts = [
+        if followed { PARTS[0] } else { 0.0 },
+        if followed { PARTS[1] } else { 0.0 },
+        if weighed { PARTS[2] } else { 0.0 },
+    ];
+    let total: f64 = parts.iter().sum();
+    let mut tell =
+        |part: usize, share: f64| progress((parts[..part].iter().sum::<f64>() + share * parts[part]) / total);
+    let passes = match followed {
+        true => gradients(instrument, &by, stroke, setup, threads, &mut |share| tell(0, share))?,
+        false => Passes::default(),
+    };
+    let variables = by.clone();
+    let window = Window::new(instrument, &variables, |one| one.window);
+    let heavy = Window::new(instrument, &variables, |one| one.weighing);
+    let played = match followed {
+        true => window.play(stroke, setup, threads, &mut |share| tell(1, share))?,
+        false => Vec::new(),
+    };
+    let weights = match weighed {
+        true => heavy.weigh(threads, &mut |share| tell(2, share))?,
+        false => Vec::new(),
+    };
+    let mut all = Sensitivities { values: vec![None; of.len()], of, by, rows: Vec::new(), switches: passes.switches };
+    for (k, quantity) in all.of.iter().enumerate() {
+        let mut rows = Vec::new();
+        let gradient = QUANTITIES.iter().find(|(key, _)| *key == quantity.key);
+        for (i, variable) in all.by.iter().enumerate() {
+            let found = match gradient {
+                Some((_, get)) => {
+                    let pass = |which: usize| passes.one(which, i).and_then(|f| get(&f.instants));
+                    let [Some(a), Some(b), Some(c)] = [pass(0), pass(1), pass(2)] else { continue };
+                    all.values[k] = Some(c.value);
+                    let differences = window.of_events(&played, i, quantity.key);
+                    let mut slopes = [a, b, c].map(|x: Number| x.slope[i % DIRECTIONS]);
+                    slopes.sort_by(f64::total_cmp);
+                    let [least, slope, most] = slopes;
+                    judged(slope, 0.5 * (most - least), differences, slope * variable.usual, all.values[k])
+                }
+                None => {
+                    all.values[k] = weights.first().and_then(|w| differences::weight(w, quantity.key));
+                    let Some(found) = heavy.of_weights(&weights, i, quantity.key) else { continue };
+                    let mark = if found.jumps() { Mark::Jumps } else { Mark::None };
+                    (found.slope, found.error, Some([found.slope, found.error]), mark)
+                }
+            };
+            let (derivative, error, differences, mark) = found;
+            rows.push(Sensitivity { of: k, by: i, derivative, error, differences, mark });
+        }
+        let size = |row: &Sensitivity| (row.derivative * all.by[row.by].usual).abs();
+        rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        all.rows.extend(rows);
+    }
+    Ok(all)
+}
+
+/// A derivative beside differences.
+fn judged(
+    slope: f64,
+    error: f64,
+    differences: Option<Differences>,
+    effect: f64,
+    value: Option<f64>,
+) -> (f64, f64, Option<[f64; 2]>, Mark) {
+    let Some(found) = differences else { return (slope, error, None, Mark::OneSided) };
+    // What does not change the quantity by a hundred-thousandth does not matter, whatever its mark.
+    let matters = value.is_some_and(|value| effect.abs() > NEGLIGIBLE * value.abs() || found.matters(value));
+    let apart = (slope - found.slope).abs();
+    let mark = if !matters {
+        Mark::None
+    } else if found.jumps() {
+        Mark::Jumps
+    } else if apart > SAME * slope.abs().max(found.slope.abs()) + 3.0 * error {
+        Mark::Local
+    } else {
+        Mark::None
+    };
+    (slope, error, Some([found.slope, found.error]), mark)
+}
+
+/// A usual change of a number that changes a quantity by less than this share of it does not matter.
+const NEGLIGIBLE: f64 = 1e-5;
+/// Derivative and differences are the same where they differ by less than this share.
+const SAME: f64 = 0.1;
+
+/// Steps of the press that is differentiated, as shares of the stroke's own.
+pub const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
+
+/// Gradients with every step.
+#[derive(Default)]
+struct Passes {
+    /// Of every eight numbers, one after the other.
+    each: [Vec<Followed>; 3],
+    switches: [u32; 2],
+}
+
+impl Passes {
+    fn one(&self, which: usize, variable: usize) -> Option<&Followed> {
+        self.each[which].get(variable / DIRECTIONS)
+    }
+}
+
+fn gradients<'a>(
+    instrument: &Instrument,
+    by: &[Variable],
+    stroke: &(dyn Fn() -> Stroke<'a> + Sync),
+    setup: &Setup,
+    threads: usize,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Passes, SensitivityError> {
+    let directions: Vec<_> = by.iter().map(|one| one.direction.clone()).collect();
+    let groups: Vec<&[Direction]> = directions.chunks(DIRECTIONS).collect();
+    let mut found: Vec<Option<Followed>> = vec![None; SHARES.len() * groups.len()];
+    let work = found.iter_mut().enumerate().map(|(k, place)| {
+        let (group, step) = (groups[k / SHARES.len()], setup.settings.step * SHARES[k % SHARES.len()]);
+        let setup = Setup { settings: Settings { step, ..setup.settings }, ..*setup };
+        job(place, move |going| -> Result<Followed, SensitivityError> {
+            let followed = on_a_deep_stack(going, &|going| {
+                let drive = stroke();
+                follow(instrument, group, drive.as_ref(), &setup, erard::equilibrium::STEP_S, None, going)
+            });
+            Ok(followed?)
+        })
+    });
+    do_all(work.collect(), threads, progress)?;
+    let mut passes = Passes::default();
+    for (k, one) in found.into_iter().enumerate() {
+        let one = one.ok_or(SimulationError::Interrupted)?;
+        if k == SHARES.len() - 1 {
+            passes.switches = [one.switches, one.unresolved];
+        }
+        passes.each[k % SHARES.len()].push(one);
+    }
+    Ok(passes)
+}
+
+/// How often the caller is asked whether to go on.
+const ASK_EVERY: Duration = Duration::from_millis(2);
+
+/// Does work on a thread with a deep stack; on the caller's own where no thread can be had. The caller's thread asks on whether to go on.
+fn on_a_deep_stack<T: Send>(going: Interrupt<'_>, work: &(dyn Fn(Interrupt<'_>) -> T + Sync)) -> T {
+    let stop = AtomicBool::new(false);
+    let found = std::thread::scope(|scope| {
+        let deep = std::thread::Builder::new()
+            .stack_size(STACK_BYTES)
+            .spawn_scoped(scope, || work(&|| !stop.load(Ordering::Relaxed)))
+            .ok()?;
+        while !deep.is_finished() {
+            if !going() {
+                stop.store(true, Ordering::Relaxed);
+            }
+            std::thread::park_timeout(ASK_EVERY);
+        }
+        Some(deep.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    });
+    found.unwrap_or_else(|| work(going))
+}
+
+/// Threads, unless told otherwise.
+pub fn threads() -> usize {
+    cores::count()
+}

@@ -1,0 +1,222 @@
+//! A number of an instrument that something is differentiated by.
+
+use erard::gradient::{Direction, GradientError};
+use erard::instrument::{Instrument, ScrewAction, numbers_at, with_numbers};
+use thiserror::Error;
+
+use crate::regulate::screw_unit;
+use crate::study::Parameter;
+
+/// Half the way, in the units that [`Parameter::vary`] takes, over which the map from a number to the mechanism's numbers is differenced. It is
+/// smooth, and mostly linear.
+const HALF: f64 = 1e-4;
+/// The same for a screw, m, rad or N m.
+const HALF_TURN: f64 = 1e-5;
+
+/// A number of an instrument, and how it is counted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// As `study --vary` calls it.
+    pub name: String,
+    /// The unit that derivatives are told for: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own unit of a number of the
+    /// file, `N` of the force.
+    pub per: &'static str,
+    /// Its value in that unit, where it has one: a parameter is 100 %.
+    pub value: Option<f64>,
+    /// By how many of these units one usually changes it: effects are compared by it.
+    pub usual: f64,
+    /// Half the window of the differences, and that of weighing, which is coarser.
+    pub window: f64,
+    /// See `window`.
+    pub weighing: f64,
+    /// To first order.
+    pub(super) direction: Direction,
+    target: Target,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Target {
+    Parameter(Parameter, f64),
+    Number { text: String, path: String, which: usize, value: f64 },
+    Force,
+}
+
+/// Why nothing can be differentiated by a number.
+#[derive(Debug, Error)]
+pub enum VariableError {
+    /// No such number.
+    #[error(
+        "`{name}` is nothing that can be differentiated by; expected {known}, force (of a constant force), or the path of a number in the file, as in \
+         `body.hammer.mass_g` or `zone.string.disc.center_mm.x`"
+    )]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// It stands at an end of what it may be.
+    #[error("`{name}` cannot be changed a little to both sides: {why}")]
+    Stuck {
+        /// Which.
+        name: String,
+        /// Why.
+        why: String,
+    },
+}
+
+impl Variable {
+    /// Every parameter of an instrument that has a name of its own ([`Parameter::all`]). Those that cannot be changed to both sides are left out.
+    pub fn all(instrument: &Instrument) -> Vec<Variable> {
+        let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
+        let all = Parameter::all(&plain).into_iter();
+        all.filter_map(|(name, parameter)| Self::parameter(&plain, name, parameter).ok()).collect()
+    }
+
+    /// One by its name: a parameter, `force`, or the path of a number in the instrument's text.
+    ///
+    /// # Errors
+    /// See [`VariableError`].
+    pub fn named(instrument: &Instrument, text: &str, name: &str) -> Result<Variable, VariableError> {
+        let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
+        let all = Parameter::all(&plain);
+        if let Some((name, parameter)) = all.iter().find(|(known, _)| known == name) {
+            return Self::parameter(&plain, name.clone(), parameter.clone());
+        }
+        if name == "force" {
+            let direction = Direction::force();
+            return Ok(Variable {
+                name: name.to_owned(),
+                per: "N",
+                value: None,
+                usual: 0.1,
+                window: 0.02,
+                weighing: 0.02,
+                direction,
+                target: Target::Force,
+            });
+        }
+        Self::number(text, name).unwrap_or_else(|| {
+            let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
+            Err(VariableError::Unknown { name: name.to_owned(), known: known.join(", ") })
+        })
+    }
+
+    fn parameter(plain: &Instrument, name: String, parameter: Parameter) -> Result<Self, VariableError> {
+        let (per_si, per, usual, window) = match &parameter {
+            Parameter::Screw { action, .. } => {
+                let (per_si, unit) = screw_unit(action);
+                let torque = matches!(action, ScrewAction::Spring { .. });
+                (per_si, unit, 0.1, if torque { 0.02 } else { 0.01 })
+            }
+            _ => (100.0, "%", 1.0, 0.5),
+        };
+        let half = if parameter.is_factor() { HALF } else { HALF_TURN };
+        let at = |by: f64| {
+            let mut varied = plain.clone();
+            let value = if parameter.is_factor() { 1.0 + by } else { by };
+            parameter.vary(&mut varied, value).then_some(varied)
+        };
+        let stuck = |why: String| VariableError::Stuck { name: name.clone(), why };
+        let (Some(low), Some(high)) = (at(-half), at(half)) else {
+            return Err(stuck("it stands at an end of its range".to_owned()));
+        };
+        let direction = Direction::between(&low, &high, 2.0 * half * per_si)
+            .map_err(|error: GradientError| stuck(error.to_string()))?;
+        let value = parameter.is_factor().then_some(100.0);
+        let weighing = if parameter.is_factor() { 2.0 * window } else { 5.0 * window };
+        Ok(Variable {
+            name,
+            per,
+            value,
+            usual,
+            window,
+            weighing,
+            direction,
+            target: Target::Parameter(parameter, per_si),
+        })
+    }
+
+    fn number(text: &str, name: &str) -> Option<Result<Self, VariableError>> {
+        let (path, which, value) = match numbers_at(text, name).as_deref() {
+            Some([value]) => (name.to_owned(), 0, *value),
+            _ => {
+                let (path, axis) = name.rsplit_once('.')?;
+                let which = ["x", "y"].iter().position(|known| *known == axis)?;
+                let values = numbers_at(text, path).filter(|values| values.len() == 2)?;
+                (path.to_owned(), which, values[which])
+            }
+        };
+        let per = unit_of(name);
+        let length = per == "mm" || per == "deg";
+        let half = if length { 1e-3 } else { 1e-4 * value.abs().max(1e-12) };
+        let (usual, window) = if length { (0.1, 0.01) } else { (0.01 * value.abs(), 0.005 * value.abs()) };
+        let target = Target::Number { text: text.to_owned(), path, which, value };
+        let stuck = |why: String| VariableError::Stuck { name: name.to_owned(), why };
+        let at = |by: f64| read(&target, by).map_err(&stuck);
+        let made = (|| {
+            let direction =
+                Direction::between(&at(-half)?, &at(half)?, 2.0 * half).map_err(|error| stuck(error.to_string()))?;
+            Ok(Variable {
+                name: name.to_owned(),
+                per,
+                value: Some(value),
+                usual,
+                window,
+                weighing: 4.0 * window,
+                direction,
+                target: target.clone(),
+            })
+        })();
+        Some(made)
+    }
+
+    /// The number that elasticities take it for, in its unit; `None` where a share of it means nothing.
+    pub fn relative(&self) -> Option<f64> {
+        self.value.filter(|value| *value != 0.0 && self.per != "mm" && self.per != "deg")
+    }
+
+    /// Whether it is the force, and no number of the instrument.
+    pub fn is_force(&self) -> bool {
+        self.target == Target::Force
+    }
+
+    /// The instrument with the number so many units more; `None` where that cannot be.
+    pub(super) fn at(&self, instrument: &Instrument, by: f64) -> Option<Instrument> {
+        match &self.target {
+            Target::Parameter(parameter, per_si) => {
+                let mut varied = instrument.clone();
+                let si = by / per_si;
+                parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + si } else { si }).then_some(varied)
+            }
+            Target::Force => Some(instrument.clone()),
+            number => read(number, by).ok(),
+        }
+    }
+}
+
+/// The instrument of a text with a number of it changed.
+fn read(target: &Target, by: f64) -> Result<Instrument, String> {
+    let Target::Number { text, path, which, value } = target else {
+        return Err("it is no number of the file".to_owned());
+    };
+    let new = with_numbers(text, &[(path, *which, value + by)]).ok_or("it is not there")?;
+    let read = Instrument::parse(&new, "the varied instrument").map_err(|error| error.to_string())?;
+    Ok(Instrument { parts: Vec::new(), ..read })
+}
+
+/// The unit at the end of a key of the file.
+fn unit_of(name: &str) -> &'static str {
+    let key = name.trim_end_matches(".x").trim_end_matches(".y");
+    const UNITS: [(&str, &str); 8] = [
+        ("_mm", "mm"),
+        ("_kg_m2", "kg m2"),
+        ("_deg", "deg"),
+        ("_g", "g"),
+        ("_N_m_per_rad", "N m/rad"),
+        ("_N_m", "N m"),
+        ("_N_per_m", "N/m"),
+        ("_m_s2", "m/s2"),
+    ];
+    UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("1", |(_, unit)| unit)
+}

@@ -1,0 +1,287 @@
+//! Derivatives of a key press: how its instants and speeds depend on the numbers of the instrument and on the force, by forward mode.
+//!
+//! The press is played once in numbers that carry derivatives ([`moreau_sizes::Tangents`]), up to eight directions at a time, from the pose as drawn over the
+//! rest to the blow. What is differentiated is the motion with dry friction that truly sticks and felts that are not smoothed: steps end where
+//! sliding comes to rest or turns round, and there the derivatives jump as they must (the engine's README, "Derivatives"). Of the map from
+//! an instrument's numbers to the mechanism's, which is smooth, differences are taken.
+//!
+//! A derivative holds for the piece of the solution on which the press is. Where the solution jumps beside it, as where a hammer strikes twice or
+//! only once, a derivative says nothing of the jump.
+
+mod watch;
+
+pub use moreau_sizes::{DIRECTIONS, Number};
+pub use watch::{Instants, QUANTITIES};
+
+use moreau::{Input, ModelError, Real, Settings, Stretch, TangentError};
+use moreau_sizes::{Tangents, tangents};
+use thiserror::Error;
+
+use crate::assembly::describe;
+use crate::equilibrium::{self, Settling};
+use crate::instrument::Instrument;
+use crate::player::{self, Drive};
+use crate::simulation::{Setup, SimulationError};
+use watch::DualWatch;
+
+/// Why there are no derivatives.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum GradientError {
+    /// The run could not be made.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// Static friction.
+    #[error(
+        "friction that grows at rest (`dwell`) has no derivatives here: its bound jumps where it lets go; expected an instrument without"
+    )]
+    Dwell,
+    /// A set-valued felt.
+    #[error(
+        "a felt whose dry loss has no slip (`dry_loss` without `dry_slip`) has no derivatives here; expected `dry_slip` above 0, or no `dry_loss`"
+    )]
+    SetValuedFelt,
+    /// A string that yields.
+    #[error("a string that yields has no derivatives here; expected an instrument whose string is rigid")]
+    Yielding,
+    /// Something of the engine that is not derived.
+    #[error("{what} has no derivatives here")]
+    NotDerived {
+        /// What.
+        what: &'static str,
+    },
+    /// It does not come to rest by itself.
+    #[error(
+        "left to itself the action does not come to rest within {:.0} s, and the rest has no derivatives",
+        equilibrium::PATIENCE_S
+    )]
+    NoRest,
+    /// Changing the number changes what the mechanism is made of.
+    #[error("a small change of the number changes what the mechanism is made of")]
+    Makeup,
+    /// Error control.
+    #[error("derivatives are those of steps of one length that end on switches; expected no tolerance")]
+    Controlled,
+}
+
+impl GradientError {
+    /// Whether the caller asked to stop.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, GradientError::Simulation(SimulationError::Interrupted))
+    }
+}
+
+impl From<TangentError> for GradientError {
+    fn from(error: TangentError) -> Self {
+        match error {
+            TangentError::Model(error) => SimulationError::from(error).into(),
+            TangentError::Dwell => GradientError::Dwell,
+            TangentError::SetValuedFelt => GradientError::SetValuedFelt,
+            TangentError::Yielding => GradientError::Yielding,
+            _ => GradientError::NotDerived { what: "this mechanism" },
+        }
+    }
+}
+
+impl From<ModelError> for GradientError {
+    fn from(error: ModelError) -> Self {
+        SimulationError::from(error).into()
+    }
+}
+
+/// What is varied, to first order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// The derivative of every number of the mechanism's description.
+    numbers: Vec<f64>,
+    /// That of the hammer's strike point, m.
+    head: [f64; 2],
+    /// That of the force on the key, N.
+    force: f64,
+}
+
+impl Direction {
+    /// The force on the key: by 1 N.
+    pub fn force() -> Self {
+        Direction { numbers: Vec::new(), head: [0.0; 2], force: 1.0 }
+    }
+
+    /// From an instrument with a number a little lower to one with the number a little higher, which is `apart` more.
+    ///
+    /// # Errors
+    /// [`GradientError::Makeup`].
+    pub fn between(low: &Instrument, high: &Instrument, apart: f64) -> Result<Self, GradientError> {
+        let [a, b] = [low, high].map(describe::<f64>);
+        let [x, y] = [a.numbers(), b.numbers()];
+        let kinds = |d: &moreau_sizes::OwnedDescription| d.zones.iter().map(|z| z.felt.kind()).collect::<Vec<_>>();
+        if x.len() != y.len() || kinds(&a) != kinds(&b) {
+            return Err(GradientError::Makeup);
+        }
+        let slope = |(x, y): (&f64, &f64)| (y - x) / apart;
+        let numbers = x.iter().zip(&y).map(slope).collect();
+        let [p, q] = [low, high].map(|one| one.roles.hammer_head_m);
+        Ok(Direction { numbers, head: [slope((&p[0], &q[0])), slope((&p[1], &q[1]))], force: 0.0 })
+    }
+}
+
+/// What came of a press in dual numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Instants and speeds; slopes in the order of the directions.
+    pub instants: Instants,
+    /// Key travel and rise of the strike point, m, after every step that was asked for, from the start on; until the end of the setup's duration then.
+    pub samples: Vec<[Number; 2]>,
+    /// Switches at which derivatives jumped.
+    pub switches: u32,
+    /// Switches so close upon another that they were taken as they came: derivatives may be off.
+    pub unresolved: u32,
+    /// Steps in which velocities or derivatives did not converge.
+    pub unconverged: u32,
+}
+
+/// Presses the key in numbers that carry the derivatives in at most [`DIRECTIONS`] directions. The run ends when all has been seen, or with the setup's
+/// duration; with samples every so many steps, with the duration.
+///
+/// The setup's step is that of the press; the rest is found in steps of `rest_step_s` (usually [`equilibrium::STEP_S`]).
+///
+/// # Errors
+/// See [`GradientError`].
+///
+/// Call it on a thread with [`STACK_BYTES`] of stack.
+///
+/// # Panics
+/// If there are more directions than fit.
+pub fn follow(
+    instrument: &Instrument,
+    directions: &[Direction],
+    drive: &Drive<'_>,
+    setup: &Setup,
+    rest_step_s: f64,
+    sample_every: Option<u64>,
+    going: &dyn Fn() -> bool,
+) -> Result<Followed, GradientError> {
+    assert!(directions.len() <= DIRECTIONS, "at most {DIRECTIONS} directions");
+    let steps = setup.check()?;
+    if setup.tolerance.is_some() {
+        return Err(GradientError::Controlled);
+    }
+    if instrument.roles.key.is_none() && drive(setup.start_s) != player::Input::Free {
+        return Err(SimulationError::NoKey.into());
+    }
+    let description = describe::<f64>(instrument);
+    let mut slopes = vec![[0.0; DIRECTIONS]; description.numbers().len()];
+    let (mut head, mut force) = (instrument.roles.hammer_head_m.map(Number::constant), [0.0; DIRECTIONS]);
+    for (d, direction) in directions.iter().enumerate() {
+        for (all, one) in slopes.iter_mut().zip(&direction.numbers) {
+            all[d] = *one;
+        }
+        head[0].slope[d] = direction.head[0];
+        head[1].slope[d] = direction.head[1];
+        force[d] = direction.force;
+    }
+    let mut mechanism = tangents(&description, &slopes)?;
+    let mut all = settle(mechanism.as_mut(), rest_step_s, &Input::Free, going)?;
+    let site = mechanism.site_position();
+    let begins_at = drive(setup.start_s).position_m();
+    let rest = Places { site, head, force };
+    if begins_at > 0.0 {
+        let finger = Input::Motion { position: site + Number::constant(begins_at), velocity: Number::ZERO };
+        all = all.and(settle(mechanism.as_mut(), rest_step_s, &finger, going)?);
+    }
+    let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
+    let h = settings.step;
+    let mut watch = DualWatch::new(instrument, &rest, mechanism.as_ref());
+    watch.look(setup.start_s, mechanism.as_ref());
+    let mut samples: Vec<[Number; 2]> = sample_every.map(|_| watch.travels(mechanism.as_ref())).into_iter().collect();
+    for n in 0..steps {
+        if n.is_multiple_of(ASK_EVERY) && !going() {
+            return Err(SimulationError::Interrupted.into());
+        }
+        let t0 = setup.start_s + n as f64 * h;
+        let did = mechanism
+            .step(&settings, &mut |from, length, at| rest.input(drive, t0 + from, length, settings.theta, h, at));
+        all = all.and(did);
+        if did.failed {
+            return Err(SimulationError::NonFinite { time_s: t0 }.into());
+        }
+        watch.look(setup.start_s + (n + 1) as f64 * h, mechanism.as_ref());
+        match sample_every {
+            Some(every) if (n + 1).is_multiple_of(every) => samples.push(watch.travels(mechanism.as_ref())),
+            None if watch.has_seen_all() => break,
+            _ => {}
+        }
+    }
+    let Stretch { switches, unresolved, unconverged, .. } = all;
+    Ok(Followed { instants: watch.finish(), samples, switches, unresolved, unconverged })
+}
+
+/// Room that [`follow`] needs on its thread's stack, bytes: a step's working memory in numbers with derivatives is nine times that of plain ones. A
+/// thread that is started has less unless told otherwise.
+pub const STACK_BYTES: usize = 64 << 20;
+
+/// Newton's tolerance: derivatives have their own, and the velocities are to be as exact.
+const TOLERANCE: f64 = 1e-8;
+/// Steps between two questions whether to go on.
+const ASK_EVERY: u64 = 64;
+
+/// What travels are measured from, and what is driven how.
+struct Places {
+    site: Number,
+    /// The strike point in the hammer's frame.
+    head: [Number; 2],
+    force: [f64; DIRECTIONS],
+}
+
+impl Places {
+    /// The engine's input, as [`player::course::Rest::input`] gives it.
+    fn input(&self, drive: &Drive<'_>, t0: f64, h: f64, theta: f64, correction_s: f64, at: Number) -> Input<Number> {
+        match drive(t0 + theta * h) {
+            player::Input::Free => Input::Free,
+            player::Input::Force(force_n) => Input::Force(Number { value: force_n, slope: self.force }),
+            player::Input::Motion { position_m, velocity_m_s } => Input::Motion {
+                position: self.site + Number::constant(position_m),
+                velocity: Number::constant(velocity_m_s),
+            },
+            player::Input::Rigid { .. } => {
+                let behind = self.site + Number::constant(drive(t0).position_m()) - at;
+                let velocity = match drive(t0 + h) {
+                    player::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
+                    _ => 0.0,
+                };
+                let back = Number::constant(player::course::RIGID_CORRECTION / correction_s);
+                Input::Rigid { velocity: Number::constant(velocity) + back * behind }
+            }
+        }
+    }
+}
+
+/// Lets it come to rest, as [`equilibrium::settle`] does; where that would have to slow it down by force there is no derivative.
+fn settle(
+    mechanism: &mut dyn Tangents,
+    step_s: f64,
+    input: &Input<Number>,
+    going: &dyn Fn() -> bool,
+) -> Result<Stretch, GradientError> {
+    let settings = Settings { step: step_s, tolerance: TOLERANCE, ..equilibrium::settings() };
+    let (mut all, mut settling, mut steps) = (Stretch::default(), Settling::of_steps(step_s), 0_u64);
+    loop {
+        if steps.is_multiple_of(ASK_EVERY) && !going() {
+            return Err(SimulationError::Interrupted.into());
+        }
+        steps += 1;
+        let did = mechanism.step(&settings, &mut |_, _, _| *input);
+        all = all.and(did);
+        if did.failed {
+            return Err(SimulationError::NonFinite { time_s: 0.0 }.into());
+        }
+        let fastest = mechanism.velocities().iter().fold(0.0_f64, |m, v| m.max(v.value.abs()));
+        if settling.rests(&[fastest]) {
+            break;
+        }
+        if settling.time_s > equilibrium::PATIENCE_S {
+            return Err(GradientError::NoRest);
+        }
+    }
+    mechanism.stop();
+    Ok(all)
+}

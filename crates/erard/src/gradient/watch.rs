@@ -1,0 +1,190 @@
+//! The instants of a press in dual numbers: [`crate::events::Watch`] with derivatives.
+
+use moreau::Real;
+use moreau_sizes::{Number, Tangents, met_in_flight};
+
+use super::Places;
+use crate::events::KEY_START_M;
+use crate::instrument::{Instrument, Roles};
+
+/// Instants and speeds with their derivatives; `None` where it did not happen. Seconds from the stroke's start.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Instants {
+    /// The key front leaves its rest.
+    pub key_start_s: Option<Number>,
+    /// The jack's toe meets the let-off button.
+    pub toe_contact_s: Option<Number>,
+    /// The knuckle is pushed for the last time before the string.
+    pub let_off_s: Option<Number>,
+    /// The hammer meets the string.
+    pub hammer_contact_s: Option<Number>,
+    /// Speed of the strike point at that instant, m/s.
+    pub hammer_speed_m_s: Option<Number>,
+    /// The key meets its front punching.
+    pub key_bottom_s: Option<Number>,
+}
+
+/// A quantity of [`Instants`].
+type Get = fn(&Instants) -> Option<Number>;
+
+/// What is differentiated, by the names that a study's columns have.
+pub const QUANTITIES: [(&str, Get); 9] = [
+    ("hammer_speed_m_per_s", |i| i.hammer_speed_m_s),
+    ("let_off_s", |i| i.let_off_s),
+    ("hammer_contact_s", |i| i.hammer_contact_s),
+    ("key_bottom_s", |i| i.key_bottom_s),
+    ("key_bottom_after_blow_s", |i| Some(i.key_bottom_s? - i.hammer_contact_s?)),
+    ("free_flight_s", |i| Some(i.hammer_contact_s? - i.let_off_s?)),
+    ("key_start_s", |i| i.key_start_s),
+    ("toe_contact_s", |i| i.toe_contact_s),
+    ("key_start_to_hammer_s", |i| Some(i.hammer_contact_s? - i.key_start_s?)),
+];
+
+/// Watches a press.
+pub(super) struct DualWatch {
+    roles: Roles,
+    head: [Number; 2],
+    site_m: Number,
+    head_m: Number,
+    instants: Instants,
+    before: Option<Sample>,
+    /// Instant, compression of the string, speed of the strike point.
+    flight: [Option<[Number; 3]>; 2],
+    released_s: Option<Number>,
+    highest_m: f64,
+    released_at_apex_s: Option<Number>,
+}
+
+#[derive(Clone, Copy)]
+struct Sample {
+    time_s: f64,
+    key_m: Number,
+    key_bottom: Option<Number>,
+    toe: Option<Number>,
+    knuckle: Option<Number>,
+}
+
+impl Sample {
+    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero.
+    fn at_zero(&self, a: Number, b: Number, now: &Sample) -> Number {
+        let t = Number::constant;
+        t(self.time_s) + t(now.time_s - self.time_s) * (a / (a - b))
+    }
+
+    fn rising(&self, a: Option<Number>, b: Option<Number>, now: &Sample) -> Option<Number> {
+        let (a, b) = (a?, b?);
+        (a.value <= 0.0 && b.value > 0.0).then(|| self.at_zero(a, b, now))
+    }
+}
+
+impl DualWatch {
+    /// Of a mechanism that stands at rest.
+    pub fn new(instrument: &Instrument, places: &Places, m: &dyn Tangents) -> Self {
+        let roles = instrument.roles.clone();
+        let head_m = roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, places.head)[0][1]);
+        DualWatch {
+            roles,
+            head: places.head,
+            site_m: places.site,
+            head_m,
+            instants: Instants::default(),
+            before: None,
+            flight: [None; 2],
+            released_s: None,
+            highest_m: f64::NEG_INFINITY,
+            released_at_apex_s: None,
+        }
+    }
+
+    /// Key travel and rise of the strike point now, m.
+    pub fn travels(&self, m: &dyn Tangents) -> [Number; 2] {
+        let hammer_m = self.roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, self.head)[0][1] - self.head_m);
+        [m.site_position() - self.site_m, hammer_m]
+    }
+
+    /// After every step, and before the first.
+    pub fn look(&mut self, time_s: f64, m: &dyn Tangents) {
+        let roles = &self.roles;
+        let gap = |zone: Option<usize>| zone.map(|z| m.gap(z));
+        let knuckle = roles.knuckle.iter().map(|&z| m.gap(z));
+        let now = Sample {
+            time_s,
+            key_m: m.site_position() - self.site_m - Number::constant(KEY_START_M),
+            key_bottom: gap(roles.key_bottom),
+            toe: gap(roles.let_off),
+            knuckle: knuckle.reduce(|a, b| if b.value > a.value { b } else { a }),
+        };
+        let mut met = None;
+        if let Some(hammer) = roles.hammer {
+            let [place, velocity] = m.motion(hammer, self.head);
+            let hammer_m = (place[1] - self.head_m).value;
+            if let Some(string) = gap(roles.string) {
+                let speed = Real::sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1]);
+                let sample = [Number::constant(time_s), string, speed];
+                met = self.meeting(&sample);
+                self.flight = [self.flight[1], Some(sample)];
+            }
+            self.compare(&now, hammer_m, met);
+        } else {
+            self.compare(&now, 0.0, None);
+        }
+        self.before = Some(now);
+    }
+
+    fn meeting(&self, now: &[Number; 3]) -> Option<[Number; 2]> {
+        let before = self.flight[1]?;
+        if !(before[1].value <= 0.0 && now[1].value > 0.0) {
+            return None;
+        }
+        let flown = self.flight[0].and_then(|older| met_in_flight([older, before], now[0]));
+        flown.or_else(|| {
+            let share = before[1] / (before[1] - now[1]);
+            Some([before[0] + (now[0] - before[0]) * share, before[2] + share * (now[2] - before[2])])
+        })
+    }
+
+    fn compare(&mut self, now: &Sample, hammer_m: f64, met: Option<[Number; 2]>) {
+        let Some(before) = self.before else { return };
+        let instants = &mut self.instants;
+        let first = |event: &mut Option<Number>, at: Option<Number>| *event = event.or(at);
+        first(&mut instants.key_start_s, before.rising(Some(before.key_m), Some(now.key_m), now));
+        first(&mut instants.key_bottom_s, before.rising(before.key_bottom, now.key_bottom, now));
+        if instants.key_start_s.is_some() {
+            first(&mut instants.toe_contact_s, before.rising(before.toe, now.toe, now));
+        }
+        if let (Some(a), Some(b)) = (before.knuckle, now.knuckle) {
+            if a.value > 0.0 && b.value <= 0.0 {
+                self.released_s = Some(before.at_zero(a, b, now));
+            } else if b.value > 0.0 {
+                self.released_s = None;
+            }
+        }
+        if hammer_m > self.highest_m {
+            self.highest_m = hammer_m;
+            self.released_at_apex_s = self.released_s;
+        }
+        if let Some([time_s, speed_m_s]) = met.filter(|_| instants.hammer_contact_s.is_none()) {
+            instants.hammer_contact_s = Some(time_s);
+            instants.hammer_speed_m_s = Some(speed_m_s);
+            instants.let_off_s = self.released_s;
+        }
+    }
+
+    /// Whether nothing is left to be seen.
+    pub fn has_seen_all(&self) -> bool {
+        let (roles, instants) = (&self.roles, &self.instants);
+        let over = |event: Option<Number>, zone: Option<usize>| event.is_some() || zone.is_none();
+        instants.key_start_s.is_some()
+            && instants.hammer_contact_s.is_some()
+            && over(instants.toe_contact_s, roles.let_off)
+            && over(instants.key_bottom_s, roles.key_bottom)
+    }
+
+    /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
+    pub fn finish(mut self) -> Instants {
+        if self.instants.hammer_contact_s.is_none() && self.instants.key_start_s.is_some() {
+            self.instants.let_off_s = self.released_at_apex_s.filter(|_| self.instants.toe_contact_s.is_some());
+        }
+        self.instants
+    }
+}

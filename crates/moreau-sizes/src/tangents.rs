@@ -1,0 +1,91 @@
+//! One mechanism and the derivatives of its motion.
+
+use moreau::{Driven, Dual, Model, Pose, Settings, Stretch, Tangent, TangentError, TrackedPoint};
+
+use crate::{OwnedDescription, Size};
+
+/// Directions of one pass.
+pub const DIRECTIONS: usize = 8;
+/// A number with its derivatives in the directions of a pass.
+pub type Number = Dual<DIRECTIONS>;
+
+/// A mechanism and the derivatives of its motion. Indices follow the description's bodies and zones.
+pub trait Tangents: Send {
+    /// Advances by `settings.step`.
+    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> Stretch;
+    /// Stands still from now on.
+    fn stop(&mut self);
+    /// World coordinate of the driven point along the drive's direction, m.
+    fn site_position(&self) -> Number;
+    /// Compression of a zone, m; negative apart.
+    fn gap(&self, zone: usize) -> Number;
+    /// A point of a body, m, in the world, and its velocity, m/s.
+    fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2];
+    /// Absolute angles, rad.
+    fn angles(&self) -> &[Number];
+    /// Absolute angular velocities, rad/s.
+    fn velocities(&self) -> &[Number];
+}
+
+/// A mechanism at the angles as drawn, at rest. `slopes`: the derivative of every number of the description
+/// ([`OwnedDescription::numbers`]) in every direction.
+///
+/// # Errors
+/// See [`TangentError`].
+pub fn tangents(
+    description: &OwnedDescription,
+    slopes: &[[f64; DIRECTIONS]],
+) -> Result<Box<dyn Tangents>, TangentError> {
+    // Two sizes are enough where speed matters less than what has to be compiled.
+    let most = Size::of(description) == Size::Most || Size::of(description) == Size::Nine;
+    if most { boxed::<12, 32, 77>(description, slopes) } else { boxed::<8, 20, 49>(description, slopes) }
+}
+
+fn boxed<const B: usize, const Z: usize, const N: usize>(
+    description: &OwnedDescription,
+    slopes: &[[f64; DIRECTIONS]],
+) -> Result<Box<dyn Tangents>, TangentError> {
+    let slopes = slopes.iter().copied().chain(std::iter::repeat([0.0; DIRECTIONS]));
+    let numbers = description.numbers().into_iter().zip(slopes).map(|(value, slope)| Number { value, slope });
+    let own = description.with_numbers(numbers);
+    let model: Model<Number, B, Z> = own.model().map_err(TangentError::Model)?;
+    let plain: Model<f64, B, Z> = description.model().map_err(TangentError::Model)?;
+    let tangent = Tangent::new(model, plain, own.first_angles())?;
+    Ok(Box::new(Differentiated::<B, Z, N> { tangent, bodies: description.bodies.len() }))
+}
+
+struct Differentiated<const B: usize, const Z: usize, const N: usize> {
+    tangent: Tangent<B, Z, N, DIRECTIONS>,
+    bodies: usize,
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated<B, Z, N> {
+    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> Stretch {
+        self.tangent.step(settings, input)
+    }
+
+    fn stop(&mut self) {
+        self.tangent.stop();
+    }
+
+    fn site_position(&self) -> Number {
+        self.tangent.site()
+    }
+
+    fn gap(&self, zone: usize) -> Number {
+        Pose::of(&self.tangent.model, &self.tangent.state.angle).gap(&self.tangent.model, zone)
+    }
+
+    fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2] {
+        let state = &self.tangent.state;
+        TrackedPoint::of(&self.tangent.model, body, point).motion(&state.angle, &state.velocity)
+    }
+
+    fn angles(&self) -> &[Number] {
+        &self.tangent.state.angle[..self.bodies]
+    }
+
+    fn velocities(&self) -> &[Number] {
+        &self.tangent.state.velocity[..self.bodies]
+    }
+}

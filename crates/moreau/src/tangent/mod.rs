@@ -1,0 +1,374 @@
+//! Derivatives of a motion with switching laws, by forward mode: the equations stand in this crate's README, "Derivatives".
+//!
+//! Steps are taken in [`Dual`] numbers, and end where a law that slips comes to stick or turns round. There the derivatives jump by the saltation matrix.
+
+mod switch;
+
+use crate::description::ModelError;
+use crate::dual::Dual;
+use crate::model::Model;
+use crate::real::Real;
+use crate::settings::{FrictionLaw, Settings};
+use crate::state::{Input, State};
+use crate::step::{Outcome, step_apart};
+use crate::workspace::Workspace;
+use switch::{Before, Change, Law, LetGo, Slips};
+
+/// The instant of a switch is found to this part of the step. Derivatives err by about as much; rounding forbids far less.
+const RESOLUTION: f64 = 1e-5;
+/// The shortest bracket of an instant, as a part of the step: what follows another switch so closely is taken as it comes, and counted.
+const SHORTEST: f64 = 1e-8;
+/// Bisections of a step, at most.
+const BISECTIONS: u32 = 60;
+/// A step over a switch is doubled at most so often until the switch lies in it.
+const DOUBLINGS: u32 = 12;
+/// Newton iterations of a step, at most: the derivatives converge linearly, by the part of the Jacobian that the step leaves out.
+const ITERATIONS: u32 = 16;
+
+/// What drives an inner step that begins so many s after the outer step's start and lasts so long, s; the last argument is where the driven point is then.
+pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
+
+/// What became of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Stretch {
+    /// Switches at which the derivatives jumped.
+    pub switches: u32,
+    /// Switches that could not be told apart from the one before: there the derivatives are those of the step across.
+    pub unresolved: u32,
+    /// Inner steps whose derivatives or velocities did not converge.
+    pub unconverged: u32,
+    /// Whether a number that is not finite arose: nothing that follows is of use.
+    pub failed: bool,
+}
+
+impl Stretch {
+    /// Both.
+    pub fn and(self, other: Stretch) -> Self {
+        Stretch {
+            switches: self.switches + other.switches,
+            unresolved: self.unresolved + other.unresolved,
+            unconverged: self.unconverged + other.unconverged,
+            failed: self.failed || other.failed,
+        }
+    }
+}
+
+/// A mechanism and its motion's derivatives in D directions.
+#[derive(Debug, Clone)]
+pub struct Tangent<const B: usize, const Z: usize, const N: usize, const D: usize> {
+    /// The numbers of the mechanism, and how they depend on the directions.
+    pub model: Model<Dual<D>, B, Z>,
+    plain: Model<f64, B, Z>,
+    /// Where it is, and how that depends on the directions.
+    pub state: State<Dual<D>, B, Z>,
+    workspace: Workspace<Dual<D>, B, Z, N>,
+    probe: Workspace<f64, B, Z, N>,
+    /// Length of the last inner step, s; 0 before the first.
+    last: f64,
+}
+
+/// Why there are no derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum TangentError {
+    /// The model.
+    Model(ModelError),
+    /// Friction that grows at rest: its bound jumps where it lets go, which is not derived here.
+    Dwell,
+    /// A felt with a set-valued loss ([`Loss::SetValued`](crate::Loss)): its reversals are not derived here.
+    SetValuedFelt,
+    /// A zone whose curve yields ([`Yields`](crate::Yields)): what moves it is no part of the mechanism, and has no derivatives here.
+    Yielding,
+}
+
+impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, Z, N, D> {
+    /// Of a model in dual numbers, and of the same in plain ones, from a pose at rest.
+    ///
+    /// # Errors
+    /// What is not derived here, and a model with more laws than N.
+    pub fn new(
+        model: Model<Dual<D>, B, Z>,
+        plain: Model<f64, B, Z>,
+        angle: [Dual<D>; B],
+    ) -> Result<Self, TangentError> {
+        if model.dwelling.count > 0 {
+            return Err(TangentError::Dwell);
+        }
+        if model.dry_count > 0 {
+            return Err(TangentError::SetValuedFelt);
+        }
+        if (0..Z).any(|zone| model.yields(zone)) {
+            return Err(TangentError::Yielding);
+        }
+        let workspace = Workspace::for_model(&model).map_err(TangentError::Model)?;
+        Ok(Tangent { model, plain, state: State::at_rest(angle), workspace, probe: Workspace::new(), last: 0.0 })
+    }
+
+    /// Brings it to a stand where it is.
+    pub fn stop(&mut self) {
+        self.state.velocity = [Dual::ZERO; B];
+        self.state.increment = [Dual::ZERO; B];
+    }
+
+    /// Advances by h = `settings.step`, in as many inner steps as there are switches, and one more.
+    pub fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, D>) -> Stretch {
+        let h = settings.step;
+        let (mut done, mut all, mut gone) = (0.0, Stretch::default(), LetGo::default());
+        // Each inner step but the last ends on a change; as many as there are laws may come at once.
+        for _ in 0..8 * (B + Z) {
+            let left = h - done;
+            if left <= SHORTEST * h || all.failed {
+                return all;
+            }
+            let drive = input(done, left, self.site());
+            let whole = self.probe(settings, left, &drive);
+            if !self.changes(&whole, &gone) {
+                return all.and(self.go(settings, left, &drive));
+            }
+            let (until, stretch) = self.advance_to_change(settings, done, left, &mut gone, input);
+            all = all.and(stretch);
+            done += until;
+        }
+        let left = h - done;
+        let drive = input(done, left, self.site());
+        all.and(Stretch { unresolved: 1, ..self.go(settings, left, &drive) })
+    }
+
+    /// Position of the driven point along the drive's direction, m.
+    pub fn site(&self) -> Dual<D> {
+        self.model.site_position(&self.state.angle)
+    }
+
+    /// A step in plain numbers from where it is.
+    fn probe(&mut self, settings: &Settings<f64>, length: f64, drive: &Input<Dual<D>>) -> State<f64, B, Z> {
+        let from = plain(&self.state);
+        self.probe_from(&from, self.last, settings, length, drive)
+    }
+
+    fn probe_from(
+        &mut self,
+        from: &State<f64, B, Z>,
+        last: f64,
+        settings: &Settings<f64>,
+        length: f64,
+        drive: &Input<Dual<D>>,
+    ) -> State<f64, B, Z> {
+        let mut state = from.clone();
+        rescale(&mut state.increment, length, last);
+        let settings = Settings { step: length, ..*settings };
+        let _ = step_apart(&self.plain, &settings, &plain_input(drive), &mut state, &mut self.probe);
+        state
+    }
+
+    /// Whether a law has changed in the last probe, which led from here to `after`.
+    fn changes(&self, after: &State<f64, B, Z>, gone: &LetGo) -> bool {
+        let before = Before::of(&self.plain, &plain(&self.state));
+        before.changes(&self.plain, &self.probe, after).any(|change| gone.is_new(change))
+    }
+
+    /// A step in dual numbers.
+    fn go(&mut self, settings: &Settings<f64>, length: f64, drive: &Input<Dual<D>>) -> Stretch {
+        rescale(&mut self.state.increment, Dual::constant(length), Dual::constant(self.last));
+        let settings = dual_settings(&Settings { step: length, ..*settings });
+        let report = step_apart(&self.model, &settings, drive, &mut self.state, &mut self.workspace);
+        self.last = length;
+        let sound = self.state.angle.iter().chain(&self.state.velocity).all(Dual::is_finite);
+        Stretch {
+            unconverged: u32::from(report.outcome == Outcome::IterationLimit),
+            failed: !sound || matches!(report.outcome, Outcome::NonFinite | Outcome::TooManyLaws),
+            ..Stretch::default()
+        }
+    }
+
+    /// Advances to the first change within the next `left` s, and across it if it is a switch. Returns how long that took, s.
+    fn advance_to_change(
+        &mut self,
+        settings: &Settings<f64>,
+        done: f64,
+        left: f64,
+        gone: &mut LetGo,
+        input: &mut Driven<'_, D>,
+    ) -> (f64, Stretch) {
+        let h = settings.step;
+        let site = self.site();
+        let (mut low, mut high) = (0.0, left);
+        for _ in 0..BISECTIONS {
+            // Near the start the bracket is narrowed further, so that there is room for two small steps before it.
+            if high - low <= (RESOLUTION * h).min(0.1 * low) || high <= SHORTEST * h {
+                break;
+            }
+            let middle = 0.5 * (low + high);
+            let drive = input(done, middle, site);
+            let state = self.probe(settings, middle, &drive);
+            if self.changes(&state, gone) { high = middle } else { low = middle }
+        }
+        let drive = input(done, high, site);
+        let state = self.probe(settings, high, &drive);
+        let before = Before::of(&self.plain, &plain(&self.state));
+        let (mut switches, now) = (false, *gone);
+        for change in before.changes(&self.plain, &self.probe, &state).filter(|change| now.is_new(*change)) {
+            match change {
+                Change::Switches(_) => switches = true,
+                Change::LetsGo(law) => gone.add(law),
+            }
+        }
+        if !switches {
+            // From here on it may slip.
+            if low <= SHORTEST * h {
+                return (0.0, Stretch::default());
+            }
+            let drive = input(done, low, site);
+            return (low, self.go(settings, low, &drive));
+        }
+        let small = (RESOLUTION * h).min(0.1 * low);
+        if small < 0.1 * SHORTEST * h {
+            let across = (2.0 * high).max(SHORTEST * h).min(left);
+            let drive = input(done, across, site);
+            return (across, Stretch { unresolved: 1, ..self.go(settings, across, &drive) });
+        }
+        let mut all = Stretch::default();
+        let mut at = (low - 4.0 * small).max(0.0);
+        if at > 0.0 {
+            let drive = input(done, at, site);
+            all = all.and(self.go(settings, at, &drive));
+        }
+        // Two small steps up to the switch tell the slips and accelerations before it.
+        let (mut velocity, mut slips) = ([[0.0; B]; 2], [const { Slips::none() }; 2]);
+        for k in 0..2 {
+            let drive = input(done + at, small, self.site());
+            all = all.and(self.go(settings, small, &drive));
+            let w = self.model.tree.relative(&self.state.velocity);
+            slips[k] = Slips::of(&self.model, &self.workspace, &w);
+            velocity[k] = self.state.velocity.map(|v| v.value);
+            at += small;
+        }
+        let Some(Crossing { law, rate, length, after }) = self.cross(settings, done + at, &slips, small, input) else {
+            return (at, all.and(Stretch { unresolved: 1, ..Stretch::default() }));
+        };
+        // Two more tell the accelerations after it.
+        let (site, now) = (self.site(), done + at + length);
+        let first = self.probe_from(&after, length, settings, small, &input(now, small, site));
+        let second = self.probe_from(&first, small, settings, small, &input(now + small, small, site));
+        let slip = slips[1].slip(law);
+        for i in 0..B {
+            let acceleration = (velocity[1][i] - velocity[0][i]) / small;
+            let thereafter = (second.velocity[i] - first.velocity[i]) / small;
+            // The saltation matrix: I + (f_after - f_before) grad(u) / (du/dt before).
+            let jump = (thereafter - acceleration) / rate;
+            let (v, q) = (&mut self.state.velocity[i], &mut self.state.angle[i]);
+            for d in 0..D {
+                q.slope[d] += length * v.slope[d];
+                v.slope[d] += jump * slip.slope[d];
+            }
+        }
+        self.take_over(&after);
+        self.last = length;
+        (at + length, all.and(Stretch { switches: 1, ..Stretch::default() }))
+    }
+
+    /// The step over the switch that is just ahead, in plain numbers.
+    fn cross(
+        &mut self,
+        settings: &Settings<f64>,
+        from: f64,
+        slips: &[Slips<B, Z, D>; 2],
+        small: f64,
+        input: &mut Driven<'_, D>,
+    ) -> Option<Crossing<B, Z>> {
+        let (before, mut length) = (Before::of(&self.plain, &plain(&self.state)), 2.0 * small);
+        for _ in 0..DOUBLINGS {
+            let drive = input(from, length, self.site());
+            let after = self.probe(settings, length, &drive);
+            let laws = before.changes(&self.plain, &self.probe, &after).filter_map(Change::switch);
+            // Of several that switch within the step, the one that comes first.
+            let first = laws
+                .map(|law| {
+                    let [u0, u1] = [slips[0].slip(law).value, slips[1].slip(law).value];
+                    (law, u1, (u1 - u0) / small)
+                })
+                .filter(|(_, u, rate)| u * rate < 0.0)
+                .min_by(|a, b| (a.1 / a.2).abs().total_cmp(&(b.1 / b.2).abs()));
+            if let Some((law, _, rate)) = first {
+                return Some(Crossing { law, rate, length, after });
+            }
+            length *= 2.0;
+        }
+        None
+    }
+
+    /// Goes on from a plain state; what depends on the directions is kept.
+    fn take_over(&mut self, after: &State<f64, B, Z>) {
+        let state = &mut self.state;
+        let keep = |own: &mut Dual<D>, new: f64| own.value = new;
+        let set = |own: &mut Dual<D>, new: f64| *own = Dual::constant(new);
+        for i in 0..B {
+            keep(&mut state.angle[i], after.angle[i]);
+            keep(&mut state.velocity[i], after.velocity[i]);
+            set(&mut state.increment[i], after.increment[i]);
+            set(&mut state.pivot_friction[i], after.pivot_friction[i]);
+        }
+        for z in 0..Z {
+            keep(&mut state.memory[z], after.memory[z]);
+            set(&mut state.tangential[z], after.tangential[z]);
+            set(&mut state.side[z], after.side[z]);
+        }
+        set(&mut state.rigid_force, after.rigid_force);
+    }
+}
+
+/// A step over a switch.
+struct Crossing<const B: usize, const Z: usize> {
+    law: Law,
+    /// How fast the law's slip changes before it.
+    rate: f64,
+    /// Length of the step, s.
+    length: f64,
+    after: State<f64, B, Z>,
+}
+
+/// The state without what depends on the directions.
+fn plain<const B: usize, const Z: usize, const D: usize>(state: &State<Dual<D>, B, Z>) -> State<f64, B, Z> {
+    State {
+        angle: state.angle.map(|x| x.value),
+        velocity: state.velocity.map(|x| x.value),
+        increment: state.increment.map(|x| x.value),
+        pivot_friction: state.pivot_friction.map(|x| x.value),
+        tangential: state.tangential.map(|x| x.value),
+        rigid_force: state.rigid_force.value,
+        memory: state.memory.map(|x| x.value),
+        side: state.side.map(|x| x.value),
+        ..State::at_rest([0.0; B])
+    }
+}
+
+fn plain_input<const D: usize>(input: &Input<Dual<D>>) -> Input<f64> {
+    match *input {
+        Input::Free => Input::Free,
+        Input::Force(force) => Input::Force(force.value),
+        Input::Motion { position, velocity } => Input::Motion { position: position.value, velocity: velocity.value },
+        Input::Rigid { velocity } => Input::Rigid { velocity: velocity.value },
+    }
+}
+
+fn dual_settings<const D: usize>(settings: &Settings<f64>) -> Settings<Dual<D>> {
+    let t = Dual::constant;
+    Settings {
+        step: t(settings.step),
+        theta: t(settings.theta),
+        tolerance: t(settings.tolerance),
+        newton_limit: settings.newton_limit.min(ITERATIONS),
+        solver_tolerance: t(settings.solver_tolerance),
+        solver_limit: settings.solver_limit,
+        solver: settings.solver,
+        // Only the set-valued law switches.
+        friction: FrictionLaw::SetValued,
+    }
+}
+
+/// The increment over a step of another length is foreseen in proportion.
+fn rescale<T: Real, const B: usize>(increment: &mut [T; B], length: T, last: T) {
+    let ratio = T::select(T::ZERO.lt(last), length / T::select(T::ZERO.lt(last), last, T::ONE), T::ZERO);
+    for x in increment {
+        *x = *x * ratio;
+    }
+}

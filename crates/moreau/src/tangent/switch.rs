@@ -1,0 +1,145 @@
+//! Which laws switch: what slips comes to stick, or turns round.
+//!
+//! The derivatives of a motion jump there, for its acceleration does. They do not where a law lets go (its force has just reached its bound), where a felt
+//! begins to push or leaves (so does its force, from zero), or at the clamp of a felt.
+
+use crate::dual::Dual;
+use crate::model::Model;
+use crate::state::State;
+use crate::workspace::Workspace;
+
+/// Slower than this, rad/s or m/s, sticks: the solver's tolerance.
+const STILL: f64 = 1e-11;
+
+/// A set-valued law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Law {
+    /// Dry friction of a pivot.
+    Pivot(usize),
+    /// Coulomb friction of a zone.
+    Zone(usize),
+}
+
+/// What becomes of a law in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Change {
+    /// It slips, and comes to stick or turns round: derivatives jump.
+    Switches(Law),
+    /// It sticks, and lets go: they do not, but a step over that instant has the wrong law for a part of it.
+    LetsGo(Law),
+}
+
+impl Change {
+    fn of(law: Law, before: f64, after: f64) -> Option<Self> {
+        match (before != 0.0, before != after) {
+            (_, false) => None,
+            (true, true) => Some(Change::Switches(law)),
+            (false, true) => Some(Change::LetsGo(law)),
+        }
+    }
+
+    /// The law that switches, if it does.
+    pub fn switch(self) -> Option<Law> {
+        if let Change::Switches(law) = self { Some(law) } else { None }
+    }
+}
+
+/// Laws that have let go in a step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LetGo(u128);
+
+impl LetGo {
+    fn bit(law: Law) -> u128 {
+        let (Law::Pivot(i) | Law::Zone(i)) = law;
+        let place = if matches!(law, Law::Pivot(_)) { i } else { 64 + i };
+        1_u128.checked_shl(place as u32).unwrap_or(0)
+    }
+
+    pub fn add(&mut self, law: Law) {
+        self.0 |= LetGo::bit(law);
+    }
+
+    /// Whether a change is news.
+    pub fn is_new(&self, change: Change) -> bool {
+        if let Change::LetsGo(law) = change { self.0 & LetGo::bit(law) == 0 } else { true }
+    }
+}
+
+fn side(u: f64) -> f64 {
+    if u.abs() <= STILL { 0.0 } else { u.signum() }
+}
+
+/// Which way the laws slip before a step, as far as that is known without it: 0 where they stick.
+pub(super) struct Before<const B: usize, const Z: usize> {
+    w: [f64; B],
+    /// Of zones that were pressed.
+    zone: [Option<f64>; Z],
+}
+
+impl<const B: usize, const Z: usize> Before<B, Z> {
+    pub fn of(model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> Self {
+        let zone = core::array::from_fn(|z| {
+            let pressed = state.side[z] != 0.0 || state.tangential[z] != 0.0;
+            // The remembered side is the force's.
+            pressed.then_some(-state.side[z])
+        });
+        Before { w: model.tree.relative(&state.velocity), zone }
+    }
+
+    /// The laws that slip before a step and stick or slip the other way after it, and those that stick before it and slip after it: [`Change`].
+    pub fn changes<'a, const N: usize>(
+        &'a self,
+        model: &'a Model<f64, B, Z>,
+        step: &'a Workspace<f64, B, Z, N>,
+        after: &'a State<f64, B, Z>,
+    ) -> impl Iterator<Item = Change> + 'a {
+        let w1 = model.tree.relative(&after.velocity);
+        let pivots = (0..B).filter(|&i| model.dry[i] > 0.0);
+        let pivots = pivots.filter_map(move |i| Change::of(Law::Pivot(i), side(self.w[i]), side(w1[i])));
+        let sliding = model.sliding_zones[..model.sliding_count].iter().copied();
+        let zones = sliding.filter_map(move |z| {
+            let pressed = step.touched_in(z) && step.contacts.states[z].force > 0.0;
+            let arrives = || side(model.supports[z].product(&step.contacts.slip_row[z], &self.w));
+            if !pressed {
+                return None;
+            }
+            Change::of(Law::Zone(z), self.zone[z].unwrap_or_else(arrives), -after.side[z])
+        });
+        pivots.chain(zones)
+    }
+}
+
+/// How fast the laws slip at the end of a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slips<const B: usize, const Z: usize, const D: usize> {
+    pivot: [Dual<D>; B],
+    zone: [Dual<D>; Z],
+}
+
+impl<const B: usize, const Z: usize, const D: usize> Slips<B, Z, D> {
+    pub const fn none() -> Self {
+        Slips { pivot: [Dual::constant(0.0); B], zone: [Dual::constant(0.0); Z] }
+    }
+
+    /// From the relative velocities at the end of the step, and what acted in it.
+    pub fn of<const N: usize>(
+        model: &Model<Dual<D>, B, Z>,
+        step: &Workspace<Dual<D>, B, Z, N>,
+        w: &[Dual<D>; B],
+    ) -> Self {
+        let mut slips = Slips { pivot: *w, ..Slips::none() };
+        for &z in &model.sliding_zones[..model.sliding_count] {
+            if step.touched_in(z) {
+                slips.zone[z] = model.supports[z].product(&step.contacts.slip_row[z], w);
+            }
+        }
+        slips
+    }
+
+    pub fn slip(&self, law: Law) -> Dual<D> {
+        match law {
+            Law::Pivot(i) => self.pivot[i],
+            Law::Zone(z) => self.zone[z],
+        }
+    }
+}
