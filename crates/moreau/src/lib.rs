@@ -83,7 +83,6 @@ mod workspace;
 pub use adaptive::{Accuracy, ControlledStep, Controller, Halves, controlled_step};
 pub use contact::Contact;
 pub use description::{Body, Curve, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Yields, Zone};
-pub use description::{Body, Curve, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Zone};
 pub use dual::Dual;
 pub use fault::Fault;
 pub use felt::{Exponent, Felt, FeltKind, Loss};
