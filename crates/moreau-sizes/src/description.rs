@@ -102,8 +102,7 @@ impl OwnedDescription<f64> {
         });
         let zones = zones.collect();
         let dwells = self.dwells.iter().map(|d| Dwell { part: d.part, ratio: f(d.ratio), time: f(d.time) }).collect();
-        let yields =
-            self.yields.iter().map(|y| Yields { zone: y.zone, excursion: f(y.excursion) }).collect();
+        let yields = self.yields.iter().map(|y| Yields { zone: y.zone, excursion: f(y.excursion) }).collect();
         let site = self.site.map(|s| Site {
             body: s.body,
             point: s.point.map(&mut *f),
