@@ -14,10 +14,15 @@ pub fn digest(run: &Run) -> u64 {
     let totals = [l.now.total(), l.drive_work, l.pivot_dry, l.pivot_viscous, l.felt_damping, l.coulomb];
     let angles = run.bodies.iter().flat_map(|b| b.angle_rad.iter().chain(&b.rate_rad_per_s));
     let forces = run.zones.iter().flat_map(|z| z.normal_n.iter().chain(&z.tangential_n));
+    // The first row's force is written as the one that begins; the digest goes on telling the mechanics alone, where it is centred on the row's
+    // instant as every other is: half of it, for nobody pushed before.
+    let (first, later) = run.force_n.split_first().expect("rows");
+    let first = [0.5 * first];
     angles
         .chain(forces)
         .chain(&run.key_m)
-        .chain(&run.force_n)
+        .chain(&first)
+        .chain(later)
         .chain(&run.final_pivot_friction_n_m)
         .chain(&totals)
         .flat_map(|x| x.to_bits().to_le_bytes())
@@ -46,11 +51,11 @@ pub fn long_bending_run() -> u64 {
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert grand and to the built-in
 /// strokes.
-pub const BENDING: u64 = 0xc2da_4852_d6f1_4cf1;
+pub const BENDING: u64 = 0x9756_0c7b_15c5_659f;
 
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
 /// value, which the failing test prints, here.
-pub const GOLDEN: u64 = 0x018d_4f2c_7fd6_4e6f;
+pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
 
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on which side of the loader a
 /// difference between two targets arises.
