@@ -142,6 +142,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
 
     /// What a caller may read: the contact at the pose of the last evaluation, its force carried along with the last change of the
     /// relative velocities.
+    #[allow(clippy::too_many_arguments)]
     pub fn contact(
         &self,
         zone: &CompiledZone<T>,

@@ -3,11 +3,13 @@
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
 use crate::description::{Body, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Zone};
-use crate::narrow_phase::YIELDING;
 use crate::real::{Real, Scalar};
 use crate::support::Support;
 use crate::tree::Tree;
 use crate::vector::{Vector, add, dot, scale};
+
+/// Stands in place of a row's length where a zone's curve yields.
+pub(crate) const YIELDING: usize = usize::MAX;
 
 /// How a model's laws gain friction at rest: of pivots and of zones, ratio - 1 and 1/tau, 1/s; zero where they do not.
 #[derive(Debug, Clone, Copy)]

@@ -2,14 +2,11 @@
 
 use crate::contact::ContactState;
 use crate::curvature::Margins;
-use crate::model::Model;
+use crate::model::{Model, YIELDING};
 use crate::real::{Mask, Real};
 use crate::surface::Yielding;
 use crate::timing::Timing;
 use crate::workspace::{Contacts, Kinematics, Workspace};
-
-/// What a model writes in place of a row's length where a zone's curve yields.
-pub(crate) const YIELDING: usize = usize::MAX;
 
 /// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its slip row when it
 /// first touches, once in a step.
