@@ -217,6 +217,21 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
     })
 }
 
+/// Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at 0.5 m/s at most). Without strings that yield, or without a rail, it does
+/// nothing. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
+    if !lift_m.is_finite() {
+        return ErardStatus::NotFinite;
+    }
+    quick(|| {
+        action.play.action.set_pedal(lift_m);
+        ErardStatus::Ok
+    })
+}
+
 /// Goes on from a saved state of the same instrument and the same length of step, to the bit; readings are those of then. What is no such state is
 /// refused, and the action stays as it was. Real time: yes.
 #[unsafe(no_mangle)]

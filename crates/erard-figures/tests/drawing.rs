@@ -211,6 +211,7 @@ fn played(instrument: &Instrument) -> Run {
         record_every: Some(4),
         tolerance: None,
         ledger: false,
+        pedal: erard::strings::Pedal::default(),
     };
     let force = stroke.force.as_ref().unwrap().drive();
     simulate(instrument, &|t| erard::player::Input::Force(force(t)), &setup, &mut |_| true).unwrap()

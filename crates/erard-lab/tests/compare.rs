@@ -26,6 +26,7 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
         record_every: Some(100),
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let run = simulate(grand, &player::force(&force), &setup, &mut |_| true).unwrap();
     let mut x = 1u64;
@@ -50,6 +51,7 @@ fn setup() -> Setup {
         record_every: None,
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     }
 }
 

@@ -84,6 +84,7 @@ fn every_key_escapes_checks_and_repeats() {
         record_every: Some(u64::MAX),
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let mut before = 0.0;
     for instrument in &concert_grand().1 {
@@ -174,6 +175,7 @@ fn the_top_keys_have_no_damper() {
             record_every: None,
             tolerance: None,
             ledger: true,
+            pedal: erard::strings::Pedal::default(),
         };
         let run = simulate(instrument, &player::force(|_| 5.0), &setup, &mut |_| true).expect("runs");
         let moved = common::largest(run.bodies[damper].angle_rad.iter().map(|q| q - run.bodies[damper].angle_rad[0]));

@@ -340,6 +340,7 @@ fn inertia_is_what_a_force_accelerates() {
         record_every: Some(1),
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let run = simulate(&lifted, &player::force(&force), &setup, &mut |_| true).unwrap();
     let work = |key: &[f64], force: &[f64], to: f64| -> f64 {

@@ -69,6 +69,7 @@ const SETUP: fn() -> Setup = || Setup {
     record_every: Some(u64::MAX),
     tolerance: None,
     ledger: true,
+    pedal: erard::strings::Pedal::default(),
 };
 
 fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {

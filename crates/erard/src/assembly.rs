@@ -7,7 +7,6 @@ use moreau_sizes::{Marks, OwnedDescription};
 
 use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};
-use crate::strings::EXCURSION_M;
 
 /// Assembles the model of an instrument, for any engine size that holds it, in single or double precision.
 ///
@@ -75,8 +74,10 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
     let pivots = instrument.bodies.iter().enumerate().filter_map(|(i, b)| dwell(Part::Body(i), b.dwell));
     let contacts = instrument.zones.iter().enumerate().filter_map(|(z, zone)| dwell(Part::Zone(z), zone.dwell));
     let dwells = pivots.chain(contacts).collect();
-    let string = instrument.roles.string.filter(|_| instrument.has_yielding_strings());
-    let yields = string.map(|zone| Yields { zone, excursion: t(EXCURSION_M) }).into_iter().collect();
+    let yields = crate::strings::yielding_zones(instrument)
+        .into_iter()
+        .map(|(zone, excursion_m)| Yields { zone, excursion: t(excursion_m) })
+        .collect();
     let site = instrument.roles.key.map(|body| Site {
         body,
         point: vector(instrument.roles.key_front_m),

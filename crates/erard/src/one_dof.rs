@@ -105,6 +105,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
         springs: vec![Spring { name: "whole action".into(), body: 0, torque_n_m: moment, stiffness_n_m_per_rad: 0.0 }],
         zones: stops,
         strings: Vec::new(),
+        bridge_modes: Vec::new(),
         roles: Roles {
             key: Some(0),
             key_front_m: full.roles.key_front_m,

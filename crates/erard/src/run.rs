@@ -105,10 +105,14 @@ pub fn column_unit(name: &str) -> &'static str {
 /// What strings that yield do.
 #[derive(Debug, Clone, Default)]
 pub struct StringSeries {
-    /// Displacement under the hammer from their rest, m, away from it; of several strings their mean.
+    /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a damper's weight displaces is in it.
     pub displacement_m: Vec<f64>,
     /// Force of all of them on the bridge, N, positive in the direction in which the hammer pushes.
     pub bridge_n: Vec<f64>,
+    /// Places along the middle one of them, m from the striking point, away from the nearer end.
+    pub places_m: Vec<f64>,
+    /// Its displacement at these places, m, row after row.
+    pub shape_m: Vec<f32>,
 }
 
 /// One body's motion.

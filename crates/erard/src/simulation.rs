@@ -9,6 +9,7 @@ use crate::player::course::Course;
 use crate::player::hand::MovingHand;
 use crate::player::{Action, ActionError, Drive, Hand, HandError, Input, Observer};
 use crate::run::Run;
+use crate::strings::Pedal;
 
 /// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
 pub const SMALLEST_STEP_S: f64 = 1e-8;
@@ -36,6 +37,8 @@ pub struct Setup {
     pub tolerance: Option<f64>,
     /// Whether the energy ledger is kept.
     pub ledger: bool,
+    /// How the sustain pedal is moved, on the stroke's own clock.
+    pub pedal: Pedal,
 }
 
 /// Why a run could not be made.
@@ -104,6 +107,11 @@ pub enum SimulationError {
         "strings that yield take steps of one length; expected no tolerance, or a rigid string (`rigid_string = true` in [roles])"
     )]
     StringsControlled,
+    /// There is nothing that a pedal could lift.
+    #[error(
+        "the instrument has no rail for a pedal to lift (`roles.pedal`), or its strings are rigid (`concert-grand-strings` has both)"
+    )]
+    NoPedal,
     /// A hand takes steps of one length.
     #[error("a hand presses in steps of one length; expected no tolerance")]
     HandControlled,
@@ -143,7 +151,15 @@ impl Setup {
     /// [`MOST_ROWS`] are not exceeded), with the ledger.
     pub fn new(duration_s: f64) -> Self {
         let settings = Settings::new(crate::equilibrium::STEP_S);
-        Setup { settings, start_s: 0.0, duration_s, record_every: None, tolerance: None, ledger: true }
+        Setup {
+            settings,
+            start_s: 0.0,
+            duration_s,
+            record_every: None,
+            tolerance: None,
+            ledger: true,
+            pedal: Pedal::default(),
+        }
     }
 
     /// Checks the numbers, and says how many steps they make.
@@ -234,6 +250,7 @@ fn simulate_before<'a>(
         return Err(SimulationError::StringsControlled);
     }
     let mut action = Action::asking(instrument, setup.settings, &mut || progress(0.0))?;
+    put_pedal(&mut action, instrument, setup, &mut || progress(0.0))?;
     if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)
         && position_m > 0.0
     {
@@ -248,6 +265,27 @@ fn simulate_before<'a>(
     }
     progress(1.0);
     Ok(course.finish(instrument))
+}
+
+/// The pedal where it is at the start, and the action at rest over it.
+fn put_pedal(
+    action: &mut Action,
+    instrument: &Instrument,
+    setup: &Setup,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<(), SimulationError> {
+    if !setup.pedal.is_used() {
+        return Ok(());
+    }
+    if action.strings().and_then(|strings| strings.pedal_m()).is_none() {
+        return Err(SimulationError::NoPedal);
+    }
+    let lift_m = setup.pedal.lift_m(setup.start_s);
+    if lift_m > 0.0 {
+        action.set_pedal(lift_m);
+        action.settle(instrument, Input::Free, going).map_err(SimulationError::settling)?;
+    }
+    Ok(())
 }
 
 /// [`simulate`] with a hand between stroke and key: the stroke's force is its muscle's, or its motion is where muscle drives it.
@@ -270,7 +308,8 @@ pub fn simulate_hand(
     }
     let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
     let fitted = hand.fitted(instrument);
-    let action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
+    let mut action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
+    put_pedal(&mut action, &fitted, setup, &mut || progress(0.0))?;
     let mut course = Course::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
     course.fixed(progress)?;
     progress(1.0);

@@ -200,6 +200,7 @@ fn a_second_press_from_half_way_sounds() {
             record_every: None,
             tolerance: None,
             ledger: true,
+            pedal: erard::strings::Pedal::default(),
         };
         let run = simulate(&grand, &player::motion(&motion), &setup, &mut |_| true).unwrap();
         let blows = &run.events.strikes;

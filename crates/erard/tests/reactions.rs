@@ -33,6 +33,7 @@ fn pendulum() -> Instrument {
         zones: Vec::new(),
         roles: Roles::default(),
         strings: Vec::new(),
+        bridge_modes: Vec::new(),
         finger: Finger::default(),
         screws: Vec::new(),
         parts: Vec::new(),

@@ -171,7 +171,15 @@ fn a_search_for_a_rest_that_does_not_end_well() {
     });
     assert!(matches!(error, EquilibriumError::Interrupted) && asked == 3, "{error:?}");
     let settings = Settings::new(USUAL_STEP_S);
-    let setup = Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None, ledger: true };
+    let setup = Setup {
+        settings,
+        start_s: 0.0,
+        duration_s: 1.0,
+        record_every: None,
+        tolerance: None,
+        ledger: true,
+        pedal: erard::strings::Pedal::default(),
+    };
     let free = simulate(&mill, &|_| player::Input::Free, &setup, &mut |_| false);
     assert!(matches!(free, Err(SimulationError::Interrupted)), "{free:?}");
 }

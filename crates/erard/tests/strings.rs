@@ -336,10 +336,15 @@ fn the_books_of_a_whole_action_close() {
 #[test]
 fn strings_at_rest_cost_nothing() {
     let mut action = Action::new(&strung()).unwrap();
-    for _ in 0..10 {
+    for _ in 0..200 {
         action.step(Input::Free);
     }
-    assert!(action.rests() && action.strings().unwrap().displacement_m() == 0.0);
+    // The damper's weight displaces them: `dampers.rs`.
+    let at = |action: &Action| action.strings().unwrap().displacement_m();
+    let before = at(&action);
+    assert!(action.rests() && before.abs() < 2e-5);
+    action.step(Input::Free);
+    assert!(action.rests() && at(&action).to_bits() == before.to_bits());
     let mut keys = Keys::at_rest(&[strung(), strung()], Settings::new(USUAL_STEP_S)).unwrap();
     assert_eq!(keys.awake(), 0);
     keys.drive(1, Input::Force(5.0));
@@ -347,7 +352,7 @@ fn strings_at_rest_cost_nothing() {
         keys.step();
     }
     keys.drive(1, Input::Free);
-    // 50 s: b1 is 0.5 1/s.
+    // At most 50 s; the damper takes two or three.
     for _ in 0..1_000_000 {
         keys.step();
         if keys.awake() == 0 {
@@ -355,7 +360,7 @@ fn strings_at_rest_cost_nothing() {
         }
     }
     println!("asleep after {:.1} s", keys.time_s());
-    assert!(keys.awake() == 0 && keys.time_s() > 10.0);
+    assert!(keys.awake() == 0 && (0.5..10.0).contains(&keys.time_s()));
 }
 
 /// Keys that sleep while their strings ring do to the bit what an action does.
@@ -406,7 +411,9 @@ fn snapshots_hold_the_strings() {
     }
     let mut hushed = Action::new(&instrument).unwrap();
     hushed.restore(&erard::Snapshot::from_bytes(&snapshot.mechanism.to_bytes()).unwrap()).unwrap();
-    assert_eq!(hushed.strings().unwrap().displacement_m(), 0.0);
+    // At rest as dampers lie on them.
+    let resting = Action::new(&instrument).unwrap();
+    assert_eq!(hushed.strings().unwrap().displacement_m(), resting.strings().unwrap().displacement_m());
     let mut damaged = snapshot.to_vec();
     let last = damaged.len() - 20;
     damaged[last] ^= 1;

@@ -1,6 +1,6 @@
 //! A mechanism of a fixed size with what looks on: the code that every step outside the lanes goes through.
 
-use core::cell::OnceCell;
+use core::cell::{Cell, OnceCell};
 
 use moreau::{
     Accuracy, Contact, ControlledStep, Controller, Energies, GROUND, Halves, Input, Ledger, Model, ModelError, Outcome,
@@ -168,7 +168,10 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         if !rested && sleep.is_asleep() {
             // Could a surface touch the mechanism where it is now?
             let pose = Pose::of(model, &state.angle);
-            if under.surfaces.zones().iter().any(|&zone| pose.gap(model, zone) > -model.excursion(zone)) {
+            let reaches = |(index, &zone): (usize, &usize)| {
+                under.surfaces.may_reach(index) && pose.gap(model, zone) > -model.excursion(zone)
+            };
+            if under.surfaces.zones().iter().enumerate().any(reaches) {
                 sleep.wake();
             }
         }
@@ -294,6 +297,8 @@ pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
     contacts: Option<Box<[Option<Contact<f64>>; Z]>>,
     /// What surfaces that yield had lost when the ledger was opened, J.
     pub lost_before: f64,
+    /// What had been given through them when it was last booked, J.
+    pub given_before: Cell<f64>,
 }
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
@@ -316,6 +321,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
             pose: OnceCell::new(),
             contacts: None,
             lost_before: 0.0,
+            given_before: Cell::new(0.0),
         })
     }
 
@@ -401,6 +407,10 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         }
         if let Some(under) = &self.core.under {
             ledger.surface = under.surfaces.lost() - self.lost_before;
+            let given = under.surfaces.given();
+            let work = given - self.given_before.replace(given);
+            ledger.drive_work += work;
+            ledger.drive_work_in += work.max(0.0);
         }
     }
 

@@ -296,6 +296,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.core.sleep.wake();
         Engine::keep_contacts(self);
         self.lost_before = self.core.under.as_ref().map_or(0.0, |under| under.surfaces.lost());
+        self.given_before.set(self.core.under.as_ref().map_or(0.0, |under| under.surfaces.given()));
         let start = self.core.energies(&self.core.state);
         Ledger { start, now: start, ..Ledger::open(&self.core.model, &self.core.state) }
     }

@@ -8,7 +8,7 @@ use moreau::{Settings, Surface, Workspace};
 /// Things under zones that yield ([`moreau::Yields`]). Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
 /// normal, positive away from the disc.
 ///
-/// The zones' surfaces may belong to one thing; a force on one then displaces the others from the next step on.
+/// The zones' surfaces may belong to one thing; a force on one then displaces the others from the next step on, or as their owner expects it to.
 pub trait Surfaces: Send {
     /// The mechanism's zones.
     fn zones(&self) -> &[usize];
@@ -22,22 +22,33 @@ pub trait Surfaces: Send {
     fn advance(&mut self, forces: &[f64]);
     /// Whether the last step changed nothing, so that the next one does not either if the same forces press.
     fn rests(&self) -> bool;
+    /// Whether a surface may come to touch what it does not touch now, while the mechanism stands still.
+    fn may_reach(&self, index: usize) -> bool {
+        let _ = index;
+        true
+    }
     /// Energy that is in them, J.
     fn energy(&self) -> f64;
     /// Energy that they have lost since they were made, J.
     fn lost(&self) -> f64;
+    /// Work that whatever moves them from outside has done on the mechanism since they were made, J.
+    fn given(&self) -> f64 {
+        0.0
+    }
     /// How many numbers [`Surfaces::save`] writes at the present length of steps.
     fn numbers(&self) -> usize;
     /// All that the following steps depend on, number by number.
     fn save(&self, put: &mut dyn FnMut(f64));
-    /// Goes on from there; from nothing (an empty list) at rest, undisplaced.
+    /// Goes on from there; from nothing (an empty list) at rest.
     fn restore(&mut self, from: &[f64]);
     /// The thing itself, for who knows what it is.
     fn as_any(&self) -> &dyn Any;
+    /// The same, to be changed.
+    fn as_any_mut(&mut self) -> &mut dyn Any;
 }
 
 /// Zones that may yield at once.
-pub(crate) const MOST: usize = 4;
+pub(crate) const MOST: usize = 8;
 
 /// Surfaces with what the engine keeps for them.
 pub(crate) struct Under {

@@ -103,6 +103,7 @@ fn study(strokes: usize) {
         record_every: None,
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let job = |i: usize| Job { instrument: i, stroke: Box::new(move |_| Input::Force(4.0 + 0.01 * i as f64)) };
     // Four: whatever more the processor has, so that counts can be compared.

@@ -56,8 +56,15 @@ impl Compare {
         let Ready { name: title, prepared, position_of, .. } = self.recording.load(&self.file)?;
         let series = self.begun(prepared.series)?;
         let instrument = load_instrument(&self.instrument)?;
-        let setup =
-            Setup { settings, start_s: 0.0, duration_s: 1.0, record_every: None, tolerance: None, ledger: true };
+        let setup = Setup {
+            settings,
+            start_s: 0.0,
+            duration_s: 1.0,
+            record_every: None,
+            tolerance: None,
+            ledger: true,
+            pedal: erard::strings::Pedal::default(),
+        };
         check(&setup)?;
         let choice = Choice { position_of, ..self.choice() }.limited_by(&prepared.report);
         let mut names = vec!["compare.csv", "compare.json"];

@@ -286,6 +286,7 @@ fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
         record_every: None,
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {

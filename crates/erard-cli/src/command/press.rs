@@ -7,7 +7,7 @@ use erard::instrument::Instrument;
 use erard::player::{Hand, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::simulation::{Setup, simulate_hand, simulate_observed};
-use erard::strings::{RATE_HZ, Sound, sound};
+use erard::strings::{Pedal, RATE_HZ, Sound, sound};
 use erard::stroke::{Columns, Prescribed};
 
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
@@ -62,6 +62,10 @@ pub struct Press {
     /// its spectrogram, spectrogram.svg and spectrogram.png. Played once more in steps of 1/96000 s
     #[arg(long)]
     wav: bool,
+    /// Hold the sustain pedal down so that its rail is lifted so far (7mm), or move it: instants on the stroke's clock with lifts, straight lines between them
+    /// (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
+    #[arg(long, value_name = "LIFT", default_value = "0mm", hide_default_value = true)]
+    pedal: Pedal,
     /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle leads it along
     /// the stroke's motion; the force at the key is then what comes of it [default: 200]
     #[arg(
@@ -100,6 +104,7 @@ impl Press {
             record_every: self.record_every,
             tolerance: self.tolerance,
             ledger: true,
+            pedal: self.pedal,
         };
         if self.against.is_some() || instruments.len() == 2 {
             return self.pair(&instruments, stroke, against, hand.as_ref(), setup);

@@ -114,8 +114,15 @@ impl Study {
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup =
-            Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None, ledger: true };
+        let setup = Setup {
+            settings,
+            start_s: stroke.start_s,
+            duration_s,
+            record_every: None,
+            tolerance: None,
+            ledger: true,
+            pedal: erard::strings::Pedal::default(),
+        };
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };

@@ -43,6 +43,7 @@ pub(crate) fn two_levers() -> Instrument {
             dwell: None,
         }],
         strings: vec![],
+        bridge_modes: vec![],
         roles: Roles::default(),
         finger: Finger { stiffness_n_per_m: 1e4, damping_n_s_per_m: 1.0 },
         screws: vec![],
@@ -103,6 +104,7 @@ fn at_rest() -> Run {
         record_every: None,
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let mut run = simulate(&grand, &|_| player::Input::Free, &setup, &mut |_| true).unwrap();
     run.events = erard::run::Events::default();

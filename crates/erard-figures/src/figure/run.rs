@@ -27,6 +27,12 @@ pub fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     if !angles.is_empty() {
         panels.push(panel(run, ("turned", "°"), 130.0, angles));
     }
+    if let Some(strings) = &run.strings {
+        let under = scaled(&strings.displacement_m, 1e3);
+        panels.push(panel(run, ("string", "mm"), 110.0, [("under the hammer, up", under)]));
+        let bridge = Cow::Borrowed(&strings.bridge_n[..]);
+        panels.push(panel(run, ("bridge", "N"), 110.0, [("strings on bridge, up", bridge)]));
+    }
     if let Some(forces) = contact_forces(run) {
         panels.push(forces);
     }

@@ -22,11 +22,29 @@ const pressedAt = (zone, where) => {
   return { sides: zone, at: [zone.values[entry + 1], zone.values[entry + 2]], normal: [zone.sign * Math.cos(turn), zone.sign * Math.sin(turn)] };
 };
 
+// A string that yields swings across the straight one, exaggerated as its label says.
+for (const action of data.actions) {
+  const { string, group } = action;
+  if (!string) continue;
+  string.line = element("polyline", { class: "swinging" }, group);
+  const label = element("text", { class: "newton swinging", x: string.x[0].toFixed(2), y: (-string.y - 13).toFixed(2) }, group);
+  label.textContent = string.times === 1 ? "middle string" : `middle string, swing × ${string.times}`;
+}
+const swing = ({ x, y, shape, times, line }, { i, j, share }) => {
+  const count = x.length;
+  const points = x.map((at, k) => {
+    const from = shape[i * count + k], to = shape[j * count + k];
+    return `${at.toFixed(2)},${(-y - times * (from + share * (to - from))).toFixed(3)}`;
+  });
+  line.setAttribute("points", points.join(" "));
+};
+
 const pose = (where) => {
   for (const action of data.actions) {
     action.placed = placeBodies(action.bodies, (body) => mix(action.bodies[body].angle, where));
     move(action.moving, action.placed);
     if (!action.group.hasAttribute("hidden")) dent(action.outlines, action.zones.map((zone) => pressedAt(zone, where)), action.dents);
+    if (action.string) swing(action.string, where);
   }
 };
 

@@ -6,7 +6,8 @@ use crate::drawing::{Drawing, MM};
 use crate::figure::{self, Dash, Figure, Layout, Panel};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use erard::run::ZoneSeries;
+use erard::instrument::{Curve, Instrument};
+use erard::run::{Run, ZoneSeries};
 use serde_json::{Value, json};
 
 /// The runs, thinned to common frames, with what the script needs to place bodies and arrows.
@@ -117,8 +118,39 @@ fn action(shown: &Shown<'_>, drawing: &Drawing, frames: &Frames) -> Value {
         "force": frames.of(&run.force_n),
         "press": scene::press(instrument),
         "pins": pins,
+        "string": string(instrument, run, frames),
         "labels": scene::labels(instrument, drawing),
     })
+}
+
+/// Times by which a string's displacement may be exaggerated.
+const TIMES: [f64; 7] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
+/// How far it then swings in the picture at most, mm.
+const SWING_MM: f64 = 12.0;
+
+/// The string as it swings, where it yields: places and rest in picture millimetres, displacements in mm, place by place in every frame, and by how much the picture
+/// exaggerates them.
+fn string(instrument: &Instrument, run: &Run, frames: &Frames) -> Option<Value> {
+    let series = run.strings.as_ref()?;
+    let Curve::Line { point_m: [strike_m, height_m], .. } = instrument.zones.get(instrument.roles.string?)?.curve
+    else {
+        return None;
+    };
+    let count = series.places_m.len();
+    let largest_mm = MM * series.shape_m.iter().fold(0.0, |most: f32, m| most.max(m.abs())) as f64;
+    let times = TIMES.into_iter().rev().find(|times| times * largest_mm <= SWING_MM).unwrap_or(1.0);
+    let at = |row: usize, place: usize| f64::from(series.shape_m.get(row * count + place).copied().unwrap_or(0.0));
+    let last = (series.shape_m.len() / count.max(1)).saturating_sub(1);
+    let shape = frames.0.iter().flat_map(|&(row, share)| {
+        let next = (row + 1).min(last);
+        (0..count).map(move |place| MM * (at(row, place) + share * (at(next, place) - at(row, place))))
+    });
+    Some(json!({
+        "x": series.places_m.iter().map(|place_m| (strike_m + place_m) * MM).collect::<Vec<_>>(),
+        "y": height_m * MM,
+        "shape": floats(shape),
+        "times": times,
+    }))
 }
 
 fn panel_value(panel: &Panel, shown: &[Shown<'_>], lanes: &[(usize, usize)], time_s: &[f64]) -> Value {

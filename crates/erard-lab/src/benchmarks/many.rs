@@ -165,6 +165,7 @@ fn strokes(count: usize, effort: &Effort, progress: &mut dyn FnMut(f64) -> bool)
         record_every: None,
         tolerance: None,
         ledger: false,
+        pedal: erard::strings::Pedal::default(),
     };
     let job = |i: usize| {
         let force = MF_N * (0.8 + 0.4 * i as f64 / count as f64);

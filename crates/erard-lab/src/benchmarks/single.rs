@@ -54,6 +54,7 @@ impl Single {
             record_every: None,
             tolerance: None,
             ledger: true,
+            pedal: erard::strings::Pedal::default(),
         };
         let drive = player::force(series.force.as_ref().expect("has a force").drive());
         let levers = ThreeLever::c7f_like().assemble().expect("built in");

@@ -58,6 +58,7 @@ impl Play {
             record_every: Some(record_every),
             tolerance: None,
             ledger: true,
+            pedal: erard::strings::Pedal::default(),
         };
         let mut go = |drive: &Drive<'_>| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
         let missing = |name: &str| ReproduceError::Instrument(format!("the built-in stroke {name} cannot be read"));

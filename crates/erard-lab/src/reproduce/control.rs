@@ -75,6 +75,7 @@ fn press(
         record_every: Some((row_s / settings.step).round().max(1.0) as u64),
         tolerance,
         ledger: false,
+        pedal: erard::strings::Pedal::default(),
     };
     let started = Instant::now();
     let run = simulate(instrument, &player::force(force.drive()), &setup, progress)?;

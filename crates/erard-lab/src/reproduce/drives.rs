@@ -88,6 +88,7 @@ impl Reference {
             record_every: Some(ROW_STEPS),
             tolerance: None,
             ledger: true,
+            pedal: erard::strings::Pedal::default(),
         };
         Ok(simulate(model, drive, &setup, &mut |_| true)?)
     }

@@ -134,6 +134,7 @@ fn blow(
         record_every: None,
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     let going = &mut |_| going();
     let run = match drive {

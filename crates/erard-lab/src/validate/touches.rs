@@ -82,6 +82,7 @@ fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, Simulat
         record_every: None,
         tolerance: None,
         ledger: true,
+        pedal: erard::strings::Pedal::default(),
     };
     simulate(instrument, &player::force(&force), &setup, &mut |_| true)
 }

@@ -64,6 +64,7 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
         record_every: Some(RECORD_EVERY),
         tolerance: None,
         ledger: false,
+        pedal: erard::strings::Pedal::default(),
     };
     // The levers that it is compared with are rigid.
     let instrument = &instrument.locked();

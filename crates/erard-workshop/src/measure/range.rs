@@ -155,6 +155,7 @@ fn press(instrument: &Instrument, force_n: f64, ledger: bool, going: Interrupt<'
         record_every: Some(1),
         tolerance: None,
         ledger,
+        pedal: erard::strings::Pedal::default(),
     };
     Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| going())?)
 }

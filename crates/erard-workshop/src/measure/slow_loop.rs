@@ -61,6 +61,7 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) ->
         record_every: Some(RECORD_EVERY),
         tolerance: None,
         ledger: false,
+        pedal: erard::strings::Pedal::default(),
     };
     let run = simulate(instrument, &motion(finger), &setup, &mut |_| going())?;
     let way = |from: f64, to: f64| {

@@ -69,6 +69,7 @@ pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timin
                 record_every: Some(100),
                 tolerance: None,
                 ledger: true,
+                pedal: erard::strings::Pedal::default(),
             };
             let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going())?;
             sheet.push(Timing {

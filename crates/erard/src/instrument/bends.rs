@@ -109,6 +109,7 @@ impl Instrument {
             springs,
             zones: self.zones.iter().map(|zone| rigid.zone(zone)).collect(),
             strings: self.strings.clone(),
+            bridge_modes: self.bridge_modes.clone(),
             roles: Roles {
                 key: rigid.body(roles.key),
                 key_front_m: on(roles.key, roles.key_front_m),

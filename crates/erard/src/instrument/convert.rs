@@ -11,7 +11,7 @@ use super::quantity::{At, Num, Pair, Positive, Real};
 use super::reader::{
     G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title,
 };
-use super::strings::read_strings;
+use super::strings::{read_bridge, read_strings};
 use super::{
     Body, Curve, Dwell, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS,
     MAX_ZONES, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
@@ -39,6 +39,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
         springs: Vec::new(),
         zones: Vec::new(),
         strings: Vec::new(),
+        bridge_modes: Vec::new(),
         roles: Roles::default(),
         finger: Finger::default(),
         screws: Vec::new(),
@@ -57,7 +58,9 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     if let Some(roles) = &file.roles {
         instrument.roles = read_roles(roles, &mut reader, &instrument)?;
     }
-    read_strings(&file.string, &mut reader, &mut instrument)?;
+    let pedal = file.roles.as_ref().and_then(|roles| roles.pedal.as_ref());
+    read_strings(&file.string, pedal, &mut reader, &mut instrument)?;
+    read_bridge(&file.bridge_mode, &mut reader, &mut instrument)?;
     if let Some(one_dof) = &file.one_dof {
         read_one_dof(one_dof, &mut instrument)?;
     }
@@ -462,6 +465,8 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
         key_bottom: zone(&table.key_bottom)?,
         string: zone(&table.string)?,
         rigid_string: table.rigid_string,
+        rigid_bridge: table.rigid_bridge,
+        pedal: zone(&table.pedal)?,
         let_off: zone(&table.let_off)?,
         knuckle: zone_indices(&table.knuckle, instrument)?,
         check: zone(&table.check)?,

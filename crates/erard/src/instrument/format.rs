@@ -10,7 +10,9 @@ use serde::Deserialize;
 
 use super::provenance::{Certainty, Source};
 use super::quantity::{At, Exponent, NonNegative, Num, Pair, Part, Positive, Real};
-use super::{MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_STRINGS, MAX_ZONES, Material};
+use super::{
+    MAX_BODIES, MAX_BRIDGE_MODES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_STRINGS, MAX_ZONES, Material,
+};
 
 /// What the key `format` must say.
 pub(crate) const FORMAT: &str = "erard-instrument/1";
@@ -52,6 +54,10 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_STRINGS))]
     pub string: Vec<At<StringToml>>,
+    /// How the bridge moves where they end; at most 16 modes. It stands still when absent.
+    #[serde(default)]
+    #[schemars(length(max = MAX_BRIDGE_MODES))]
+    pub bridge_mode: Vec<At<BridgeModeToml>>,
     /// Who is who in the mechanism. A role that is absent is not there.
     pub roles: Option<At<RolesToml>>,
     /// The player's fingertip: needed when `roles` names a key.
@@ -163,6 +169,38 @@ pub(crate) struct StringToml {
     pub loss_s: Option<Num<NonNegative>>,
     /// Where the hammer strikes, mm from one end.
     pub strike_mm: Num<Positive>,
+    /// What lies on it to damp it; nothing when absent.
+    pub damper: Option<At<DamperToml>>,
+}
+
+/// The felt of a damper on a string.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Damper")]
+pub(crate) struct DamperToml {
+    /// The zone between the damper and this string; its side B is a line on the ground, where the string lies at rest.
+    pub zone: At<String>,
+    /// The middle of the felt, mm from the end that `strike_mm` is counted from.
+    pub middle_mm: Num<Positive>,
+    /// Its length along the string, mm.
+    pub length_mm: Num<Positive>,
+}
+
+/// A mode of the soundboard where the strings of a note end: the bridge moves, and strings feel each other through it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "BridgeMode")]
+pub(crate) struct BridgeModeToml {
+    /// Identifier: lower-case letters, digits and underscores.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
+    pub name: At<String>,
+    /// Its mass, referred to the bridge there, g.
+    pub mass_g: Num<Positive>,
+    /// Its frequency, Hz.
+    #[serde(rename = "frequency_Hz")]
+    pub frequency_hz: Num<Positive>,
+    /// Its loss factor, below 1: amplitudes decay as exp(-loss_factor omega t / 2).
+    pub loss_factor: Num<Part>,
 }
 
 /// A felt between a disc (or a point) on one body and a line, a rounded segment or a disc on another.
@@ -291,6 +329,11 @@ pub(crate) struct RolesToml {
     /// Whether the string stands still although strings are described; no when absent.
     #[serde(default)]
     pub rigid_string: bool,
+    /// Whether the bridge stands still although its modes are described; no when absent.
+    #[serde(default)]
+    pub rigid_bridge: bool,
+    /// The zone between the damper's lever and the rail that the sustain pedal lifts.
+    pub pedal: Option<At<String>>,
     /// The zone between jack toe and let-off button.
     pub let_off: Option<At<String>>,
     /// The zones that push the hammer up.

@@ -51,6 +51,8 @@ pub const MAX_ZONES: usize = 32;
 pub const MAX_SPRINGS: usize = 24;
 /// Most strings of a note.
 pub const MAX_STRINGS: usize = 3;
+/// Most modes of a bridge.
+pub const MAX_BRIDGE_MODES: usize = 16;
 /// Most regulating screws of an instrument.
 pub const MAX_SCREWS: usize = 64;
 /// Most drawn parts of an instrument.
@@ -76,6 +78,8 @@ pub struct Instrument {
     pub zones: Vec<Zone>,
     /// The strings that the hammer strikes, those of one note. None: the string is rigid.
     pub strings: Vec<PianoString>,
+    /// How the bridge moves under them. None: it stands still.
+    pub bridge_modes: Vec<BridgeMode>,
     /// What the parts of the mechanism are for; what is `None` is not there.
     pub roles: Roles,
     /// The fingertip.
@@ -149,6 +153,32 @@ pub struct PianoString {
     pub loss_s: f64,
     /// Where the hammer strikes, m from one end.
     pub strike_m: f64,
+    /// What lies on it to damp it; `None`: nothing.
+    pub damper: Option<DamperFelt>,
+}
+
+/// The felt of a damper on a string.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DamperFelt {
+    /// The zone between damper and string.
+    pub zone: usize,
+    /// Its middle, m from the end that the strike is counted from.
+    pub middle_m: f64,
+    /// Its length along the string, m.
+    pub length_m: f64,
+}
+
+/// A mode of the soundboard where the strings of a note end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BridgeMode {
+    /// Identifier.
+    pub name: String,
+    /// Its mass, referred to the bridge there, kg.
+    pub mass_kg: f64,
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+    /// Its loss factor: amplitudes decay as exp(-loss_factor omega t / 2).
+    pub loss_factor: f64,
 }
 
 /// A felt between two curves.
@@ -279,6 +309,10 @@ pub struct Roles {
     pub string: Option<usize>,
     /// Whether the string stands still although strings are described.
     pub rigid_string: bool,
+    /// Whether the bridge stands still although its modes are described.
+    pub rigid_bridge: bool,
+    /// Damper lever - the rail that the sustain pedal lifts.
+    pub pedal: Option<usize>,
     /// Jack toe - let-off button.
     pub let_off: Option<usize>,
     /// Zones that push the hammer up (jack - knuckle, lever - knuckle).

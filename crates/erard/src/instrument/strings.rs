@@ -1,10 +1,12 @@
 //! Reads the strings of an instrument file.
 
+use std::ops::Range;
+
 use super::error::Fault;
-use super::format::StringToml;
+use super::format::{BridgeModeToml, DamperToml, StringToml};
 use super::quantity::At;
-use super::reader::{G_PER_KG, Limits, MM_PER_M, Reader, new_name};
-use super::{Instrument, MAX_STRINGS, PianoString};
+use super::reader::{G_PER_KG, Limits, MM_PER_M, Reader, index_of, new_name};
+use super::{BridgeMode, DamperFelt, Instrument, MAX_BRIDGE_MODES, MAX_STRINGS, PianoString, Zone};
 use crate::strings::{STEEL_DENSITY_KG_M3, bending_stiffness, tension_for};
 
 /// Cents in an octave.
@@ -13,6 +15,7 @@ const OCTAVE_CENTS: f64 = 1200.0;
 /// Reads the strings; roles and zones have been read.
 pub(super) fn read_strings(
     tables: &[At<StringToml>],
+    pedal: Option<&At<String>>,
     reader: &mut Reader<'_>,
     instrument: &mut Instrument,
 ) -> Result<(), Fault> {
@@ -26,21 +29,28 @@ pub(super) fn read_strings(
             let expected = "`string` in [roles], the zone between hammer and string";
             return Err(Fault::at(table.span(), "a string that nothing strikes", expected));
         };
-        if zone.felt.dry_loss > 0.0 && zone.felt.dry_slip == 0.0 {
-            let message = format!("the felt of `{}` has a set-valued loss, which no string can yield to", zone.name);
-            return Err(Fault::at(table.span(), message, "`dry_slip` beside its `dry_loss`, or another loss"));
-        }
-        if zone.curve_body.is_some() {
-            let message = format!("the string of `{}` is carried by a body", zone.name);
-            return Err(Fault::at(table.span(), message, "a zone whose side B is on the ground"));
-        }
+        check_zone(zone, table.span())?;
         if let Some(name) = instrument.zones.iter().map(|zone| &zone.name).find(|name| *name == "bridge") {
             let message =
                 format!("the column `{name}_N` of a run with strings is the bridge's, and a zone has this name");
             return Err(Fault::at(table.span(), message, "another name for that zone"));
         }
-        let string = read_string(table, reader, &instrument.strings)?;
+        let mut string = read_string(table, reader, &instrument.strings)?;
+        string.damper =
+            table.damper.as_ref().map(|damper| read_damper(damper, &string, reader, instrument)).transpose()?;
         instrument.strings.push(string);
+    }
+    if let (Some(zone), Some(name)) = (instrument.roles.pedal, pedal) {
+        if instrument.roles.string == Some(zone) {
+            return Err(Fault::at(
+                name.span(),
+                "this zone is the hammer's",
+                "the zone of the damper's lever and its rail",
+            ));
+        }
+        if !instrument.strings.is_empty() {
+            check_zone(&instrument.zones[zone], name.span())?;
+        }
     }
     Ok(())
 }
@@ -109,5 +119,70 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
         loss_per_s: reader.scalar(&table.loss_per_s, Limits::up_to(1e4, "1/s"))?,
         loss_s: reader.scalar_or_zero(table.loss_s.as_ref(), Limits::up_to(1.0, "s"))?,
         strike_m,
+        damper: None,
     })
+}
+
+/// The damper's felt on a string, where there is one.
+fn read_damper(
+    table: &At<DamperToml>,
+    string: &PianoString,
+    reader: &mut Reader<'_>,
+    instrument: &Instrument,
+) -> Result<DamperFelt, Fault> {
+    let zone = index_of(&table.zone, "zone", instrument.zones.iter().map(|zone| zone.name.as_str()))?;
+    let span = table.zone.span();
+    let used = instrument.strings.iter().any(|other| other.damper.is_some_and(|damper| damper.zone == zone));
+    if used || instrument.roles.string == Some(zone) || instrument.roles.pedal == Some(zone) {
+        return Err(Fault::at(span, "this zone touches something else already", "a zone for every damped string"));
+    }
+    check_zone(&instrument.zones[zone], span)?;
+    let middle_m = reader.scalar(&table.middle_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
+    let length_m = reader.scalar(&table.length_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
+    if middle_m - 0.5 * length_m < 0.0 || middle_m + 0.5 * length_m > string.length_m {
+        let expected = format!("a felt that ends before {} mm", string.length_m * MM_PER_M);
+        return Err(Fault::at(table.middle_mm.value_span(), "the damper lies beside the string", expected));
+    }
+    Ok(DamperFelt { zone, middle_m, length_m })
+}
+
+/// Reads the modes of the bridge.
+pub(super) fn read_bridge(
+    tables: &[At<BridgeModeToml>],
+    reader: &mut Reader<'_>,
+    instrument: &mut Instrument,
+) -> Result<(), Fault> {
+    if let Some(table) = tables.get(MAX_BRIDGE_MODES) {
+        let expected = format!("at most {MAX_BRIDGE_MODES} modes");
+        return Err(
+            Fault::at(table.span(), "too many modes of the bridge", expected).found(format!("{}", tables.len()))
+        );
+    }
+    for table in tables {
+        if instrument.strings.is_empty() {
+            return Err(Fault::at(table.span(), "a bridge that no string ends on", "a [[string]]"));
+        }
+        let others = instrument.bridge_modes.iter().map(|mode| mode.name.as_str());
+        let name = new_name(&table.name, "bridge mode", others)?;
+        instrument.bridge_modes.push(BridgeMode {
+            name,
+            mass_kg: reader.scalar(&table.mass_g, Limits::between(1.0, 1e6, "g"))? / G_PER_KG,
+            frequency_hz: reader.scalar(&table.frequency_hz, Limits::between(1.0, 2e4, "Hz"))?,
+            loss_factor: reader.scalar(&table.loss_factor, Limits::up_to(0.99, ""))?,
+        });
+    }
+    Ok(())
+}
+
+/// What a surface that is no part of the mechanism can be pressed with.
+fn check_zone(zone: &Zone, span: Range<usize>) -> Result<(), Fault> {
+    if zone.felt.dry_loss > 0.0 && zone.felt.dry_slip == 0.0 {
+        let message = format!("the felt of `{}` has a set-valued loss, which no string can yield to", zone.name);
+        return Err(Fault::at(span, message, "`dry_slip` beside its `dry_loss`, or another loss"));
+    }
+    if zone.curve_body.is_some() {
+        let message = format!("the string of `{}` is carried by a body", zone.name);
+        return Err(Fault::at(span, message, "a zone whose side B is on the ground"));
+    }
+    Ok(())
 }

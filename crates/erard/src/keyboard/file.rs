@@ -176,9 +176,14 @@ fn absence(file: &AbsentToml, base: &mut DocumentMut, base_key: usize) -> Result
     for path in &file.tables {
         let segments: Vec<&str> = path.split('.').collect();
         let listed = base.get(segments[0]).is_some_and(Item::is_array_of_tables);
-        let named = segments.len() == 2 && find(base.as_table_mut(), &[segments[0], segments[1], "name"]).is_some();
-        if !(listed && named) {
-            let expected = "the list and the name of a table of the instrument's file, as in `string.right`";
+        let named = segments.len() > 1 && find(base.as_table_mut(), &[segments[0], segments[1], "name"]).is_some();
+        let within = match segments[..] {
+            [_, _] => true,
+            [_, _, _] => find(base.as_table_mut(), &segments).is_some_and(|item| item.is_table_like()),
+            _ => false,
+        };
+        if !(listed && named && within) {
+            let expected = "the list and the name of a table of the instrument's file, as in `string.right`, or of a table in it, as in `string.right.damper`";
             return Err(Fault::at(path.span(), "the instrument has no such table", expected));
         }
     }

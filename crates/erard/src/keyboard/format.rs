@@ -114,7 +114,7 @@ pub(crate) struct PointToml<T> {
 pub(crate) struct AbsentToml {
     /// What it is, for people: `third string`.
     pub name: At<String>,
-    /// The tables, each by its list and name in the instrument file: `string.right`.
+    /// The tables, each by its list and name in the instrument file: `string.right`; one within it: `string.right.damper`.
     pub tables: Vec<At<String>>,
     /// The first and the last key without them.
     pub keys: At<[i64; 2]>,

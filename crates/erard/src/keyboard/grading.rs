@@ -36,7 +36,8 @@ pub struct Grading {
 pub struct Absence {
     /// What it is, for people.
     pub name: String,
-    /// Each by its list and name in the instrument file, as in `string.right`.
+    /// Each by its list and name in the instrument file, as in `string.right`, and its own name where it stands in another, as in
+    /// `string.right.damper`.
     pub tables: Vec<String>,
     /// The first and the last key without them.
     pub keys: [usize; 2],
@@ -115,10 +116,18 @@ pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
 
 /// Takes a table out of its list; `None` if it is not there.
 fn remove(document: &mut DocumentMut, path: &str) -> Option<()> {
-    let (list, name) = path.split_once('.')?;
+    let mut segments = path.splitn(3, '.');
+    let (list, name, within) = (segments.next()?, segments.next()?, segments.next());
     let tables = document.get_mut(list)?.as_array_of_tables_mut()?;
     let place = tables.iter().position(|table| table.get("name").and_then(Item::as_str) == Some(name))?;
-    tables.remove(place);
+    match within {
+        None => {
+            tables.remove(place);
+        }
+        Some(key) => {
+            tables.get_mut(place)?.remove(key)?;
+        }
+    }
     Some(())
 }
 

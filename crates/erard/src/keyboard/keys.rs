@@ -58,6 +58,7 @@ impl Keys {
     /// [`KeysError`]: a key cannot be assembled, or finds no rest.
     pub fn at_rest(instruments: &[Instrument], settings: Settings<f64>) -> Result<Self, KeysError> {
         let (mut descriptions, mut all_marks, mut own) = (Vec::new(), Vec::new(), Vec::new());
+        let mut strings = Vec::new();
         for (i, instrument) in instruments.iter().enumerate() {
             let wrong = |error| KeysError { key: i + 1, error };
             let action = Action::with(instrument, settings).map_err(wrong)?;
@@ -66,11 +67,13 @@ impl Keys {
             descriptions.push(description);
             all_marks.push(marks(instrument));
             own.push(Own { rest: action.rest(), digest: action.digest() });
+            // As they stand under what lies on them.
+            strings.push(action.strings().cloned());
         }
         let mut bank = bank(&descriptions, &all_marks, settings)
             .map_err(|(index, error)| KeysError { key: index + 1, error: error.into() })?;
-        for (index, instrument) in instruments.iter().enumerate() {
-            if let Some(strings) = Strings::of(instrument, settings.step) {
+        for (index, strings) in strings.into_iter().enumerate() {
+            if let Some(strings) = strings {
                 bank.set_surfaces(index, Box::new(strings));
             }
         }
@@ -123,6 +126,19 @@ impl Keys {
         let imposed = || if let Input::Rigid { velocity_m_s, .. } = input { velocity_m_s } else { 0.0 };
         let input = self.own[key - 1].rest.engine_input(&input, imposed);
         self.bank.drive(key - 1, &input);
+    }
+
+    /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes them if that is anything new.
+    pub fn set_pedal(&mut self, lift_m: f64) {
+        for index in 0..self.bank.count() {
+            let aim = |strings: &Strings| strings.pedal_aim_m().filter(|aim_m| *aim_m != lift_m);
+            if self.bank.surfaces(index).and_then(|one| one.as_any().downcast_ref()).and_then(aim).is_some()
+                && let Some(surfaces) = self.bank.surfaces_mut(index)
+                && let Some(strings) = surfaces.as_any_mut().downcast_mut::<Strings>()
+            {
+                strings.set_pedal(lift_m);
+            }
+        }
     }
 
     /// Whether sleeping keys are left alone (as at first). Otherwise every key is stepped in every step, with the same results.

@@ -299,6 +299,16 @@ impl Action {
         Strings::under(self.mechanism.as_ref())
     }
 
+    /// Sends the sustain pedal's rail to a lift, m: see [`Strings::set_pedal`]. Without strings that yield, or a rail, it does nothing.
+    pub fn set_pedal(&mut self, lift_m: f64) {
+        if self.strings().and_then(Strings::pedal_aim_m).is_some_and(|aim_m| aim_m != lift_m)
+            && let Some(surfaces) = self.mechanism.surfaces_mut()
+            && let Some(strings) = surfaces.as_any_mut().downcast_mut::<Strings>()
+        {
+            strings.set_pedal(lift_m);
+        }
+    }
+
     /// While the action is brought to rest: the strings follow their forces, and do not ring.
     pub(crate) fn let_strings_follow(&mut self, statically: bool) {
         if let Some(surfaces) = self.mechanism.surfaces_mut() {

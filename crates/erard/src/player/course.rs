@@ -123,6 +123,7 @@ impl<'a> Course<'a> {
                 return None;
             }
             n += 1;
+            action.set_pedal(setup.pedal.lift_m(t + h));
             if let Some(hand) = hand {
                 let free = hand.input(&drive(t + theta * h));
                 return match free {

@@ -5,7 +5,7 @@ use moreau::Contact;
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::run::{BodySeries, StringSeries, ZoneSeries};
-use crate::strings::Strings;
+use crate::strings::{Seen, Strings};
 
 /// What was written down. Units and signs as in [`crate::run::Run`].
 #[derive(Debug)]
@@ -37,6 +37,8 @@ pub struct Recorder {
     has_hammer: bool,
     /// The last row's forces are those of a step of this length, s, and still wait for those of the step after it.
     pending: Option<f64>,
+    /// What tells the string's shape.
+    shape: Option<Seen>,
 }
 
 impl Recorder {
@@ -67,9 +69,14 @@ impl Recorder {
                     contact: vec![[0.0; 4]; rows],
                 })
                 .collect(),
-            strings: Strings::under(m).map(|_| StringSeries { displacement_m: series(), bridge_n: series() }),
+            strings: Strings::under(m).map(|strings| {
+                let places_m = strings.places_seen_m();
+                let shape_m = vec![0.0; rows * places_m.len()];
+                StringSeries { displacement_m: series(), bridge_n: series(), places_m, shape_m }
+            }),
         };
-        Recorder { recorded, rows: 0, has_hammer, pending: None }
+        let shape = Strings::under(m).map(Strings::seen);
+        Recorder { recorded, rows: 0, has_hammer, pending: None, shape }
     }
 
     /// After every step, before [`Recorder::row`]: centres the last row's forces on its instant.
@@ -135,6 +142,10 @@ impl Recorder {
         if let (Some(series), Some(strings)) = (&mut to.strings, Strings::under(m)) {
             series.displacement_m[row] = strings.displacement_m();
             series.bridge_n[row] = strings.bridge_n();
+            if let Some(shape) = &self.shape {
+                let count = series.places_m.len();
+                shape.read(strings, &mut series.shape_m[row * count..(row + 1) * count]);
+            }
         }
         for ((body, angle), rate) in to.bodies.iter_mut().zip(m.angles()).zip(m.velocities()) {
             body.angle_rad[row] = *angle;
@@ -155,6 +166,9 @@ impl Recorder {
     pub fn finish(self) -> Recorded {
         let Recorder { mut recorded, rows, .. } = self;
         let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = &mut recorded;
+        if let Some(strings) = strings {
+            strings.shape_m.truncate(rows * strings.places_m.len());
+        }
         let strings = strings.iter_mut().flat_map(|s| [&mut s.displacement_m, &mut s.bridge_n]);
         for column in [time_s, force_n, key_m, hammer_head_m].into_iter().chain(strings) {
             column.truncate(rows);

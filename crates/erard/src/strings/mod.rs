@@ -27,13 +27,24 @@
 //!
 //! **Several strings** of a note are struck by one felt. It is pressed by the mean of their displacements, and presses each with an equal part of its force: u =
 //! sum u_i / N and F_i = F / N, whose work is the same, sum F_i du_i = F du. Strings of one note differ by less than a cent, so that within a blow they move together.
-//! They do not feel each other through the bridge, which does not move.
+//! They do not feel each other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them (`pedal.rs`).
+//!
+//! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Each felt is told where it would be if the others
+//! went on pressing as in the step before. What the books then lack, of either sign, goes with A12 dF1 dF2, dF being the forces' change in a step: 5e-4 of the work at 50 us and 5e-5 at 10 us where
+//! hammer and damper rattle on the same string for a second (`tests/dampers.rs`). Alone on its string, as it is in play, a felt's books close exactly.
 
+mod bridge;
+mod damping;
 mod modal;
+mod pedal;
+mod rows;
+mod seen;
 mod sound;
 mod tuning;
 
 pub use modal::Strings;
+pub use pedal::{PEDAL_M_S, PEDAL_MOST_M, Pedal, PedalError};
+pub use seen::Seen;
 pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
 pub use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
 pub(crate) use tuning::{bending_stiffness, tension_for};
@@ -41,7 +52,19 @@ pub(crate) use tuning::{bending_stiffness, tension_for};
 use crate::instrument::Instrument;
 
 /// How far a string may swing out of its rest toward the hammer, m: a hammer that is farther away is not looked at. Strings of a fortissimo swing by 3 mm.
-pub(crate) const EXCURSION_M: f64 = 5e-3;
+const EXCURSION_M: f64 = 5e-3;
+/// Likewise toward the damper, which lies nearer to the end.
+const DAMPER_EXCURSION_M: f64 = 3e-3;
+
+/// The zones whose surfaces yield or are moved, and how far these may come toward the mechanism, m. None where the string is rigid.
+pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
+    let Some(string) = instrument.roles.string.filter(|_| instrument.has_yielding_strings()) else {
+        return Vec::new();
+    };
+    let dampers = instrument.strings.iter().filter_map(|one| one.damper).map(|felt| (felt.zone, DAMPER_EXCURSION_M));
+    let pedal = instrument.roles.pedal.map(|zone| (zone, PEDAL_MOST_M));
+    [(string, EXCURSION_M)].into_iter().chain(dampers).chain(pedal).collect()
+}
 
 impl Instrument {
     /// Whether the hammer's string yields: strings are described, and not said to be rigid.

@@ -6,11 +6,13 @@ use std::any::Any;
 use moreau::Surface;
 use moreau_sizes::{Mechanism, Surfaces};
 
+use super::bridge::Bridge;
+use super::damping::{self, Felt};
+use super::pedal::Rail;
+use super::rows::{Block, Row, WIDE, added, transition};
 use super::tuning::REACH_HZ;
-use crate::instrument::{Instrument, PianoString};
+use crate::instrument::{Instrument, MAX_STRINGS, PianoString};
 
-/// Modes that are stepped side by side. The compiler makes vectors of four; the order of sums is fixed, so that the bits are the same on every target.
-const WIDE: usize = 4;
 /// Every so many steps it is seen whether the strings have come to rest.
 const LOOK_EVERY: u64 = 64;
 /// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying for ever, they would end in
@@ -18,59 +20,62 @@ const LOOK_EVERY: u64 = 64;
 const STILL_J: f64 = 1e-18;
 /// J; likewise for a single mode among others.
 const MODE_STILL_J: f64 = 1e-30;
+/// Strings that are still go on standing as they do where a force changes by less than this part of it: its rounding.
+const SAME: f64 = 1e-12;
+/// Places at which strings are pressed: the hammer's, and a damper's on each string.
+const POINTS: usize = 1 + MAX_STRINGS;
 
-/// [`WIDE`] modes. Places beyond the last mode are zero.
-#[derive(Debug, Clone, Copy, Default)]
-struct Block {
-    /// Displacement, m, and velocity, m/s.
-    q: [f64; WIDE],
-    v: [f64; WIDE],
-    /// The exact step of a free mode: (q, v) -> (qq q + qv v, vq q + vv v).
-    qq: [f64; WIDE],
-    qv: [f64; WIDE],
-    vq: [f64; WIDE],
-    vv: [f64; WIDE],
-    /// What a newton on the felt that lasts for the step adds to q, m, and to v, m/s.
-    fq: [f64; WIDE],
-    fv: [f64; WIDE],
-    /// Its part of the felt's displacement per metre, with the string's share of the felt.
-    shape: [f64; WIDE],
-    /// Its part of the bridge force, N/m.
-    bridge: [f64; WIDE],
-}
+/// A number for every two of them.
+type Between = [[f64; POINTS]; POINTS];
 
 /// What is seldom needed of a mode.
 #[derive(Debug, Clone, Copy)]
 struct Mode {
     string: usize,
     n: u32,
+    /// Its place in the blocks.
+    at: usize,
     mass_kg: f64,
     /// m omega^2, N/m.
     stiffness_n_m: f64,
 }
 
-/// The strings of one note, struck by one felt.
+/// The strings of one note, struck by one felt, and what lies on them.
 #[derive(Debug, Clone)]
 pub struct Strings {
     strings: Vec<PianoString>,
-    zones: [usize; 1],
+    bridge_modes: Vec<crate::instrument::BridgeMode>,
+    /// The hammer's, those of the dampers' felts, and the pedal's rail's.
+    zones: Vec<usize>,
     step_s: f64,
     blocks: Vec<Block>,
     modes: Vec<Mode>,
-    /// Static compliance of the modes that are not stepped, of all modes together; and A of the step, m/N.
-    beyond_m_n: f64,
-    static_m_n: f64,
-    compliance_m_n: f64,
+    /// The dampers' felts, each on one string.
+    felts: Vec<Felt>,
+    rail: Option<Rail>,
+    /// Where it moves.
+    bridge: Option<Bridge>,
+    /// T/L of all strings, N/m.
+    hold_n_m: f64,
+    /// Between the places, m/N: the static compliance of the modes that are not stepped, of all modes together, and A of the step.
+    beyond_m_n: Between,
+    static_m_n: Between,
+    compliance_m_n: Between,
+    /// What a newton at each place adds to S in a step; and how far it would displace the bridge, m/N.
+    sounds: [f64; POINTS],
     /// See [`Surfaces::follow`].
     statically: bool,
-    /// What follows from the state: the felt's displacement now and, undisturbed, a step later, m; the force on the bridge, N.
+    /// What follows from the state: the hammer felt's displacement now and, undisturbed, a step later, m; S, the force on a bridge that stands still, N.
     now_m: f64,
     free_m: f64,
-    bridge_n: f64,
-    /// The last step's force, N.
-    force_n: f64,
-    /// What the felt has done to the strings so far, J.
+    sum_n: f64,
+    /// The last step's forces at the places, N.
+    forces_n: [f64; POINTS],
+    /// Those with which the action came to rest.
+    resting_n: [f64; POINTS],
+    /// What has been done to the strings so far, and what the pedal has done to the dampers, J.
     work_j: f64,
+    given_j: f64,
     steps: u64,
     still: bool,
 }
@@ -80,21 +85,33 @@ impl Strings {
     #[must_use]
     pub fn of(instrument: &Instrument, step_s: f64) -> Option<Self> {
         let zone = instrument.roles.string.filter(|_| instrument.has_yielding_strings())?;
+        let felts = damping::felts(instrument);
+        let mut zones = vec![zone];
+        zones.extend(felts.iter().map(|felt| felt.zone));
+        zones.extend(instrument.roles.pedal);
         let mut strings = Strings {
             strings: instrument.strings.clone(),
-            zones: [zone],
+            bridge_modes: if instrument.roles.rigid_bridge { Vec::new() } else { instrument.bridge_modes.clone() },
+            zones,
             step_s: 0.0,
             blocks: Vec::new(),
             modes: Vec::new(),
-            beyond_m_n: 0.0,
-            static_m_n: 0.0,
-            compliance_m_n: 0.0,
+            felts,
+            rail: instrument.roles.pedal.map(|_| Rail::default()),
+            bridge: None,
+            hold_n_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
+            beyond_m_n: Between::default(),
+            static_m_n: Between::default(),
+            compliance_m_n: Between::default(),
+            sounds: [0.0; POINTS],
             statically: false,
             now_m: 0.0,
             free_m: 0.0,
-            bridge_n: 0.0,
-            force_n: 0.0,
+            sum_n: 0.0,
+            forces_n: [0.0; POINTS],
+            resting_n: [0.0; POINTS],
             work_j: 0.0,
+            given_j: 0.0,
             steps: 0,
             still: true,
         };
@@ -126,10 +143,41 @@ impl Strings {
         self.now_m
     }
 
-    /// Force of all strings on the bridge now, N, in the direction in which the hammer pushes them; of the modes that are stepped.
+    /// Force of all strings on the bridge now, N, in the direction in which the hammer pushes them; of the modes that are stepped. What lies on the strings is
+    /// part of it.
     #[must_use]
     pub fn bridge_n(&self) -> f64 {
-        self.bridge_n
+        self.bridge.as_ref().map_or(self.sum_n, |bridge| bridge.force_n(self.sum_n))
+    }
+
+    /// Displacement of the bridge now, m; 0 where it does not move.
+    #[must_use]
+    pub fn bridge_m(&self) -> f64 {
+        self.bridge.as_ref().map_or(0.0, Bridge::displacement_m)
+    }
+
+    /// Forces of the dampers' felts on their strings in the last step, N, in the strings' order; of strings that a damper lies on.
+    pub fn damper_n(&self) -> impl Iterator<Item = f64> + '_ {
+        self.forces_n[1..=self.felts.len()].iter().copied()
+    }
+
+    /// How far the pedal's rail is lifted now, m; `None` where there is none.
+    #[must_use]
+    pub fn pedal_m(&self) -> Option<f64> {
+        self.rail.map(|rail| rail.lift_m)
+    }
+
+    /// Where it was sent, m.
+    #[must_use]
+    pub fn pedal_aim_m(&self) -> Option<f64> {
+        self.rail.map(|rail| rail.aim_m)
+    }
+
+    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`super::PEDAL_MOST_M`]; it goes there at [`super::PEDAL_M_S`] at most. What is no number changes nothing.
+    pub fn set_pedal(&mut self, lift_m: f64) {
+        if let Some(rail) = &mut self.rail {
+            rail.aim(lift_m);
+        }
     }
 
     /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike is counted from.
@@ -139,55 +187,116 @@ impl Strings {
     #[must_use]
     pub fn shape_m(&self, string: usize, place_m: f64) -> f64 {
         let length_m = self.strings[string].length_m;
-        let own = self.modes.iter().enumerate().filter(|(_, mode)| mode.string == string);
-        own.map(|(i, mode)| PianoString::shape(mode.n, place_m, length_m) * self.blocks[i / WIDE].q[i % WIDE]).sum()
+        let own = self.modes.iter().filter(|mode| mode.string == string);
+        own.map(|mode| PianoString::shape(mode.n, place_m, length_m) * self.blocks[mode.at / WIDE].q[mode.at % WIDE])
+            .sum()
     }
 
-    /// Everything at rest, undisplaced.
+    /// The modes of a string: number, and place in the blocks.
+    pub(super) fn modes_of(&self, string: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
+        self.modes.iter().filter(move |mode| mode.string == string).map(|mode| (mode.n, mode.at))
+    }
+
+    /// A mode's displacement now, m.
+    pub(super) fn mode_m(&self, block: usize, lane: usize) -> f64 {
+        self.blocks.get(block).map_or(0.0, |block| block.q[lane])
+    }
+
+    /// Everything still, as it stands under what lies on it when the action rests.
     pub fn hush(&mut self) {
-        for block in &mut self.blocks {
-            (block.q, block.v) = ([0.0; WIDE], [0.0; WIDE]);
-        }
-        (self.force_n, self.still) = (0.0, true);
-        self.look();
+        (self.forces_n, self.still) = (self.resting_n, true);
+        self.stand();
     }
 
     /// The modes that a step of this length reaches, at rest, with their exact steps.
     fn make_modes(&mut self, step_s: f64) {
         self.step_s = step_s;
         let reach_hz = REACH_HZ.min(0.5 / step_s);
+        let counts: Vec<u32> = self.strings.iter().map(|string| string.partials_below(reach_hz)).collect();
+        let blocks_of = |string: usize| (counts[string] as usize).div_ceil(WIDE);
+        let first_of = |string: usize| (0..string).map(blocks_of).sum::<usize>();
+        (self.modes, self.blocks) = (Vec::new(), vec![Block::default(); first_of(counts.len())]);
+        (self.beyond_m_n, self.static_m_n, self.compliance_m_n) =
+            (Between::default(), Between::default(), Between::default());
+        for felt in &mut self.felts {
+            felt.lay(first_of(felt.string), blocks_of(felt.string));
+        }
+        let moves = !self.bridge_modes.is_empty();
+        let mut bridge_row = Row::new(0, if moves { self.blocks.len() } else { 0 });
+        let (mut bridge_n_m, mut answers_n_m) = (self.hold_n_m, 0.0);
+        self.sounds = [0.0; POINTS];
         let share = 1.0 / self.strings.len() as f64;
-        let (mut modes, mut blocks) = (Vec::new(), Vec::new());
-        (self.beyond_m_n, self.static_m_n, self.compliance_m_n) = (0.0, 0.0, 0.0);
         for (index, string) in self.strings.iter().enumerate() {
-            let count = string.partials_below(reach_hz);
-            let mass_kg = string.modal_mass_kg();
+            let (count, mass_kg) = (counts[index], string.modal_mass_kg());
+            let felt = self.felts.iter().position(|felt| felt.string == index);
             for n in 1..=count {
                 let (omega, sigma) = (2.0 * PI * string.partial_hz(n), string.decay_per_s(n));
                 let shape = share * PianoString::shape(n, string.strike_m, string.length_m);
                 let stiffness_n_m = mass_kg * omega * omega;
                 let [qq, qv, vq, vv] = transition(omega, sigma, step_s);
                 let rests = shape / stiffness_n_m;
-                let place = modes.len() % WIDE;
-                if place == 0 {
-                    blocks.push(Block::default());
+                let at = first_of(index) * WIDE + (n - 1) as usize;
+                let (block, place) = (&mut self.blocks[at / WIDE], at % WIDE);
+                (block.qq[place], block.qv[place], block.vq[place], block.vv[place]) = (qq, qv, vq, vv);
+                (block.fq[place], block.fv[place]) = (rests * (1.0 - qq), -rests * vq);
+                block.shape[place] = shape;
+                let bridge = string.bridge_n_m(n);
+                block.bridge[place] = bridge;
+                let mut shapes = [0.0; POINTS];
+                shapes[0] = shape;
+                if let Some(k) = felt {
+                    shapes[1 + k] = self.felts[k].set_mode(string, n, at, stiffness_n_m, qq, &self.blocks);
                 }
-                if let Some(block) = blocks.last_mut() {
-                    (block.qq[place], block.qv[place], block.vq[place], block.vv[place]) = (qq, qv, vq, vv);
-                    (block.fq[place], block.fv[place]) = (rests * (1.0 - qq), -rests * vq);
-                    block.shape[place] = shape;
-                    block.bridge[place] = string.bridge_n_m(n);
+                for (p, of_p) in shapes.iter().enumerate() {
+                    for (other, of_other) in shapes.iter().enumerate() {
+                        self.compliance_m_n[p][other] += of_p * (of_other / stiffness_n_m) * (1.0 - qq);
+                        self.static_m_n[p][other] += of_p * (of_other / stiffness_n_m);
+                    }
+                    self.sounds[p] += of_p * (bridge / stiffness_n_m) * (1.0 - qq);
                 }
-                self.compliance_m_n += shape * rests * (1.0 - qq);
-                self.static_m_n += shape * rests;
-                modes.push(Mode { string: index, n, mass_kg, stiffness_n_m });
+                if moves {
+                    bridge_row.set(at, bridge, stiffness_n_m, &self.blocks);
+                    bridge_n_m += bridge * bridge / stiffness_n_m;
+                    answers_n_m += bridge * bridge / stiffness_n_m * (1.0 - qq);
+                }
+                self.modes.push(Mode { string: index, n, at, mass_kg, stiffness_n_m });
             }
-            self.beyond_m_n += share * share * string.static_compliance_beyond(count);
+            self.beyond_m_n[0][0] += share * share * string.static_compliance_beyond(count);
+            if let Some(k) = felt {
+                let [own, with_hammer] = self.felts[k].beyond(string, count);
+                self.beyond_m_n[1 + k][1 + k] += own;
+                self.beyond_m_n[0][1 + k] += share * with_hammer;
+                self.beyond_m_n[1 + k][0] += share * with_hammer;
+            }
         }
-        self.static_m_n += self.beyond_m_n;
-        self.compliance_m_n += self.beyond_m_n;
-        (self.blocks, self.modes) = (blocks, modes);
+        self.bridge = moves.then(|| Bridge::new(&self.bridge_modes, bridge_row, bridge_n_m, answers_n_m, step_s));
+        let sounds_static: [f64; POINTS] = std::array::from_fn(|p| self.sounds_statically(p));
+        for p in 0..POINTS {
+            for other in 0..POINTS {
+                self.static_m_n[p][other] += self.beyond_m_n[p][other];
+                self.compliance_m_n[p][other] += self.beyond_m_n[p][other];
+                if let Some(bridge) = &self.bridge {
+                    self.compliance_m_n[p][other] += self.sounds[p] * bridge.per_newton() * self.sounds[other];
+                    self.static_m_n[p][other] +=
+                        sounds_static[p] * bridge.stands_m(1.0, self.hold_n_m) * sounds_static[other];
+                }
+            }
+        }
         self.look();
+    }
+
+    /// A mode's displacement at a place per metre of its own.
+    fn shape(&self, point: usize, mode: &Mode) -> f64 {
+        match point.checked_sub(1) {
+            None => self.blocks[mode.at / WIDE].shape[mode.at % WIDE],
+            Some(felt) => self.felts.get(felt).map_or(0.0, |felt| felt.row.shape(mode.at)),
+        }
+    }
+
+    /// The part of a force at a place that stands on the bridge.
+    fn sounds_statically(&self, point: usize) -> f64 {
+        let bridge = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
+        self.modes.iter().map(|mode| self.shape(point, mode) * bridge(mode) / mode.stiffness_n_m).sum()
     }
 
     /// What follows from where the modes are.
@@ -206,12 +315,13 @@ impl Strings {
 
     #[inline(always)]
     fn set_sums(&mut self, now: [f64; WIDE], free: [f64; WIDE], bridge: [f64; WIDE]) {
-        let sum = |x: [f64; WIDE]| (x[0] + x[1]) + (x[2] + x[3]);
-        self.now_m = sum(now) + self.beyond_m_n * self.force_n;
-        (self.free_m, self.bridge_n) = (sum(free), sum(bridge));
+        (self.now_m, self.free_m, self.sum_n) = (added(now), added(free), added(bridge));
+        for p in 0..=self.felts.len() {
+            self.now_m += self.beyond_m_n[0][p] * self.forces_n[p];
+        }
     }
 
-    /// The modes' step under a force, and what follows from where they are then.
+    /// The modes' step under a force of the hammer, and what follows from where they are then.
     fn step_modes(&mut self, force_n: f64) {
         let [mut now, mut free, mut bridge] = [[0.0; WIDE]; 3];
         for block in &mut self.blocks {
@@ -225,28 +335,106 @@ impl Strings {
                 bridge[i] += own[i] * after;
             }
         }
-        self.force_n = force_n;
         self.set_sums(now, free, bridge);
     }
 
-    /// Puts every mode where it rests under a force.
-    fn stand(&mut self, force_n: f64) {
-        for (i, mode) in self.modes.iter().enumerate() {
-            let (block, place) = (&mut self.blocks[i / WIDE], i % WIDE);
-            block.q[place] = block.shape[place] * force_n / mode.stiffness_n_m;
-            block.v[place] = 0.0;
+    /// The step of everything under the forces that are set.
+    fn step_all(&mut self) {
+        let s_before_n = self.sum_n;
+        let pressed = self.forces_n[1..=self.felts.len()].iter().any(|force| *force != 0.0);
+        if !pressed && self.bridge.is_none() {
+            self.step_modes(self.forces_n[0]);
+            return;
         }
-        self.force_n = force_n;
+        // What the felts' rocking was before.
+        let rocked: [f64; MAX_STRINGS] = std::array::from_fn(|k| match self.felts.get(k) {
+            Some(felt) if self.forces_n[1 + k] > 0.0 => felt.rocking.now(&self.blocks),
+            _ => 0.0,
+        });
+        // The bridge's mean displacement is linear in the forces, which are all known now.
+        let mean_m = self.bridge.as_ref().map(|bridge| {
+            let all_n: f64 = (0..POINTS).map(|p| self.sounds[p] * self.forces_n[p]).sum();
+            bridge.mean_m(s_before_n, bridge.row.free(&self.blocks) + all_n)
+        });
+        self.step_modes(self.forces_n[0]);
+        for (felt, &force_n) in self.felts.iter().zip(&self.forces_n[1..]) {
+            if force_n != 0.0 {
+                felt.row.press(force_n, &mut self.blocks);
+            }
+        }
+        if let (Some(bridge), Some(mean_m)) = (&self.bridge, mean_m) {
+            bridge.row.press(mean_m, &mut self.blocks);
+        }
+        for (k, felt) in self.felts.iter().enumerate() {
+            felt.rock(self.forces_n[1 + k], rocked[k], self.step_s, &mut self.blocks);
+        }
+        if let (Some(bridge), Some(mean_m)) = (&mut self.bridge, mean_m) {
+            let s_n = bridge.sum_n(&self.blocks);
+            let force_n = bridge.mean_force_n([s_before_n, s_n], mean_m);
+            bridge.advance(force_n);
+        }
         self.look();
     }
 
-    /// Whether what vibrates about the rest under the present force is too little to count; single modes that do not are put to rest.
+    /// What a place is displaced by now, m.
+    fn point_now(&self, point: usize) -> f64 {
+        match point.checked_sub(1) {
+            None => self.now_m,
+            Some(k) => {
+                let beyond = |p: usize| self.beyond_m_n[point][p] * self.forces_n[p];
+                self.felts[k].row.now(&self.blocks) + (0..POINTS).map(beyond).sum::<f64>()
+            }
+        }
+    }
+
+    /// What the places other than this displace it by, of this compliance, under the last forces.
+    fn others(&self, point: usize, compliance: &Between) -> f64 {
+        let of = |p: usize| if p == point { 0.0 } else { compliance[point][p] * self.forces_n[p] };
+        (0..POINTS).map(of).sum()
+    }
+
+    /// Where a mode stands under the forces that are set, m. `bridge_m`: with the bridge there.
+    fn rest_of(&self, mode: &Mode, bridge_m: f64) -> f64 {
+        let pressed: f64 = (0..=self.felts.len()).map(|p| self.shape(p, mode) * self.forces_n[p]).sum();
+        let bridge = self.blocks[mode.at / WIDE].bridge[mode.at % WIDE] * bridge_m;
+        (pressed + bridge) / mode.stiffness_n_m
+    }
+
+    /// Where the bridge stands under the forces that are set, m, and the strings' force on it then, N.
+    fn bridge_stands(&self) -> [f64; 2] {
+        let Some(bridge) = &self.bridge else { return [0.0; 2] };
+        let pressed: f64 = (0..=self.felts.len())
+            .filter(|p| self.forces_n[*p] != 0.0)
+            .map(|p| self.sounds_statically(p) * self.forces_n[p])
+            .sum();
+        let stands_m = bridge.stands_m(pressed, self.hold_n_m);
+        [stands_m, pressed - self.hold_n_m * stands_m]
+    }
+
+    /// Puts every mode where it rests under the forces that are set.
+    fn stand(&mut self) {
+        let [bridge_m, bridge_n] = self.bridge_stands();
+        for i in 0..self.modes.len() {
+            let mode = self.modes[i];
+            let rest_m = self.rest_of(&mode, bridge_m);
+            let block = &mut self.blocks[mode.at / WIDE];
+            (block.q[mode.at % WIDE], block.v[mode.at % WIDE]) = (rest_m, 0.0);
+        }
+        if let Some(bridge) = &mut self.bridge {
+            bridge.stand(bridge_n);
+        }
+        self.look();
+    }
+
+    /// Whether what vibrates about the rest under the present forces is too little to count; single modes that do not are put to rest.
     #[cold]
     fn settle(&mut self) {
-        let mut all_j = 0.0;
-        for (i, mode) in self.modes.iter().enumerate() {
-            let (block, place) = (&mut self.blocks[i / WIDE], i % WIDE);
-            let rest = block.shape[place] * self.force_n / mode.stiffness_n_m;
+        let [bridge_m, bridge_n] = self.bridge_stands();
+        let mut all_j = self.bridge.as_ref().map_or(0.0, |bridge| bridge.trembles_j(bridge_n));
+        for i in 0..self.modes.len() {
+            let mode = self.modes[i];
+            let rest = self.rest_of(&mode, bridge_m);
+            let (block, place) = (&mut self.blocks[mode.at / WIDE], mode.at % WIDE);
             let (q, v) = (block.q[place] - rest, block.v[place]);
             let own_j = 0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q);
             if own_j < MODE_STILL_J {
@@ -256,39 +444,31 @@ impl Strings {
         }
         if all_j < STILL_J {
             self.still = true;
-            self.stand(self.force_n);
+            self.stand();
         }
     }
 
-    /// Energy of the modes and of what follows statically, J.
+    /// Energy of the modes, of the bridge and of what follows statically, J.
     fn energy_j(&self) -> f64 {
         let modes: f64 = self
             .modes
             .iter()
-            .enumerate()
-            .map(|(i, mode)| {
-                let (q, v) = (self.blocks[i / WIDE].q[i % WIDE], self.blocks[i / WIDE].v[i % WIDE]);
+            .map(|mode| {
+                let block = &self.blocks[mode.at / WIDE];
+                let (q, v) = (block.q[mode.at % WIDE], block.v[mode.at % WIDE]);
                 0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q)
             })
             .sum();
-        modes + 0.5 * self.beyond_m_n * self.force_n * self.force_n
+        let mut beyond = 0.0;
+        for (row, force_n) in self.beyond_m_n.iter().zip(&self.forces_n) {
+            for (compliance, other_n) in row.iter().zip(&self.forces_n) {
+                beyond += 0.5 * compliance * force_n * other_n;
+            }
+        }
+        let bridge = self.bridge.as_ref();
+        let bridge = bridge.map_or(0.0, |bridge| bridge.energy_j() - bridge.displacement_m() * self.sum_n);
+        modes + beyond + bridge
     }
-}
-
-/// The exact step of length h of a free mode: (q, v) -> (qq q + qv v, vq q + vv v). An overdamped one, too.
-fn transition(omega: f64, sigma: f64, h: f64) -> [f64; 4] {
-    let square = omega * omega - sigma * sigma;
-    let decay = libm::exp(-sigma * h);
-    let (c, s) = if square > 0.0 {
-        let w = square.sqrt();
-        (libm::cos(w * h), libm::sin(w * h) / w)
-    } else if square < 0.0 {
-        let w = (-square).sqrt();
-        (libm::cosh(w * h), libm::sinh(w * h) / w)
-    } else {
-        (1.0, h)
-    };
-    [decay * (c + sigma * s), decay * s, -decay * omega * omega * s, decay * (c - sigma * s)]
 }
 
 impl Surfaces for Strings {
@@ -302,17 +482,22 @@ impl Surfaces for Strings {
         }
         let before = std::mem::take(&mut self.blocks);
         let modes = std::mem::take(&mut self.modes);
+        let bridge: Vec<f64> = self.bridge.iter().flat_map(Bridge::numbers).collect();
         self.make_modes(step_s);
         // Modes that both reach go on as they were.
-        for (i, mode) in modes.iter().enumerate() {
-            let same = self.modes.iter().position(|other| (other.string, other.n) == (mode.string, mode.n));
-            if let Some(k) = same {
-                self.blocks[k / WIDE].q[k % WIDE] = before[i / WIDE].q[i % WIDE];
-                self.blocks[k / WIDE].v[k % WIDE] = before[i / WIDE].v[i % WIDE];
+        for mode in &modes {
+            let same = self.modes.iter().find(|other| (other.string, other.n) == (mode.string, mode.n));
+            if let Some(same) = same {
+                let (old, new) = (&before[mode.at / WIDE], &mut self.blocks[same.at / WIDE]);
+                new.q[same.at % WIDE] = old.q[mode.at % WIDE];
+                new.v[same.at % WIDE] = old.v[mode.at % WIDE];
             }
         }
+        if let Some(own) = &mut self.bridge {
+            own.set_numbers(&bridge);
+        }
         if self.still {
-            self.stand(self.force_n);
+            self.stand();
         } else {
             self.look();
         }
@@ -320,40 +505,72 @@ impl Surfaces for Strings {
 
     fn follow(&mut self, statically: bool) {
         if statically && !self.statically {
-            self.stand(self.force_n);
+            self.stand();
             self.still = true;
+        }
+        if !statically && self.statically {
+            self.resting_n = self.forces_n;
         }
         self.statically = statically;
     }
 
-    fn surface(&self, _: usize) -> Surface<f64> {
-        if self.statically {
-            return Surface { displacement: self.now_m, free: 0.0, compliance: self.static_m_n };
+    fn surface(&self, index: usize) -> Surface<f64> {
+        let points = 1 + self.felts.len();
+        if index >= points {
+            return self.rail.unwrap_or_default().surface(self.step_s);
         }
-        Surface { displacement: self.now_m, free: self.free_m, compliance: self.compliance_m_n }
+        let displacement = self.point_now(index);
+        if self.statically {
+            let free = self.others(index, &self.static_m_n);
+            return Surface { displacement, free, compliance: self.static_m_n[index][index] };
+        }
+        let alone = index.checked_sub(1).map_or(self.free_m, |k| self.felts[k].row.free(&self.blocks));
+        let bridge = self
+            .bridge
+            .as_ref()
+            .map_or(0.0, |bridge| self.sounds[index] * bridge.mean_m(self.sum_n, bridge.row.free(&self.blocks)));
+        let free = alone + bridge + self.others(index, &self.compliance_m_n);
+        Surface { displacement, free, compliance: self.compliance_m_n[index][index] }
     }
 
     fn advance(&mut self, forces: &[f64]) {
-        let force_n = forces[0];
-        if self.still && force_n.to_bits() == self.force_n.to_bits() {
+        let points = 1 + self.felts.len();
+        if let Some(rail) = &mut self.rail {
+            let after_m = rail.after(self.step_s);
+            self.given_j += forces.get(points).copied().unwrap_or(0.0) * (after_m - rail.lift_m);
+            rail.lift_m = after_m;
+        }
+        let same = |(force, before): (&f64, &f64)| (force - before).abs() <= SAME * before.abs();
+        if self.still && forces[..points].iter().zip(&self.forces_n).all(same) {
             return;
         }
-        let before_m = self.now_m;
+        let before_m: [f64; POINTS] =
+            std::array::from_fn(|p| if p < points && forces[p] != 0.0 { self.point_now(p) } else { 0.0 });
+        self.forces_n[..points].copy_from_slice(&forces[..points]);
         if self.statically {
-            self.stand(force_n);
+            self.stand();
         } else {
             self.still = false;
-            self.step_modes(force_n);
+            self.step_all();
             self.steps += 1;
             if self.steps.is_multiple_of(LOOK_EVERY) {
                 self.settle();
             }
         }
-        self.work_j += force_n * (self.now_m - before_m);
+        for (p, before_m) in before_m.iter().enumerate() {
+            if self.forces_n[p] != 0.0 {
+                self.work_j += self.forces_n[p] * (self.point_now(p) - before_m);
+            }
+        }
     }
 
     fn rests(&self) -> bool {
-        self.still
+        self.still && !self.rail.is_some_and(|rail| rail.moves())
+    }
+
+    fn may_reach(&self, index: usize) -> bool {
+        // The rail is where it is unless it is moved.
+        index <= self.felts.len() || self.rail.is_some_and(|rail| rail.moves())
     }
 
     fn energy(&self) -> f64 {
@@ -364,17 +581,24 @@ impl Surfaces for Strings {
         self.work_j - self.energy_j()
     }
 
-    fn numbers(&self) -> usize {
-        2 * self.modes.len() + 4
+    fn given(&self) -> f64 {
+        self.given_j
     }
 
-    fn save(&self, put: &mut dyn FnMut(f64)) {
-        for i in 0..self.modes.len() {
-            put(self.blocks[i / WIDE].q[i % WIDE]);
-            put(self.blocks[i / WIDE].v[i % WIDE]);
+    fn numbers(&self) -> usize {
+        2 * self.modes.len() + 2 * self.bridge.as_ref().map_or(0, Bridge::count) + POINTS + 6
+    }
+
+    fn save(&self, mut put: &mut dyn FnMut(f64)) {
+        for mode in &self.modes {
+            let block = &self.blocks[mode.at / WIDE];
+            put(block.q[mode.at % WIDE]);
+            put(block.v[mode.at % WIDE]);
         }
-        put(self.force_n);
-        put(self.work_j);
+        self.bridge.iter().flat_map(Bridge::numbers).for_each(&mut put);
+        self.forces_n.iter().for_each(|force_n| put(*force_n));
+        let rail = self.rail.unwrap_or_default();
+        [self.work_j, self.given_j, rail.lift_m, rail.aim_m].into_iter().for_each(&mut put);
         put((self.steps % LOOK_EVERY) as f64);
         put(f64::from(u8::from(self.still)));
     }
@@ -382,19 +606,32 @@ impl Surfaces for Strings {
     fn restore(&mut self, from: &[f64]) {
         if from.len() != self.numbers() {
             self.hush();
-            self.work_j = 0.0;
-            self.steps = 0;
+            (self.work_j, self.given_j, self.steps) = (0.0, 0.0, 0);
+            self.rail = self.rail.map(|_| Rail::default());
             return;
         }
-        for i in 0..self.modes.len() {
-            (self.blocks[i / WIDE].q[i % WIDE], self.blocks[i / WIDE].v[i % WIDE]) = (from[2 * i], from[2 * i + 1]);
+        let (own, from) = from.split_at(2 * self.modes.len());
+        for (mode, numbers) in self.modes.iter().zip(own.chunks_exact(2)) {
+            let block = &mut self.blocks[mode.at / WIDE];
+            (block.q[mode.at % WIDE], block.v[mode.at % WIDE]) = (numbers[0], numbers[1]);
         }
-        let rest = &from[2 * self.modes.len()..];
-        (self.force_n, self.work_j, self.steps, self.still) = (rest[0], rest[1], rest[2] as u64, rest[3] != 0.0);
+        let (own, from) = from.split_at(2 * self.bridge.as_ref().map_or(0, Bridge::count));
+        if let Some(bridge) = &mut self.bridge {
+            bridge.set_numbers(own);
+        }
+        let (forces_n, rest) = from.split_at(POINTS);
+        self.forces_n.copy_from_slice(forces_n);
+        (self.work_j, self.given_j) = (rest[0], rest[1]);
+        self.rail = self.rail.map(|_| Rail { lift_m: rest[2], aim_m: rest[3] });
+        (self.steps, self.still) = (rest[4] as u64, rest[5] != 0.0);
         self.look();
     }
 
     fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn as_any_mut(&mut self) -> &mut dyn Any {
         self
     }
 }

@@ -16,7 +16,7 @@ pub const STEPS_PER_SAMPLE: u64 = 2;
 /// The force of a note's strings on the bridge.
 #[derive(Debug, Clone, Default)]
 pub struct Sound {
-    /// N, [`RATE_HZ`] samples a second, from the stroke's start.
+    /// N, [`RATE_HZ`] samples a second, from the stroke's start, less what lies on the strings then.
     pub bridge_n: Vec<f64>,
 }
 
@@ -30,16 +30,20 @@ impl Sound {
 
 struct Microphone {
     sound: Sound,
+    /// What lies on the strings at rest: nobody hears it.
+    rest_n: f64,
     steps: u64,
 }
 
 impl Observer for Microphone {
-    fn begin(&mut self, _: f64, _: &dyn Mechanism) {}
+    fn begin(&mut self, _: f64, mechanism: &dyn Mechanism) {
+        self.rest_n = Strings::under(mechanism).map_or(0.0, Strings::bridge_n);
+    }
 
     fn step(&mut self, _: f64, _: bool, mechanism: &dyn Mechanism) {
         self.steps += 1;
         if self.steps.is_multiple_of(STEPS_PER_SAMPLE) {
-            self.sound.bridge_n.push(Strings::under(mechanism).map_or(0.0, Strings::bridge_n));
+            self.sound.bridge_n.push(Strings::under(mechanism).map_or(0.0, Strings::bridge_n) - self.rest_n);
         }
     }
 }
@@ -62,7 +66,7 @@ pub fn sound(
     let steps = (setup.duration_s / step) as u64;
     // A row is kept of the end only.
     let setup = Setup { settings, record_every: Some(steps.max(1)), tolerance: None, ledger: false, ..*setup };
-    let mut microphone = Microphone { sound: Sound::default(), steps: 0 };
+    let mut microphone = Microphone { sound: Sound::default(), rest_n: 0.0, steps: 0 };
     simulate_observed(instrument, drive, &setup, &mut microphone, progress)?;
     Ok(Some(microphone.sound))
 }

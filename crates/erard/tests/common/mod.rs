@@ -117,7 +117,15 @@ impl Play {
         record_every: Option<u64>,
         tolerance: Option<f64>,
     ) -> Run {
-        let setup = Setup { settings, start_s: 0.0, duration_s, record_every, tolerance, ledger: true };
+        let setup = Setup {
+            settings,
+            start_s: 0.0,
+            duration_s,
+            record_every,
+            tolerance,
+            ledger: true,
+            pedal: erard::strings::Pedal::default(),
+        };
         let go = |drive: &Drive<'_>| {
             simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))
         };

@@ -1,0 +1,298 @@
+//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay over a bridge that moves.
+
+use moreau::Settings;
+
+use super::blow::tell;
+use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use erard::instrument::Instrument;
+use erard::keyboard::{Keyboard, note_name};
+use erard::{Action, Input};
+
+/// The keyboard and the instrument that this is about.
+const NAME: &str = "concert-grand-strings";
+/// Keys: A0, C2, C4, C6, C8; and how far the hammer's force is followed after it met the string, s.
+const KEYS: [usize; 5] = [1, 16, 40, 64, 88];
+const FOLLOWED_S: f64 = 10e-3;
+/// Constant forces on the key, N: pp to ff.
+const FORCES: [(&str, f64); 5] = [("pp", 0.8), ("p", 2.0), ("mf", 4.0), ("f", 8.0), ("ff", 18.0)];
+/// Lifts of the pedal's rail, m.
+const LIFTS_MM: [f64; 20] =
+    [0.0, 1.0, 1.6, 1.8, 1.9, 1.95, 2.0, 2.02, 2.04, 2.06, 2.08, 2.1, 2.12, 2.15, 2.2, 2.25, 2.3, 2.4, 3.0, 5.0];
+/// Steps, s.
+const STEP_S: f64 = 50e-6;
+
+/// The first blow of a hammer.
+struct Blow {
+    speed_m_s: f64,
+    contact_s: f64,
+    pulses: u32,
+    peak_n: f64,
+    back_m_s: f64,
+}
+
+pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
+    let wrong = |error: String| ReproduceError::Instrument(error);
+    let keyboard = Keyboard::builtin(NAME).ok_or_else(|| wrong(format!("{NAME} cannot be read")))?;
+    let mut section = Section {
+        text: vec![
+            "The built-in keyboard with strings under constant forces. Contact is counted from the hammer's first touch to its last within 10 ms, waves that come back and \
+             part hammer and string for a moment among it; return is the hammer's speed at the end, and its share of the speed before."
+                .into(),
+            "The damper's curve: C4 is struck by 5 N with the pedal down, the key is let go, the pedal's rail goes to a lift, and the level of the force on the bridge is \
+             followed for at most two seconds, from a tenth of a second after on."
+                .into(),
+        ],
+        ..Section::default()
+    };
+    let mut table = Table::new(
+        "Blows over the compass",
+        &["note", "force, N", "hammer, m/s", "contact, ms", "pulses", "peak, N", "return, m/s", "share"],
+    );
+    let mut mf = Vec::new();
+    let mut peaks = Vec::new();
+    for (n, key) in KEYS.into_iter().enumerate() {
+        let instrument = keyboard.key(key).map_err(|error| wrong(error.to_string()))?;
+        for (m, (loud, force_n)) in FORCES.into_iter().enumerate() {
+            tell(progress, 0.7 * (n * FORCES.len() + m) as f64 / (KEYS.len() * FORCES.len()) as f64)?;
+            let mut action = rest(&instrument)?;
+            let found = blow(&mut action, force_n);
+            let cells = match &found {
+                Some(b) => vec![
+                    format!("{:.2}", b.speed_m_s),
+                    format!("{:.2}", 1e3 * b.contact_s),
+                    b.pulses.to_string(),
+                    format!("{:.1}", b.peak_n),
+                    format!("{:.2}", b.back_m_s),
+                    format!("{:.2}", b.back_m_s / b.speed_m_s),
+                ],
+                None => vec!["does not sound".into()],
+            };
+            let cells =
+                cells.into_iter().chain(std::iter::repeat_n(String::new(), if found.is_some() { 0 } else { 5 }));
+            table.row([note_name(key), format!("{force_n} ({loud})")].into_iter().chain(cells));
+            if let (Some(b), "mf") = (&found, loud) {
+                mf.push((key, b.contact_s * 1e3));
+            }
+            if let (Some(b), 40) = (&found, key) {
+                peaks.push((b.speed_m_s, b.peak_n));
+            }
+        }
+    }
+    section.tables.push(table);
+    // What was published: ranges are a third about a single number, or what the source says.
+    for (key, says, range, source) in [
+        (
+            1,
+            "A0, mf: contact of about 3.7 ms (bass notes 4 to 5 ms)",
+            [3.0, 5.0],
+            "KTH lectures; A. Chaigne's measurements",
+        ),
+        (40, "C4, mf: about 2 ms", [1.33, 2.67], "KTH lectures"),
+        (88, "C8, mf: about 0.5 ms (C7 under 1 ms)", [0.33, 0.67], "KTH lectures; A. Chaigne's measurements"),
+    ] {
+        if let Some((_, found)) = mf.iter().find(|(one, _)| *one == key) {
+            section.claims.push(Claim::new(
+                source,
+                says,
+                format!("{found:.2} ms"),
+                (range[0]..=range[1]).contains(found),
+            ));
+        }
+    }
+    if let (Some(first), Some(last)) = (peaks.first(), peaks.last()) {
+        let exponent = (last.1 / first.1).ln() / (last.0 / first.0).ln();
+        section.claims.push(Claim::new(
+            "this program",
+            "C4: the peak grows with more than the first power of the hammer's speed, so that loud blows are shorter and brighter",
+            format!("{:.1} N at {:.2} m/s, {:.0} N at {:.2} m/s: power {exponent:.2}", first.1, first.0, last.1, last.0),
+            exponent > 1.0,
+        ));
+    }
+    inharmonicity(&keyboard, &mut section)?;
+    damper(&mut section, progress)?;
+    bridge(&mut section, progress)?;
+    Ok(section)
+}
+
+/// Young's measurements of six pianos, from the abstract: 1.2 cents in the second partial of middle C, twice that for every eight semitones above it.
+fn inharmonicity(keyboard: &Keyboard, section: &mut Section) -> Result<(), ReproduceError> {
+    // Cents are 1200/ln 2 times B n^2/2.
+    let per_b = 1200.0 / std::f64::consts::LN_2 * 0.5 * 4.0;
+    let mut table = Table::new("Inharmonicity of plain strings", &["note", "B", "B after Young (1952)", "of it"]);
+    let mut worst: f64 = 1.0;
+    for key in [40, 52, 64, 76, 88] {
+        let instrument = keyboard.key(key).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+        let Some(string) = instrument.strings.last() else { continue };
+        let (own, young) = (string.inharmonicity(), 1.2 / per_b * f64::exp2((key as f64 - 40.0) / 8.0));
+        worst = if (own / young).ln().abs() > worst.ln().abs() { own / young } else { worst };
+        table.row([note_name(key), format!("{own:.2e}"), format!("{young:.2e}"), format!("{:.2}", own / young)]);
+    }
+    section.tables.push(table);
+    section.claims.push(Claim::new(
+        "R. W. Young, JASA 24 (1952) 267",
+        "middle C: 1.2 cents in the second partial, doubled every eight semitones above",
+        format!("at most {:.0} % from it, C4 to C8", 100.0 * (worst - 1.0).abs()),
+        (0.67..=1.5).contains(&worst),
+    ));
+    Ok(())
+}
+
+fn rest(instrument: &Instrument) -> Result<Action, ReproduceError> {
+    Action::with(instrument, Settings::new(STEP_S)).map_err(|error| ReproduceError::Simulation(error.into()))
+}
+
+/// The first blow under a constant force.
+fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
+    let (mut first, mut blow, mut touching) = (None, None, false);
+    for n in 0..(0.5 / STEP_S) as usize {
+        let reading = action.step(Input::Force(force_n));
+        if let (Some(strike), None) = (action.blow(), first) {
+            first = Some(n);
+            blow = Some(Blow { speed_m_s: strike.speed_m_s, contact_s: 0.0, pulses: 0, peak_n: 0.0, back_m_s: 0.0 });
+        }
+        let (Some(since), Some(blow)) = (first, &mut blow) else { continue };
+        if (n - since) as f64 * STEP_S > FOLLOWED_S {
+            break;
+        }
+        if reading.string_n > 0.0 {
+            blow.pulses += u32::from(!touching);
+            (blow.contact_s, blow.back_m_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_s);
+            blow.peak_n = blow.peak_n.max(reading.string_n);
+        }
+        touching = reading.string_n > 0.0;
+    }
+    blow
+}
+
+/// Level of the force on the bridge over 20 ms, dB.
+fn level_db(action: &mut Action, input: Input) -> f64 {
+    let steps = (20e-3 / STEP_S) as usize;
+    let (mut squares, mut sum) = (0.0, 0.0);
+    for _ in 0..steps {
+        action.step(input);
+        let n = action.strings().map_or(0.0, erard::strings::Strings::bridge_n);
+        (squares, sum) = (squares + n * n, sum + n);
+    }
+    let mean = sum / steps as f64;
+    10.0 * (squares / steps as f64 - mean * mean).max(1e-30).log10()
+}
+
+/// How long a level takes to fall by 60 dB at the rate at which it falls by 20, or in the time that there is, s.
+fn t60_s(action: &mut Action, input: Input, most_s: f64) -> f64 {
+    let (from, mut windows) = (level_db(action, input), 0);
+    loop {
+        let fallen = from - level_db(action, input);
+        windows += 1;
+        let time_s = f64::from(windows) * 20e-3;
+        if fallen >= 20.0 || time_s >= most_s {
+            return 60.0 * time_s / fallen.max(1e-3);
+        }
+    }
+}
+
+/// The decay of C4 against the pedal's lift.
+fn damper(section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
+    let instrument = super::builtin(NAME)?;
+    let mut struck = rest(&instrument)?;
+    struck.set_pedal(7e-3);
+    for _ in 0..6000 {
+        struck.step(Input::Force(5.0));
+    }
+    for _ in 0..2000 {
+        struck.step(Input::Free);
+    }
+    let struck = struck.save();
+    let (mut t60, mut lying, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+    for (n, mm) in LIFTS_MM.into_iter().enumerate() {
+        tell(progress, 0.7 + 0.25 * n as f64 / LIFTS_MM.len() as f64)?;
+        let mut still = rest(&instrument)?;
+        still.set_pedal(1e-3 * mm);
+        for _ in 0..4000 {
+            still.step(Input::Free);
+        }
+        let weight_n: f64 = still.strings().map_or(0.0, |strings| strings.damper_n().sum());
+        let mut action = rest(&instrument)?;
+        action.restore(&struck).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+        action.set_pedal(1e-3 * mm);
+        for _ in 0..2000 {
+            action.step(Input::Free);
+        }
+        kept.push(mm);
+        t60.push(t60_s(&mut action, Input::Free, 2.0));
+        lying.push(weight_n);
+    }
+    let (down, up) = (t60[0], t60[t60.len() - 1]);
+    let half: Vec<f64> =
+        kept.iter().zip(&t60).filter(|(_, t)| **t > 2.0 * down && **t < 0.5 * up).map(|(mm, _)| *mm).collect();
+    section.claims.push(Claim::new(
+        "this program",
+        "half-damping comes out of the contact: between the damper on the string and off it, a range of lifts damps less, the more of the damper's weight the rail carries",
+        match (half.first(), half.last()) {
+            (Some(from), Some(to)) => {
+                format!("T60 {down:.2} s lying, {up:.1} s lifted; more than twice the one and less than half the other from {from} to {to} mm")
+            }
+            _ => format!("T60 {down:.2} s lying, {up:.1} s lifted, nothing between"),
+        },
+        !half.is_empty(),
+    ));
+    let curve = |label: &str, y: Vec<f64>, colour: usize| ChartCurve {
+        label: label.into(),
+        x: kept.clone(),
+        y,
+        colour,
+        mark: Mark::Points,
+    };
+    let panel = |y_label: &str, y_log: bool, curve: ChartCurve| ChartPanel {
+        y_label: y_label.into(),
+        y_log,
+        y_range: None,
+        curves: vec![curve],
+    };
+    section.charts.push(Chart {
+        title: "A note under its damper".into(),
+        caption: "Decay of C4 after a blow of 5 N, and what of the damper's weight lies on its three strings at rest, against the lift of the pedal's rail. The rail has 2 mm of lost \
+                  motion. Above 60 dB / 2 s the time is what the first two seconds tell."
+            .into(),
+        x_label: "lift of the rail, mm".into(),
+        x_log: false,
+        panels: vec![
+            panel("T60, s", true, curve("bridge force", t60, 0)),
+            panel("damper on strings, N", false, curve("at rest", lying, 1)),
+        ],
+    });
+    Ok(())
+}
+
+/// Decay of C4's first second and of its fifth, over a bridge that stands still and over one that moves.
+fn bridge(section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
+    let mut instrument = super::builtin(NAME)?;
+    let mut table = Table::new("Decay of C4, held, dB/s", &["bridge", "from 0.3 s to 0.8 s", "from 4.5 s to 5 s"]);
+    let mut rates = Vec::new();
+    for (n, (name, rigid)) in [("stands still", true), ("moves (six modes)", false)].into_iter().enumerate() {
+        tell(progress, 0.95 + 0.02 * n as f64)?;
+        instrument.roles.rigid_bridge = rigid;
+        let mut action = rest(&instrument)?;
+        let held = Input::Force(5.0);
+        let mut level_after = |steps: usize| {
+            for _ in 0..steps {
+                action.step(held);
+            }
+            level_db(&mut action, held)
+        };
+        let levels = [level_after(6000), level_after(9600), level_after(73_600), level_after(9600)];
+        let own = [(levels[0] - levels[1]) / 0.5, (levels[2] - levels[3]) / 0.5];
+        table.row([name.to_owned(), format!("{:.1}", own[0]), format!("{:.1}", own[1])]);
+        rates.push(own);
+    }
+    section.tables.push(table);
+    section.claims.push(Claim::new(
+        "G. Weinreich, JASA 62 (1977) 1474",
+        "strings of a note that feel each other through the bridge decay in two stages; without it none is claimed",
+        format!(
+            "first {:.1} dB/s, then {:.1}; over a bridge that stands still {:.1} and {:.1}",
+            rates[1][0], rates[1][1], rates[0][0], rates[0][1]
+        ),
+        rates[1][0] > 1.3 * rates[1][1] && rates[1][0] > rates[0][0],
+    ));
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! The dampers' felts on their strings.
+//!
+//! A damper's felt of length l lies on each string by itself, so that strings of one note are damped that move against each other, too. What it is compressed by is the mean
+//! along it, in Gauss's quadrature the mean of the two places l/sqrt(12) before and behind its middle: this is a contact of the mechanism
+//! like any other, whose force the damper's weight on its lever, the key and the pedal decide.
+//!
+//! A partial with a node under the middle would pass by that mean. It rocks the felt: half the difference of the two places, r, is what one end is pressed by more
+//! than the other. Its force is the felt's own dashpot, c r' with c the loss of the felt's law at its present compression, c = b g^2 (a k g^r); found within
+//! the step, f = -c (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's stiffness adds to that is left out.)
+
+use super::rows::{Block, Row};
+use crate::instrument::{self, Instrument, PianoString};
+
+/// Partials that a static compliance counts: the felt's length makes it converge soon.
+const STATIC_PARTIALS: u32 = 400;
+/// sqrt(12), for Gauss's two places.
+const GAUSS: f64 = 3.464_101_615_137_754_6;
+
+/// One felt on one string.
+#[derive(Debug, Clone)]
+pub(super) struct Felt {
+    pub zone: usize,
+    pub string: usize,
+    law: instrument::Felt,
+    /// Gauss's two places, m.
+    places_m: [f64; 2],
+    /// Its mean, and half the difference of its ends.
+    pub row: Row,
+    pub rocking: Row,
+    /// A of the rocking, m/N.
+    rocks_m_n: f64,
+}
+
+/// Those of an instrument.
+pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
+    let of = |(string, one): (usize, &PianoString)| {
+        let damper = one.damper?;
+        let half_m = damper.length_m / GAUSS;
+        Some(Felt {
+            zone: damper.zone,
+            string,
+            law: instrument.zones[damper.zone].felt.clone(),
+            places_m: [damper.middle_m - half_m, damper.middle_m + half_m],
+            row: Row::default(),
+            rocking: Row::default(),
+            rocks_m_n: 0.0,
+        })
+    };
+    instrument.strings.iter().enumerate().filter_map(of).collect()
+}
+
+impl Felt {
+    /// Its string has these blocks.
+    pub fn lay(&mut self, first: usize, blocks: usize) {
+        (self.row, self.rocking, self.rocks_m_n) = (Row::new(first, blocks), Row::new(first, blocks), 0.0);
+    }
+
+    /// A mode's displacement of the felt and of its rocking, per metre.
+    fn shapes(&self, string: &PianoString, n: u32) -> [f64; 2] {
+        let [a, b] = self.places_m.map(|place_m| PianoString::shape(n, place_m, string.length_m));
+        [0.5 * (a + b), 0.5 * (b - a)]
+    }
+
+    /// Takes in a mode of its string; returns its displacement of the felt per metre.
+    pub fn set_mode(
+        &mut self,
+        string: &PianoString,
+        n: u32,
+        at: usize,
+        stiffness_n_m: f64,
+        qq: f64,
+        blocks: &[Block],
+    ) -> f64 {
+        let [mean, half] = self.shapes(string, n);
+        self.row.set(at, mean, stiffness_n_m, blocks);
+        self.rocking.set(at, half, stiffness_n_m, blocks);
+        self.rocks_m_n += half * half / stiffness_n_m * (1.0 - qq);
+        mean
+    }
+
+    /// Static compliances of the modes beyond the first so many, m/N: its own, and with a hammer that strikes this string alone.
+    pub fn beyond(&self, string: &PianoString, count: u32) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for n in (count + 1..=STATIC_PARTIALS.max(count + 1)).rev() {
+            let [mean, _] = self.shapes(string, n);
+            let omega = 2.0 * std::f64::consts::PI * string.partial_hz(n);
+            let gives = mean / (string.modal_mass_kg() * omega * omega);
+            sums[0] += mean * gives;
+            sums[1] += PianoString::shape(n, string.strike_m, string.length_m) * gives;
+        }
+        sums
+    }
+
+    /// The loss of the felt's law where it is pressed so, N s/m.
+    fn dashpot(&self, force_n: f64) -> f64 {
+        if force_n <= 0.0 || self.law.stiffness <= 0.0 {
+            return 0.0;
+        }
+        let g = libm::pow(force_n / self.law.stiffness, 1.0 / self.law.exponent);
+        self.law.damping * g * g + self.law.hunt_crossley * force_n
+    }
+
+    /// After a step under its force: what the rocking has taken meanwhile. `before`: where it was.
+    pub fn rock(&self, force_n: f64, before: f64, step_s: f64, blocks: &mut [Block]) {
+        let c = self.dashpot(force_n);
+        if c > 0.0 {
+            let free = self.rocking.now(blocks);
+            let per_s = c / step_s;
+            let force_n = -per_s * (free - before) / (1.0 + per_s * self.rocks_m_n);
+            self.rocking.press(force_n, blocks);
+        }
+    }
+}

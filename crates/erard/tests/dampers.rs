@@ -1,0 +1,472 @@
+//! What lies on the strings and where they end: dampers against an independent solution, at rest, under key and pedal; a bridge that moves against its eigenvalues.
+
+mod common;
+
+use std::f64::consts::PI;
+
+use common::{Play, USUAL_STEP_S};
+use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
+use erard::keyboard::Keys;
+use erard::mechanism::{Mechanism, mechanism};
+use erard::simulation::{Setup, SimulationError, simulate};
+use erard::strings::{PEDAL_MOST_M, Pedal, Strings};
+use erard::stroke::Touch;
+use erard::{Action, Input, Settings};
+
+fn strung() -> Instrument {
+    Instrument::builtin("concert-grand-strings").expect("the built-in grand reads")
+}
+
+/// A hammer far from one string, and a damper's felt that the ground presses on it by 0.115 mm.
+fn damped(friction: f64) -> Instrument {
+    let text = format!(
+        r#"
+format = "erard-instrument/1"
+name = "bare damper"
+gravity_m_s2 = 0
+[[body]]
+name = "hammer"
+pivot_mm = [0, 0]
+mass_g = 8.9
+inertia_kg_m2 = 8.9e-3
+center_of_mass_mm = [1000, 0]
+friction_torque_N_m = {friction}
+[[zone]]
+name = "string"
+[zone.disc]
+body = "hammer"
+center_mm = [1000, 0]
+[zone.line]
+body = "ground"
+point_mm = [1000, 50]
+normal = [0, -1]
+[zone.felt]
+stiffness_N_per_m_r = 1.35e10
+exponent = 2.5
+[[body]]
+name = "post"
+pivot_mm = [0, 0]
+mass_g = 1
+inertia_kg_m2 = 1e-3
+center_of_mass_mm = [1000, 0]
+friction_torque_N_m = 100
+[[zone]]
+name = "damper"
+[zone.disc]
+body = "post"
+center_mm = [1000, -0.115]
+[zone.line]
+body = "ground"
+point_mm = [1000, 0]
+normal = [0, 1]
+[zone.felt]
+stiffness_N_per_m_r = 6.667e6
+exponent = 2
+damping_N_s_per_m3 = 2.667e7
+[[string]]
+name = "middle"
+length_mm = 620
+mass_g_per_m = 6.33870967741935
+tension_N = 670
+inharmonicity = 3.7702e-4
+loss_per_s = 0.5
+loss_s = 6.25e-9
+strike_mm = 74.4
+[string.damper]
+zone = "damper"
+middle_mm = 100
+length_mm = 30
+[roles]
+hammer = "hammer"
+hammer_head_mm = [1000, 0]
+string = "string"
+"#
+    );
+    InstrumentFile::parse(&text, "bare").map_err(|e| e.to_string()).unwrap().instrument
+}
+
+fn strings(m: &dyn Mechanism) -> &Strings {
+    Strings::under(m).expect("it has strings")
+}
+
+/// Sets the speed of the first modes of every string.
+fn swing(m: &mut dyn Mechanism, speeds_m_s: &[f64]) {
+    let (modes, all) = (strings(m).modes(), strings(m).strings().len());
+    let surfaces = m.surfaces_mut().unwrap();
+    let mut numbers = Vec::new();
+    surfaces.save(&mut |number| numbers.push(number));
+    for string in 0..all {
+        for (i, speed) in speeds_m_s.iter().enumerate() {
+            numbers[2 * (string * modes / all + i) + 1] = *speed;
+        }
+    }
+    let still = numbers.len() - 1;
+    numbers[still] = 0.0;
+    surfaces.restore(&numbers);
+}
+
+/// The modes' equations with the same felt as ordinary differential equations, by the classical Runge-Kutta method in steps of 1 us: the string's energy, J, at
+/// some instants, s. Nothing of the engine is in it.
+fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64]) -> Vec<f64> {
+    const MODES: usize = 53;
+    let string = &instrument.strings[0];
+    let DamperFelt { middle_m, length_m, .. } = string.damper.unwrap();
+    let (k, b) = (6.667e6, 2.667e7);
+    let mass = 0.5 * string.mass_kg_m * string.length_m;
+    let f0 = (string.tension_n / string.mass_kg_m).sqrt() / (2.0 * string.length_m);
+    let inharmonicity = PI * PI * string.bending_n_m2 / (string.tension_n * string.length_m * string.length_m);
+    let omega: Vec<f64> =
+        (1..=MODES).map(|n| n as f64).map(|n| 2.0 * PI * n * f0 * (1.0 + inharmonicity * n * n).sqrt()).collect();
+    let place = |x: f64| -> Vec<f64> { (1..=MODES).map(|n| (n as f64 * PI * x / string.length_m).sin()).collect() };
+    let (before, behind) = (place(middle_m - length_m / 12_f64.sqrt()), place(middle_m + length_m / 12_f64.sqrt()));
+    let mean: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| 0.5 * (a + b)).collect();
+    let rocks: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| 0.5 * (b - a)).collect();
+    let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let rate = |y: &[f64]| -> Vec<f64> {
+        let (q, v) = y.split_at(MODES);
+        let g = 0.115e-3 - sum(&mean, q);
+        let (mut force, mut rocking) = (0.0, 0.0);
+        if g > 0.0 {
+            force = (k * g * g - b * g * g * sum(&mean, v)).max(0.0);
+            rocking = -b * (force / k) * sum(&rocks, v);
+        }
+        let pull = |i: usize| {
+            (mean[i] * force + rocks[i] * rocking) / mass
+                - 2.0 * (0.5 + 6.25e-9 * omega[i] * omega[i]) * v[i]
+                - omega[i] * omega[i] * q[i]
+        };
+        v.iter().copied().chain((0..MODES).map(pull)).collect()
+    };
+    let mut y = vec![0.0; 2 * MODES];
+    y[MODES..MODES + speeds_m_s.len()].copy_from_slice(speeds_m_s);
+    let (h, mut now, mut found) = (1e-6, 0_u64, Vec::new());
+    for instant in instants_s {
+        while now < (instant / h).round() as u64 {
+            let along =
+                |y: &[f64], k: &[f64], by: f64| -> Vec<f64> { y.iter().zip(k).map(|(y, k)| y + by * k).collect() };
+            let k1 = rate(&y);
+            let k2 = rate(&along(&y, &k1, 0.5 * h));
+            let k3 = rate(&along(&y, &k2, 0.5 * h));
+            let k4 = rate(&along(&y, &k3, h));
+            for i in 0..y.len() {
+                y[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+            }
+            now += 1;
+        }
+        let energy = |i: usize| 0.5 * mass * (y[MODES + i] * y[MODES + i] + omega[i] * omega[i] * y[i] * y[i]);
+        found.push((0..MODES).map(energy).sum());
+    }
+    found
+}
+
+/// A string under a damper's felt, softly vibrating and so loudly that it leaves the felt: its energy is that of the independent solution, with an order of two.
+#[test]
+fn a_damped_string_is_the_one_of_an_independent_solution() {
+    let instrument = damped(1.0);
+    let instants = [5e-3, 20e-3, 60e-3];
+    for speed in [0.02, 1.0] {
+        // Partials one and six: the sixth has a node under the damper's middle.
+        let speeds = [speed, 0.0, 0.0, 0.0, 0.0, 0.3 * speed];
+        let exact = by_runge_kutta(&instrument, &speeds, &instants);
+        let errors = [50e-6, 25e-6, 12.5e-6].map(|h| {
+            let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
+            swing(m.as_mut(), &speeds);
+            let mut now = 0;
+            let mut worst: f64 = 0.0;
+            for (instant, exact) in instants.iter().zip(&exact) {
+                while now < (instant / h).round() as usize {
+                    m.step(&moreau::Input::Free);
+                    now += 1;
+                }
+                let energy = m.surfaces().unwrap().energy();
+                println!("{speed} m/s, {h:e}: {instant} s: {energy:.5e} J, exact {exact:.5e}");
+                worst = worst.max((energy / exact - 1.0).abs());
+            }
+            worst
+        });
+        let order = 0.5 * (errors[0] / errors[2]).log2();
+        println!("{speed} m/s: {errors:?}: order {order:.2}");
+        assert!(errors[2] < 0.02 && errors[0] < 0.2, "{errors:?}");
+    }
+}
+
+/// At rest the damper lies on its strings, exactly: nothing is computed, the forces carry the damper's weight, and each string hangs as its statics say.
+#[test]
+fn dampers_lie_at_rest_exactly() {
+    let instrument = strung();
+    let mut action = Action::new(&instrument).unwrap();
+    // The settling's steps are another scheme's: what rounding leaves of that, 1e-13 of the forces, is put to rest first.
+    for _ in 0..200 {
+        action.step(Input::Free);
+    }
+    assert!(action.rests());
+    let strings = action.strings().unwrap();
+    let forces: Vec<f64> = strings.damper_n().collect();
+    let all: f64 = forces.iter().sum();
+    // 34 g at 36 mm, on felts at 45 mm; the pivot's friction of 1e-3 N m can take or give 0.022 N.
+    let weight = 0.034 * 9.81 * 36.0 / 45.0;
+    println!("{forces:?}, together {all:.4} N; weight {weight:.4}");
+    assert!(forces.len() == 3 && (all - weight).abs() < 0.0225);
+    for string in 0..3 {
+        let one = &instrument.strings[string];
+        let x = one.damper.unwrap().middle_m;
+        // Downward: away from the damper, and toward the hammer. A string under tension alone; stiffness takes a hundredth.
+        let hangs = forces[string] * x * (one.length_m - x) / (one.tension_n * one.length_m);
+        let found = strings.shape_m(string, x);
+        println!("string {string}: {:.3} um, of tension alone {:.3}", 1e6 * found, 1e6 * hangs);
+        assert!((found.abs() / hangs - 1.0).abs() < 0.08, "{found} {hangs}");
+        assert!(found.signum() == strings.shape_m(0, x).signum());
+    }
+    let mut keys = Keys::at_rest(&[strung(), strung()], Settings::new(USUAL_STEP_S)).unwrap();
+    assert_eq!(keys.awake(), 0);
+    keys.set_pedal(0.0);
+    assert_eq!(keys.awake(), 0);
+    keys.set_pedal(7e-3);
+    assert_eq!(keys.awake(), 2);
+    // The dampers' leaving is a pluck of a newton's tenth, and b1 is 0.5 1/s.
+    for _ in 0..1_000_000 {
+        keys.step();
+        if keys.awake() == 0 {
+            break;
+        }
+    }
+    println!("pedal down, asleep after {:.2} s", keys.time_s());
+    assert_eq!(keys.awake(), 0);
+}
+
+/// How the level of a note falls, dB/s over a time from an instant: bridge force, rms over 50 ms.
+fn level_db(action: &mut Action, input: Input) -> f64 {
+    let steps = (50e-3 / USUAL_STEP_S) as usize;
+    let (mut sum, mut mean) = (0.0, 0.0);
+    for _ in 0..steps {
+        action.step(input);
+        let n = action.strings().unwrap().bridge_n();
+        sum += n * n;
+        mean += n;
+    }
+    let (sum, mean) = (sum / steps as f64, mean / steps as f64);
+    10.0 * (sum - mean * mean).log10()
+}
+
+/// A note that is held rings, one that is let go is damped, one that is let go with the pedal down rings on, and with the pedal half down it does something between.
+#[test]
+fn key_and_pedal_lift_the_damper() {
+    let instrument = strung();
+    let fall = |pedal_m: f64, held: bool| {
+        let mut action = Action::new(&instrument).unwrap();
+        action.set_pedal(pedal_m);
+        for _ in 0..6000 {
+            action.step(Input::Force(5.0));
+        }
+        let input = if held { Input::Force(5.0) } else { Input::Free };
+        for _ in 0..4000 {
+            action.step(input);
+        }
+        let from = level_db(&mut action, input);
+        for _ in 0..2000 {
+            action.step(input);
+        }
+        let fell = from - level_db(&mut action, input);
+        println!("pedal {:.2} mm, held {held}: {from:.1} dB, {:.1} dB/s", 1e3 * pedal_m, fell / 0.15);
+        fell / 0.15
+    };
+    let (held, free, pedalled) = (fall(0.0, true), fall(0.0, false), fall(7e-3, false));
+    assert!(held < 12.0 && (pedalled - held).abs() < 3.0 && free > 3.0 * held, "{held} {free} {pedalled}");
+    let halves: Vec<f64> = [2.0e-3, 2.1e-3, 2.2e-3, 2.3e-3].map(|lift| fall(lift, false)).to_vec();
+    println!("{halves:?}");
+    assert!(halves.iter().any(|half| *half > held + 6.0 && *half < free - 6.0), "{halves:?}");
+}
+
+/// The books of a note that is struck, held, let go and damped, with a pedal that comes and goes meanwhile: what the foot does is booked.
+#[test]
+fn the_books_close_over_dampers_and_pedal() {
+    let instrument = strung();
+    for pedal in ["0mm", "7mm", "0.1s=0mm,0.2s=7mm,0.5s=7mm,0.7s=2.1mm,0.9s=0mm"] {
+        let pedal: Pedal = pedal.parse().unwrap();
+        let setup = Setup { settings: Settings::new(USUAL_STEP_S), pedal, ..Setup::new(1.2) };
+        let drive = |t: f64| if (0.05..0.35).contains(&t) { Input::Force(5.0) } else { Input::Free };
+        let run = simulate(&instrument, &drive, &setup, &mut |_| true).unwrap();
+        let ledger = run.ledger.as_ref().unwrap();
+        println!("{pedal:?}: residual {:.1e}, in strings and felt {:.3e}", ledger.residual_relative(), ledger.surface);
+        assert!(ledger.residual_relative() < 1e-4, "{:e}", ledger.residual_relative());
+        assert!(
+            ledger.smallest_term >= 0.0 && run.work.unconverged_steps == 0 && run.events.hammer_speed_m_s.is_some()
+        );
+    }
+    let rigid = instrument.with_rigid_string();
+    let setup = Setup { pedal: Pedal::held(5e-3), ..Setup::new(0.1) };
+    let refused = simulate(&rigid, &|_| Input::Free, &setup, &mut |_| true);
+    assert!(matches!(refused, Err(SimulationError::NoPedal)));
+}
+
+/// A hammer that is pressed on strings on which a damper lies, for a second, which it never is in play: the two are not solved together within a step, so that the books lack something, of
+/// either sign, which goes with the step.
+#[test]
+fn hammer_and_damper_on_the_same_strings_are_booked_the_better_the_shorter_the_step() {
+    let mut instrument = damped(0.0);
+    instrument.gravity_m_s2 = 225.0;
+    // The hammer lies on the string from above, 25.6 mm from the damper, which lies there, too.
+    instrument.zones[0].curve = erard::instrument::Curve::Line { point_m: [1.0, 0.0], normal: [0.0, 1.0] };
+    let mut residuals = Vec::new();
+    for h in [10e-6, 20e-6, 50e-6] {
+        let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
+        let mut saved = m.save();
+        saved.state.velocity[0] = -1.0;
+        m.restore(&saved);
+        let mut ledger = m.open_ledger();
+        let (mut least, mut lost) = (0.0_f64, 0.0);
+        let felts_before = ledger.start.felt;
+        for _ in 0..(1.0 / h) as usize {
+            m.step(&moreau::Input::Free);
+            m.book(&mut ledger);
+            least = least.min(ledger.surface - lost);
+            lost = ledger.surface;
+        }
+        m.take_stock(&mut ledger);
+        let residual = ledger.residual_relative();
+        println!(
+            "{h:e}: residual {residual:.1e} of the work ({:.1e} J), lost {lost:.3e} J (felts at first {felts_before:.1e}), least {least:.1e}",
+            ledger.residual()
+        );
+        residuals.push(residual);
+        assert!(least > -1e-15 && ledger.smallest_term >= 0.0);
+    }
+    let order = (residuals[2] / residuals[0]).ln() / 5_f64.ln();
+    println!("order {order:.2}");
+    assert!(residuals[2] < 1e-3 && order > 1.2, "{order} {residuals:?}");
+}
+
+/// Where nothing damps its keys, the keyboard has no dampers; a bridge and dampers that lie nowhere are told.
+#[test]
+fn wrong_dampers_are_told() {
+    let good = Instrument::builtin_text("concert-grand-strings").unwrap();
+    for (from, to, says) in [
+        ("zone = \"damper_left\"", "zone = \"string\"", "touches something else"),
+        ("zone = \"damper_left\"", "zone = \"damper_up\"", "no such zone"),
+        ("middle_mm = { value = 100", "middle_mm = { value = 610", "beside the string"),
+        ("pedal = \"damper_tray\"", "pedal = \"string\"", "the hammer's"),
+        ("loss_factor = { value = 0.02", "loss_factor = { value = 1.5", "loss_factor"),
+        ("name = \"b\"\nmass_g", "name = \"a\"\nmass_g", "there are two"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let message = InstrumentFile::parse(&good.replacen(from, to, 1), "mine.toml").unwrap_err().to_string();
+        println!("{message}");
+        assert!(message.contains(says), "{from}: {message}");
+    }
+    let keyboard = erard::keyboard::Keyboard::builtin("concert-grand-strings").unwrap();
+    let all = keyboard.instruments().map_err(|e| e.to_string()).unwrap();
+    for (i, key) in all.iter().enumerate() {
+        let dampers = key.strings.iter().filter(|string| string.damper.is_some()).count();
+        let expected = if i < 68 { key.strings.len() } else { 0 };
+        assert_eq!(dampers, expected, "key {}", i + 1);
+    }
+}
+
+/// Three strings of C4, 0.3 and 0.25 cents beside each other, on six modes of a bridge.
+fn bridged() -> Instrument {
+    let mut instrument = damped(1.0);
+    instrument.strings[0].damper = None;
+    instrument.zones.truncate(1);
+    let one = instrument.strings[0].clone();
+    let tuned = |cents: f64| {
+        let factor = 2_f64.powf(2.0 * cents / 1200.0);
+        let (tension_n, bending_n_m2) = (one.tension_n * factor, one.bending_n_m2 * factor);
+        erard::instrument::PianoString { tension_n, bending_n_m2, ..one.clone() }
+    };
+    instrument.strings = [-0.3, 0.0, 0.25].map(tuned).to_vec();
+    let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg: 5.0, frequency_hz, loss_factor: 0.02 };
+    instrument.bridge_modes = [112.0, 163.0, 211.0, 256.0, 312.0, 371.0].map(mode).to_vec();
+    instrument
+}
+
+/// Energy, and force on the bridge, after so many s, of three strings whose first partials swing alike at 0.1 m/s: from the matrix exponential of strings and bridge as one
+/// linear system (`book/src/model/strings.md` has the program). Its eigenvalues near 262 Hz decay with 2.553, 0.518 and 0.518 1/s: two stages.
+#[test]
+fn strings_on_a_bridge_are_those_of_an_independent_solution() {
+    let reference: [(f64, f64, f64); 6] = [
+        (0.1, 1.549621e-05, 3.63712e-01),
+        (0.2, 9.447490e-06, -2.85784e-01),
+        (0.5, 2.075296e-06, -1.42672e-01),
+        (1.0, 1.659572e-07, 2.64462e-02),
+        (2.0, 3.201991e-09, -2.98020e-03),
+        (4.0, 2.839622e-10, -1.36695e-05),
+    ];
+    let instrument = bridged();
+    for (h, bound) in [(50e-6, 0.05), (12.5e-6, 0.01)] {
+        let mut m = mechanism(&instrument, Settings::new(h)).unwrap();
+        swing(m.as_mut(), &[0.1]);
+        let (mut now, start) = (0, m.surfaces().unwrap().energy());
+        for (instant, energy_j, bridge_n) in reference {
+            while now < (instant / h).round() as usize {
+                m.step(&moreau::Input::Free);
+                now += 1;
+            }
+            let found = m.surfaces().unwrap().energy();
+            let of_level = bridge_n.abs().max((energy_j / reference[0].1).sqrt() * 0.5);
+            let off = (strings(m.as_ref()).bridge_n() - bridge_n).abs() / of_level;
+            println!(
+                "{h:e}, {instant} s: {found:.4e} J, expected {energy_j:.4e}; {:.4e} N, expected {bridge_n:.4e}, of {start:.2e} J",
+                strings(m.as_ref()).bridge_n()
+            );
+            assert!((found / energy_j - 1.0).abs() < bound && off < 3.0 * bound, "{h} {instant}: {found} {off}");
+        }
+    }
+}
+
+/// On a bridge without losses nothing is lost, at any step; and it is not the same as one that stands still.
+#[test]
+fn a_bridge_wins_nothing() {
+    let mut instrument = bridged();
+    for string in &mut instrument.strings {
+        (string.loss_per_s, string.loss_s) = (0.0, 0.0);
+    }
+    for mode in &mut instrument.bridge_modes {
+        mode.loss_factor = 0.0;
+    }
+    for h in [10e-6, 50e-6, 500e-6] {
+        let mut m = mechanism(&instrument, Settings::new(h)).unwrap();
+        let modes = strings(m.as_ref()).modes() / 3;
+        swing(m.as_mut(), &vec![0.1; modes]);
+        let before = m.surfaces().unwrap().energy();
+        let mut way_m: f64 = 0.0;
+        for _ in 0..20_000 {
+            m.step(&moreau::Input::Free);
+            way_m = way_m.max(strings(m.as_ref()).bridge_m().abs());
+        }
+        let off = m.surfaces().unwrap().energy() / before - 1.0;
+        println!("{h:e}: {off:.1e} of {before:.2e} J; the bridge moves by {:.2e} m", way_m);
+        assert!(off.abs() < 1e-10 && way_m > 1e-7, "{h}: {off:e}");
+    }
+}
+
+/// The whole action over a bridge that moves: two stages of decay, the books closed; without the option to the bit what it is without its modes.
+#[test]
+fn the_bridge_is_an_option() {
+    let mut instrument = strung();
+    let mut without = instrument.clone();
+    without.bridge_modes.clear();
+    let play =
+        |instrument: &Instrument| Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.4);
+    let digest = |instrument: &Instrument| common::digests::digest(&play(instrument));
+    assert!(instrument.roles.rigid_bridge);
+    assert_eq!(digest(&instrument), digest(&without));
+    instrument.roles.rigid_bridge = false;
+    let run = play(&instrument);
+    assert_ne!(common::digests::digest(&run), digest(&without));
+    let ledger = run.ledger.as_ref().unwrap();
+    println!("residual {:.1e}", ledger.residual_relative());
+    assert!(ledger.residual_relative() < 1e-4);
+    // At first as the three together, later as two against each other.
+    let mut action = Action::new(&instrument).unwrap();
+    let mut level = |wait: usize| {
+        for _ in 0..wait {
+            action.step(Input::Force(5.0));
+        }
+        level_db(&mut action, Input::Force(5.0))
+    };
+    let levels = [level(6000), level(9000), level(80_000), level(9000)];
+    let [first, second] = [(levels[0] - levels[1]) / 0.5, (levels[2] - levels[3]) / 0.5];
+    println!("{levels:?} dB: {first:.1} dB/s, then {second:.1} dB/s");
+    assert!(first > 1.5 * second && second > 0.0, "{levels:?}");
+    assert!(PEDAL_MOST_M > 0.0);
+}
