@@ -444,6 +444,13 @@ ErardStatus erard_save(const struct ErardAction *action,
                        size_t *size);
 
 /**
+ * Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at 0.5 m/s at most). Without strings that yield, or without a rail, it does
+ * nothing. Real time: yes.
+ */
+ErardStatus erard_set_pedal(struct ErardAction *action,
+                            double lift_m);
+
+/**
  * Goes on from a saved state of the same instrument and the same length of step, to the bit; readings are those of then. What is no such state is
  * refused, and the action stays as it was. Real time: yes.
  */

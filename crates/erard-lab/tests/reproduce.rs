@@ -26,6 +26,7 @@ fn claims_hold() {
         "scheme-energy",
         "scheme-solvers",
         "what-gives",
+        "strings",
     ] {
         for claim in section(name).claims {
             // Gauss-Seidel may need more sweeps than it has in a step of a hundred thousand; the report counts them.
