@@ -132,7 +132,8 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
             "exclusiveMaximum" if number >= rule.as_f64() => fault(format!("is not less than {rule}")),
             "minItems" if length < rule.as_u64() => fault(format!("has fewer than {rule}")),
             "maxItems" if length > rule.as_u64() => fault(format!("has more than {rule}")),
-            "const" | "enum" | "minimum" | "maximum" | "exclusiveMinimum" | "exclusiveMaximum" | "minItems" | "maxItems" => {}
+            "const" | "enum" | "minimum" | "maximum" | "exclusiveMinimum" | "exclusiveMaximum" | "minItems"
+            | "maxItems" => {}
             "required" => {
                 for key in rule.as_array().into_iter().flatten().filter_map(Value::as_str) {
                     if !object.contains_key(key) {

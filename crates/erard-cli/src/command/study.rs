@@ -171,8 +171,15 @@ impl Study {
         let by = sensitive::variables(&instrument, &text, &self.by, self.stroke.is_constant())?;
         let stroke = self.stroke.load()?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup =
-            Setup { settings, start_s: stroke.start_s, duration_s, record_every: None, tolerance: None, ledger: false };
+        let setup = Setup {
+            settings,
+            start_s: stroke.start_s,
+            duration_s,
+            record_every: None,
+            tolerance: None,
+            ledger: false,
+            pedal: erard::strings::Pedal::default(),
+        };
         check(&setup)?;
         let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];
         let mut output = self.out.prepare("study", &files)?;
