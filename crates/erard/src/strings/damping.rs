@@ -39,7 +39,7 @@ pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
         Some(Felt {
             zone: damper.zone,
             string,
-            law: instrument.zones[damper.zone].felt.clone(),
+            law: instrument.zones[damper.zone].felt,
             places_m: [damper.middle_m - half_m, damper.middle_m + half_m],
             row: Row::default(),
             rocking: Row::default(),

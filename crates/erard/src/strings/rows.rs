@@ -64,8 +64,8 @@ impl Row {
     pub fn now(&self, blocks: &[Block]) -> f64 {
         let mut sum = [0.0; WIDE];
         for (part, block) in self.parts.iter().zip(&blocks[self.first..]) {
-            for i in 0..WIDE {
-                sum[i] += part.shape[i] * block.q[i];
+            for (i, sum) in sum.iter_mut().enumerate() {
+                *sum += part.shape[i] * block.q[i];
             }
         }
         added(sum)
@@ -75,8 +75,8 @@ impl Row {
     pub fn free(&self, blocks: &[Block]) -> f64 {
         let mut sum = [0.0; WIDE];
         for (part, block) in self.parts.iter().zip(&blocks[self.first..]) {
-            for i in 0..WIDE {
-                sum[i] += part.shape[i] * (block.qq[i] * block.q[i] + block.qv[i] * block.v[i]);
+            for (i, sum) in sum.iter_mut().enumerate() {
+                *sum += part.shape[i] * (block.qq[i] * block.q[i] + block.qv[i] * block.v[i]);
             }
         }
         added(sum)
