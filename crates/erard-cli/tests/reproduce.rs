@@ -82,6 +82,6 @@ fn the_list() {
     let folder = Folder::new("list");
     let output = folder.erard(&["--list"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(text.lines().count(), 21);
+    assert_eq!(text.lines().count(), 22);
     assert!(text.contains("conformance ") && text.contains("scheme-order"));
 }

@@ -205,8 +205,8 @@ pub fn figure(all: &Sensitivities, title: &str) -> Tornado {
     };
     Tornado {
         title: title.to_owned(),
-        subtitle: "what a usual change of a number does to first order; hollow: the solution jumps nearby, or the slope holds only close by"
-            .to_owned(),
+        // As long as one panel is wide.
+        subtitle: "what a usual change does to first order; hollow: not to be trusted farther away".to_owned(),
         panels: (0..all.of.len()).map(panel).filter(|panel| !panel.bars.is_empty()).collect(),
     }
 }
