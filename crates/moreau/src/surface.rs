@@ -6,8 +6,10 @@
 
 use crate::real::{Mask, Real};
 
-/// Most iterations of the scalar equation. Newton's method takes four or five; bisection, which stands behind it, halves the bracket.
+/// Most iterations of the scalar equation. Newton's method takes four or five, and is given up after ten, for across a kink it may go to and fro; bisection
+/// then halves the bracket.
 const MOST: u32 = 64;
+const NEWTON: u32 = 10;
 
 /// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way in which the felt pushes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,13 +53,13 @@ pub(crate) fn solve<T: Real>(touched: T::Mask, press: impl Fn(T) -> [T; 2]) -> T
     let (zero, half) = (T::ZERO, T::from_f64(0.5));
     let (mut low, mut high, mut force) = (zero, T::from_f64(1e30), zero);
     let mut open = touched;
-    for _ in 0..MOST {
+    for n in 0..MOST {
         let [found, slope] = press(force);
         let excess = found - force;
         low = T::select(zero.lt(excess), force, low);
         high = T::select(zero.lt(excess), high.min(found), force.min(high));
         let newton = force + excess / (T::ONE + slope);
-        let inside = low.le(newton).and(newton.le(high));
+        let inside = T::Mask::splat(n < NEWTON).and(low.le(newton)).and(newton.le(high));
         let next = T::select(inside, newton, half * (low + high));
         let close = (next - force).abs().le(T::from_f64(4.0) * T::EPSILON * next.abs());
         force = T::select(open, next, force);
