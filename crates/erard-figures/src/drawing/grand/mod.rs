@@ -279,10 +279,13 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
             shapes::Entry::Made(make) => pieces.extend(make(&scene)),
         }
     }
-    // What this drawing knows nothing of is shown by its contact curves.
+    // What this drawing knows nothing of is shown by its contact curves. Every string has a zone of its own with the one damper that is drawn.
+    let is_on_a_string =
+        |zone: usize| instrument.strings.iter().filter_map(|s| s.damper).any(|damper| damper.zone == zone);
     for (index, zone) in instrument.zones.iter().enumerate() {
         let is_seen = |body: Option<usize>| body.is_none_or(|body| !parts.unseen.contains(&body));
-        if !parts.shown_zones().contains(&Some(index)) && is_seen(zone.disc_body) && is_seen(zone.curve_body) {
+        let is_shown = parts.shown_zones().contains(&Some(index)) || is_on_a_string(index);
+        if !is_shown && is_seen(zone.disc_body) && is_seen(zone.curve_body) {
             pieces.extend(fallback::sides(zone));
         }
     }
