@@ -129,7 +129,8 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         text: vec![format!(
             "Three touches from gentle to loud in {STEPS} steps of equal ratio: a hand that is led down in {} to {} s, a hand of 0.2 kg whose force rises by {} \
              to {} N/s, a finger of 0.1 kg that arrives at the key with {} to {} m/s. The last two relax to {HOLD_N} N when the hammer is at the string. All \
-             are held for {HELD_S} s.",
+             are held for {HELD_S} s. Technicians try the back check with a mezzo-forte blow (Southwest Pianos, Repetition lever spring adjustment); no source was found that asks \
+             the softest of blows to be caught: their hammer comes to rest on the repetition lever, above the check.",
             LED_S[0], LED_S[1], RISES_N_S[0], RISES_N_S[1], ARRIVES_M_S[0], ARRIVES_M_S[1]
         )],
         ..Section::default()

@@ -106,7 +106,7 @@ fn ms(seconds: Option<f64>) -> Option<f64> {
 }
 
 /// The bends of a part made so stiff that they play no role.
-fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
+pub(super) fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
     let Some(piece) = piece else { return };
     for spring in &mut instrument.springs {
         if spring.body == piece && instrument.bodies[piece].is_bend {

@@ -1,10 +1,11 @@
-//! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving, the cloth, and the key that is
-//! heavier in front while the hammer still falls?
+//! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving, the cloth, the key that is
+//! heavier in front while the hammer still falls, and the key's front that swings on when its back has stopped?
 
 use moreau::Settings;
 
 use super::blow::tell;
 use super::felt_losses::{ETA, SLIP, restitution};
+use super::gives::stiffen;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::player::{Gesture, Muscle, press_by_hand};
@@ -91,6 +92,8 @@ fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let grand = bending(asked)?;
     let Some(even) = balanced(&grand) else { return Err(ReproduceError::Instrument("there is no key".into())) };
+    let mut stiff = even.clone();
+    stiffen(&mut stiff, grand.roles.key);
     let held = Gesture { muscle: Muscle::Steady { force_n: HOLD_N }, ..Gesture::pressed(1.0) };
     let [at_once, usual] = [1e-3, 0.030].map(|within_s| held.leaving(LET_GO_S, within_s));
     // A hand that leads goes up within twice the time.
@@ -111,6 +114,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         case("30 ms, cloth with a great loss", &lossy(&grand, LOSSES[1]), usual, 5, Mark::Dashed),
         case("30 ms, even key", &even, usual, 6, Mark::Dotted),
         case("30 ms, great loss and even key", &lossy(&even, LOSSES[1]), usual, 7, Mark::Dotted),
+        case("30 ms, great loss, even key that does not bend", &lossy(&stiff, LOSSES[1]), usual, 0, Mark::Dotted),
     ];
     let mut table = Table::new("The key after it is let go", &["how", "up after (ms)", "rebounds (mm)"]);
     let (mut curves, mut first) = (Vec::new(), Vec::new());
@@ -133,25 +137,26 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             mark: case.mark,
         });
     }
-    let [at_once, usual, _, slowly, _, cloth, even, both] = first[..] else { return Ok(Section::default()) };
+    let [at_once, usual, _, slowly, _, cloth, even, both, stiff] = first[..] else { return Ok(Section::default()) };
     Ok(Section {
         text: vec![format!(
             "The key is held with {HOLD_N} N by a hand and let go: the force is gone within the time said, and the hand leaves. A rebound is every way back down \
              by more than {:.1} mm. The cloth's own loss is the elastoplastic one beside b; by itself it gives back {:.2} of a speed, the great one {:.2}. An even key, as heavy behind as in front, is no real \
-             key: it shows what its weight in front does while the hammer is in the air and presses on nothing.",
+             key: it shows what its weight in front does while the hammer is in the air and presses on nothing. A key that does not bend stops at once with its back; \
+             the front of one that does swings on, and back again, and lifts the back from a cloth that has taken its own motion up.",
             2e3 * UP_M,
             restitution(LOSSES[0]),
             restitution(LOSSES[1])
         )],
         claims: vec![Claim::new(
             "this program",
-            "what the key comes down again is the cloth's doing and its own weight's in front: neither a finger that leaves at its usual pace nor either cause alone \
-             takes it away; a finger that leads the key up does",
+            "what the key comes down again is the cloth's doing, its own weight's in front and its bending's: neither a finger that leaves at its usual pace nor one or \
+             two of the causes taken away make an end of it; all three, or a finger that leads the key up, do",
             format!(
                 "first rebound {at_once:.1} mm when let go at once, {usual:.1} mm within 30 ms, {slowly:.1} mm led up within 240 ms; with a great loss in the cloth \
-                 {cloth:.1}, with an even key {even:.1}, with both {both:.1} mm"
+                 {cloth:.1}, with an even key {even:.1}, with both {both:.1}, and if that key does not bend {stiff:.1} mm"
             ),
-            slowly < 0.5 * usual && both < cloth.min(even) && both < usual,
+            slowly < 0.5 * usual && both < cloth.min(even) && both < usual && stiff < 0.5 * both,
         )],
         tables: vec![table],
         charts: vec![Chart {
