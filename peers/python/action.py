@@ -20,8 +20,8 @@ def read(path):
     """The mechanism as it stands in the file, checked for its format."""
     with open(path, encoding="utf-8") as file:
         mechanism = json.load(file)
-    if mechanism.get("format") != "erard-mechanism/1":
-        say(f"error: {path}: format is {mechanism.get('format')!r}; expected 'erard-mechanism/1'")
+    if mechanism.get("format") != "erard-mechanism/2":
+        say(f"error: {path}: format is {mechanism.get('format')!r}; expected 'erard-mechanism/2'")
         sys.exit(2)
     return mechanism
 
@@ -42,7 +42,8 @@ def curve_numbers(curve):
 
 
 def compiled(mechanism):
-    """Compiled functions of the mechanism: `felts` and `push` (forces on a placed mechanism), `place`, `force` and `rates`."""
+    """Compiled functions of the mechanism: `felts` and `push` (forces on a placed mechanism), `place`, `force`, `rates`, and what is asked of the
+    strike point."""
     bodies, zones = mechanism["bodies"], mechanism["zones"]
     count = len(bodies)
     column = lambda key: np.array([body[key] for body in bodies], dtype=float)
@@ -80,6 +81,9 @@ def compiled(mechanism):
 
     finger, finger_point = mechanism["finger"]["body"], np.array(mechanism["finger"]["point_m"])
     finger_direction = np.array(mechanism["finger"]["direction"])
+    strike = mechanism["strike"]
+    hammer, meets = strike["body"], float(strike["meets_m"])
+    strike_point, toward = np.array(strike["point_m"]), np.array(strike["direction"])
     blow = mechanism["blow"]
     times, forces, slopes = (np.array(blow[key]) for key in ("times_s", "forces_N", "slopes_N_per_s"))
 
@@ -234,9 +238,39 @@ def compiled(mechanism):
             out[i], out[count + i] = v[i], torque[i]
         return out
 
+    @njit(error_model="numpy")
+    def struck(placed):
+        """Of the strike point: how far it is beyond where it meets the string (m), its velocity in that direction, its speed (m/s)."""
+        x, y = point(placed, hammer, strike_point[0], strike_point[1])
+        ux, uy = velocity(placed, hammer, x, y)
+        along = ux * toward[0] + uy * toward[1]
+        return x * toward[0] + y * toward[1] - meets, along, math.hypot(ux, uy)
+
+    @njit(error_model="numpy")
+    def beyond_string(y):
+        """How far the strike point of a state is beyond where it meets the string, m."""
+        return struck(place(y[:count], y[count:]))[0]
+
+    @njit(error_model="numpy")
+    def speed(y):
+        """Speed of a state's strike point, m/s."""
+        return struck(place(y[:count], y[count:]))[2]
+
     rest = np.zeros(2 * count)
     rest[:count] = column("rest_angle_rad")
-    return SimpleNamespace(count=count, parent=parent, rest=rest, place=place, push=push, felts=felts, force=force, rates=rates)
+    return SimpleNamespace(
+        count=count,
+        parent=parent,
+        rest=rest,
+        place=place,
+        push=push,
+        felts=felts,
+        force=force,
+        rates=rates,
+        struck=struck,
+        beyond_string=beyond_string,
+        speed=speed,
+    )
 
 
 def instants(hold):

@@ -53,6 +53,7 @@ def merged(rows):
 class Comparison:
     def __init__(self, rows, mechanism):
         rows = merged(rows)
+        self.instrument, self.bodies = mechanism["instrument"], len(mechanism["bodies"])
         self.until_s = mechanism["blow"]["until_s"]
         self.hold = mechanism["hold"]
         self.radius_m = mechanism["strike"]["radius_m"]
@@ -165,6 +166,8 @@ class Comparison:
         """Everything, for machines."""
         return {
             "machine": machine,
+            "instrument": self.instrument,
+            "bodies": self.bodies,
             "simulated_s": self.until_s,
             "reference": {"step_s": self.reference_step_s, "hammer_speeds_m_s": list(self.reference.values())},
             "agreement_of_accelerations": self.agreement,

@@ -20,7 +20,7 @@ from numba.extending import intrinsic
 import action
 
 # What a run reads and leaves, shared with the callback.
-SCALE, CONSTANT, WIDTH, DRY, PER_STEP, CALLS, TIME, ANGLE, RATE, SLOPE, CONTACT, SPEED, SIZE = range(13)
+SCALE, CONSTANT, WIDTH, DRY, PER_STEP, CALLS, TIME, BEYOND, RATE, WHOLE, SLOPE, CONTACT, SPEED, SIZE = range(14)
 # Integrator, evaluations of the forces per step, whether the pivots' dry friction is MuJoCo's own or regularised in the callback too
 # (which is less stiff and needs no constraint solver).
 METHODS = {
@@ -95,9 +95,9 @@ class Peer:
         mujoco.set_mjcb_passive(signature(self.callback.address))
 
     def compile_torques(self):
-        """Torques of felts and finger on the joints, from MuJoCo's joint angles."""
+        """Torques of felts and finger on the joints, from MuJoCo's joint angles; returns what the strike point does."""
         act, count, parent = self.action, self.action.count, self.action.parent
-        place, push, felts = act.place, act.push, act.felts
+        place, push, felts, struck = act.place, act.push, act.felts, act.struck
 
         @njit(error_model="numpy")
         def joint_torques(qpos, qvel, given, width, torque):
@@ -113,6 +113,7 @@ class Peer:
             for i in range(count - 1, -1, -1):
                 if parent[i] >= 0:
                     torque[parent[i]] += torque[i]
+            return struck(placed)
 
         return joint_torques
 
@@ -127,15 +128,15 @@ class Peer:
             action.say("error: this MuJoCo keeps its time elsewhere; the pinned version is in peers/requirements.txt")
             sys.exit(2)
         data.time = 0.0
-        strike, dry = self.mechanism["strike"], self.dry
-        hammer, angle, radius = strike["body"], strike["angle_rad"], strike["radius_m"]
+        dry = self.dry
 
         @cfunc(types.void(types.voidptr, types.voidptr))
         def passive(_model, _data):
             qpos, qvel = carray(at_address(qpos_at), count), carray(at_address(qvel_at), count)
             now, shared = carray(at_address(time_at), 1)[0], carray(at_address(shared_at), SIZE)
             torque = np.empty(count)
-            joint_torques(qpos, qvel, shared[SCALE] * force(now) + shared[CONSTANT], shared[WIDTH], torque)
+            given = shared[SCALE] * force(now) + shared[CONSTANT]
+            beyond, along, speed = joint_torques(qpos, qvel, given, shared[WIDTH], torque)
             total = carray(at_address(passive_at), count)
             for i in range(count):
                 total[i] += torque[i]
@@ -143,15 +144,15 @@ class Peer:
                     total[i] -= dry[i] * math.tanh(qvel[i] / shared[DRY])
             # The first evaluation of a step is at the step's start: look whether the hammer has met the string.
             if shared[CALLS] % shared[PER_STEP] == 0.0:
-                before = shared[ANGLE]
-                if shared[CALLS] > 0.0 and before <= angle and qpos[hammer] > angle and shared[CONTACT] == 0.0:
+                before = shared[BEYOND]
+                if shared[CALLS] > 0.0 and before <= 0.0 and beyond > 0.0 and shared[CONTACT] == 0.0:
                     # As if the step before went on: at this step's end the string has pushed already.
-                    rate = math.sqrt(max(shared[RATE] ** 2 + 2.0 * shared[SLOPE] * (angle - before), 0.0))
-                    shared[CONTACT] = shared[TIME] + 2.0 * (angle - before) / (shared[RATE] + rate)
-                    shared[SPEED] = radius * rate
+                    rate = math.sqrt(max(shared[RATE] ** 2 - 2.0 * shared[SLOPE] * before, 0.0))
+                    shared[CONTACT] = shared[TIME] - 2.0 * before / (shared[RATE] + rate)
+                    shared[SPEED] = rate * shared[WHOLE] / shared[RATE]
                 if shared[CALLS] > 0.0:
-                    shared[SLOPE] = (qvel[hammer] - shared[RATE]) / (now - shared[TIME])
-                shared[TIME], shared[ANGLE], shared[RATE] = now, qpos[hammer], qvel[hammer]
+                    shared[SLOPE] = (along - shared[RATE]) / (now - shared[TIME])
+                shared[TIME], shared[BEYOND], shared[RATE], shared[WHOLE] = now, beyond, along, speed
             shared[CALLS] += 1.0
 
         return passive
@@ -213,8 +214,16 @@ class Peer:
             mujoco.mj_step(self.model, self.data, nstep=steps)
             done += steps
             self.check()
-            angles.append(self.data.qpos[self.mechanism["strike"]["body"]])
+            angles.append(self.hammer_angle())
         return {"angles_rad": angles, "seconds": time.perf_counter() - start, "steps": done}
+
+    def hammer_angle(self):
+        """The hammer's absolute angle, rad: its joint's and those of what carries it."""
+        body, angle = self.mechanism["strike"]["body"], 0.0
+        while body >= 0:
+            angle += self.data.qpos[body]
+            body = self.action.parent[body]
+        return angle
 
     def time_callback(self, samples):
         """Seconds of one evaluation of felts and finger, at the states of a blow: what the callback costs, machine code as it is."""

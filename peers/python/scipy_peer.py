@@ -24,9 +24,9 @@ HOLD = {False: ([1e-4, 1e-6], [0.1, 0.01, 1e-3]), True: ([1e-4], [0.1, 0.01])}
 class Peer:
     def __init__(self, mechanism):
         self.mechanism, self.action = mechanism, action.compiled(mechanism)
-        act, strike = self.action, mechanism["strike"]
+        act = self.action
         count, rates, force = act.count, act.rates, act.force
-        hammer, angle = strike["body"], strike["angle_rad"]
+        beyond_string = act.beyond_string
 
         @njit
         def pressed(t, y, scale, constant, width):
@@ -48,7 +48,7 @@ class Peer:
 
         @njit
         def at_string(t, y, scale, constant, width):
-            return y[hammer] - angle
+            return beyond_string(y)
 
         self.pressed, self.jacobian, self.at_string = pressed, jacobian, at_string
 
@@ -75,7 +75,7 @@ class Peer:
         return solution, time.perf_counter() - start
 
     def blow(self, method, tolerance, width, repetitions):
-        strike, blows = self.mechanism["strike"], []
+        blows = []
         for scale in self.mechanism["blow"]["scales"]:
             runs = [
                 self.run(method, tolerance, (scale, 0.0, width), self.mechanism["blow"]["until_s"]) for _ in range(repetitions)
@@ -87,9 +87,7 @@ class Peer:
             blows.append(
                 {
                     "scale": scale,
-                    "speed_m_s": strike["radius_m"] * abs(solution.y_events[0][0][self.action.count + strike["body"]])
-                    if hit
-                    else None,
+                    "speed_m_s": self.action.speed(solution.y_events[0][0]) if hit else None,
                     "contact_s": solution.t_events[0][0] if hit else None,
                     "seconds": min(seconds for _, seconds in runs),
                     "evaluations": solution.nfev,

@@ -27,6 +27,7 @@ def markdown(comparison, machine):
     ]
     text += [f"- {key}: {value}" for key, value in machine.items()]
     text += [
+        f"- the action: {comparison.instrument}, {comparison.bodies} bodies",
         f"- the blows: mf, its force times {blows} factors; hammer speeds {min(speeds):.4f} to {max(speeds):.4f} m/s; "
         f"{comparison.until_s * 1e3:g} ms each; times are the least of some repetitions of each blow, the median of the blows",
         f"- the reference: Erard's engine at a step of {comparison.reference_step_s * 1e6:.3g} us",

@@ -8,10 +8,10 @@
 use crate::mechanism::{Curve, Mechanism, Zone};
 use crate::number::Number;
 
-/// Bodies of the mechanism.
-pub const BODIES: usize = 6;
-/// Angles, then angular velocities.
-pub const STATES: usize = 2 * BODIES;
+/// A state has the bodies' angles, then their angular velocities: S is 2 B everywhere, which the compiler cannot work out by itself.
+pub const fn is_size(bodies: usize, states: usize) -> bool {
+    states == 2 * bodies
+}
 
 type Vector<T> = [T; 2];
 
@@ -25,21 +25,21 @@ pub struct Widths {
 }
 
 /// The mechanism, ready to be evaluated.
-pub struct Equations<'a> {
+pub struct Equations<'a, const B: usize, const S: usize> {
     mechanism: &'a Mechanism,
     widths: Widths,
-    parent: [Option<usize>; BODIES],
-    spring_torque: [f64; BODIES],
-    spring_stiffness: [f64; BODIES],
+    parent: [Option<usize>; B],
+    spring_torque: [f64; B],
+    spring_stiffness: [f64; B],
 }
 
 /// Where the bodies are and how they move.
-struct Pose<T> {
-    sin: [T; BODIES],
-    cos: [T; BODIES],
-    pivot: [Vector<T>; BODIES],
-    pivot_velocity: [Vector<T>; BODIES],
-    rate: [T; BODIES],
+struct Pose<T, const B: usize> {
+    sin: [T; B],
+    cos: [T; B],
+    pivot: [Vector<T>; B],
+    pivot_velocity: [Vector<T>; B],
+    rate: [T; B],
 }
 
 fn dot<T: Number>(a: Vector<T>, b: Vector<T>) -> T {
@@ -66,15 +66,15 @@ fn fixed<T: Number>(a: [f64; 2]) -> Vector<T> {
     a.map(T::constant)
 }
 
-impl<T: Number> Pose<T> {
+impl<T: Number, const B: usize> Pose<T, B> {
     #[inline(always)]
-    fn of(mechanism: &Mechanism, y: &[T; STATES]) -> Self {
+    fn of<const S: usize>(mechanism: &Mechanism, y: &[T; S]) -> Self {
         let o = [T::constant(0.0); 2];
-        let zero = [T::constant(0.0); BODIES];
-        let mut pose = Pose { sin: zero, cos: zero, pivot: [o; BODIES], pivot_velocity: [o; BODIES], rate: zero };
+        let zero = [T::constant(0.0); B];
+        let mut pose = Pose { sin: zero, cos: zero, pivot: [o; B], pivot_velocity: [o; B], rate: zero };
         for (i, body) in mechanism.bodies.iter().enumerate() {
             (pose.sin[i], pose.cos[i]) = y[i].sin_cos();
-            pose.rate[i] = y[BODIES + i];
+            pose.rate[i] = y[B + i];
             pose.pivot[i] = pose.point(body.parent, body.pivot_m);
             pose.pivot_velocity[i] = pose.velocity(body.parent, pose.pivot[i]);
         }
@@ -107,10 +107,13 @@ impl<T: Number> Pose<T> {
     }
 }
 
-impl<'a> Equations<'a> {
+impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
+    const SIZE: () = assert!(is_size(B, S), "a state is two numbers for every body");
+
     /// The equations of a mechanism.
     pub fn new(mechanism: &'a Mechanism, widths: Widths) -> Self {
-        let (mut spring_torque, mut spring_stiffness) = ([0.0; BODIES], [0.0; BODIES]);
+        let () = Self::SIZE;
+        let (mut spring_torque, mut spring_stiffness) = ([0.0; B], [0.0; B]);
         for s in &mechanism.springs {
             spring_torque[s.body] += s.torque + s.stiffness * s.reference_rad;
             spring_stiffness[s.body] += s.stiffness;
@@ -120,13 +123,13 @@ impl<'a> Equations<'a> {
     }
 
     /// At rest.
-    pub fn rest(&self) -> [f64; STATES] {
+    pub fn rest(&self) -> [f64; S] {
         std::array::from_fn(|i| self.mechanism.bodies.get(i).map_or(0.0, |b| b.rest_angle_rad))
     }
 
     /// dy/dt under a finger force, N.
-    pub fn rates<T: Number>(&self, force: f64, y: &[T; STATES]) -> [T; STATES] {
-        let pose = Pose::of(self.mechanism, y);
+    pub fn rates<T: Number>(&self, force: f64, y: &[T; S]) -> [T; S] {
+        let pose = Pose::<_, B>::of(self.mechanism, y);
         let (mut mass, mut torque) = self.inertia(&pose);
         self.pivots(y, &mut torque);
         let finger = &self.mechanism.finger;
@@ -136,20 +139,20 @@ impl<'a> Equations<'a> {
             self.felt(zone, &pose, &mut torque);
         }
         self.divide(&mut mass, &mut torque);
-        std::array::from_fn(|i| if i < BODIES { y[BODIES + i] } else { torque[i - BODIES] })
+        std::array::from_fn(|i| if i < B { y[B + i] } else { torque[i - B] })
     }
 
     /// The mass matrix (lower triangle), and weights with what the arms' turning asks for.
     #[inline(always)]
-    fn inertia<T: Number>(&self, pose: &Pose<T>) -> ([[T; BODIES]; BODIES], [T; BODIES]) {
-        let mut mass = [[T::constant(0.0); BODIES]; BODIES];
-        let mut torque = [T::constant(0.0); BODIES];
+    fn inertia<T: Number>(&self, pose: &Pose<T, B>) -> ([[T; B]; B], [T; B]) {
+        let mut mass = [[T::constant(0.0); B]; B];
+        let mut torque = [T::constant(0.0); B];
         for (i, body) in self.mechanism.bodies.iter().enumerate() {
             let [gx, gy] = body.center_of_mass_m;
             let about_center = body.inertia_kg_m2 - body.mass_kg * (gx * gx + gy * gy);
             mass[i][i] += T::constant(about_center);
             // The chain from the body down to the ground, and its arms.
-            let mut chain = [(i, pose.turn(Some(i), body.center_of_mass_m)); BODIES];
+            let mut chain = [(i, pose.turn(Some(i), body.center_of_mass_m)); B];
             let (mut length, mut child) = (1, i);
             while let Some(carrier) = self.parent[child] {
                 chain[length] = (carrier, pose.turn(Some(carrier), self.mechanism.bodies[child].pivot_m));
@@ -173,12 +176,12 @@ impl<'a> Equations<'a> {
 
     /// Springs and friction of the pivots.
     #[inline(always)]
-    fn pivots<T: Number>(&self, y: &[T; STATES], torque: &mut [T; BODIES]) {
+    fn pivots<T: Number>(&self, y: &[T; S], torque: &mut [T; B]) {
         for (i, body) in self.mechanism.bodies.iter().enumerate() {
-            let (mut angle, mut rate) = (y[i], y[BODIES + i]);
+            let (mut angle, mut rate) = (y[i], y[B + i]);
             if let Some(p) = self.parent[i] {
                 angle -= y[p];
-                rate -= y[BODIES + p];
+                rate -= y[B + p];
             }
             let spring = T::constant(self.spring_torque[i]) - angle.times(self.spring_stiffness[i]);
             let dry = rate.times(1.0 / self.widths.pivot).tanh().times(body.dry_friction);
@@ -194,11 +197,11 @@ impl<'a> Equations<'a> {
     #[inline(always)]
     fn push<T: Number>(
         &self,
-        pose: &Pose<T>,
+        pose: &Pose<T, B>,
         body: Option<usize>,
         x: Vector<T>,
         force: Vector<T>,
-        torque: &mut [T; BODIES],
+        torque: &mut [T; B],
     ) {
         let (mut body, mut tip) = (body, x);
         while let Some(i) = body {
@@ -210,7 +213,7 @@ impl<'a> Equations<'a> {
 
     /// Distance from a zone's disc to its curve, the curve's normal there and the disc's centre.
     #[inline(always)]
-    fn distance<T: Number>(zone: &Zone, pose: &Pose<T>) -> (T, Vector<T>, Vector<T>) {
+    fn distance<T: Number>(zone: &Zone, pose: &Pose<T, B>) -> (T, Vector<T>, Vector<T>) {
         let center = pose.point(zone.disc.body, zone.disc.center_m);
         let to_point = |on: Vector<T>, radius: f64| {
             let away = sub(center, on);
@@ -240,7 +243,7 @@ impl<'a> Equations<'a> {
 
     /// One felt, and Coulomb friction on it.
     #[inline(always)]
-    fn felt<T: Number>(&self, zone: &Zone, pose: &Pose<T>, torque: &mut [T; BODIES]) {
+    fn felt<T: Number>(&self, zone: &Zone, pose: &Pose<T, B>, torque: &mut [T; B]) {
         let (distance, normal, center) = Self::distance(zone, pose);
         let gap = T::constant(zone.disc.radius_m) - distance;
         if gap.value() <= 0.0 {
@@ -272,8 +275,8 @@ impl<'a> Equations<'a> {
 
     /// torque <- M^-1 torque, by the factorisation L^T D L that fills in nothing outside the tree (Featherstone, 2005).
     #[inline(always)]
-    fn divide<T: Number>(&self, mass: &mut [[T; BODIES]; BODIES], torque: &mut [T; BODIES]) {
-        for k in (0..BODIES).rev() {
+    fn divide<T: Number>(&self, mass: &mut [[T; B]; B], torque: &mut [T; B]) {
+        for k in (0..B).rev() {
             let mut up = self.parent[k];
             while let Some(i) = up {
                 let share = mass[k][i] / mass[k][k];
@@ -287,7 +290,7 @@ impl<'a> Equations<'a> {
                 up = self.parent[i];
             }
         }
-        for k in (0..BODIES).rev() {
+        for k in (0..B).rev() {
             let mut up = self.parent[k];
             while let Some(i) = up {
                 let product = mass[k][i] * torque[k];
@@ -295,7 +298,7 @@ impl<'a> Equations<'a> {
                 up = self.parent[i];
             }
         }
-        for k in 0..BODIES {
+        for k in 0..B {
             torque[k] = torque[k] / mass[k][k];
             let mut up = self.parent[k];
             while let Some(i) = up {
@@ -306,14 +309,18 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// How far the hammer has turned beyond where it meets the string, rad.
-    pub fn beyond_string(&self, y: &[f64]) -> f64 {
-        y[self.mechanism.strike.body] - self.mechanism.strike.angle_rad
+    /// How far the strike point is beyond where it meets the string, m.
+    pub fn beyond_string(&self, y: &[f64; S]) -> f64 {
+        let strike = &self.mechanism.strike;
+        let at = Pose::<_, B>::of(self.mechanism, y).point(Some(strike.body), strike.point_m);
+        dot(at, strike.direction) - strike.meets_m
     }
 
     /// Speed of the strike point, m/s.
-    pub fn hammer_speed(&self, y: &[f64; STATES]) -> f64 {
-        self.mechanism.strike.radius_m * y[BODIES + self.mechanism.strike.body].abs()
+    pub fn hammer_speed(&self, y: &[f64; S]) -> f64 {
+        let (strike, pose) = (&self.mechanism.strike, Pose::<_, B>::of(self.mechanism, y));
+        let [x, y] = pose.velocity(Some(strike.body), pose.point(Some(strike.body), strike.point_m));
+        x.hypot(y)
     }
 }
 

@@ -12,7 +12,7 @@ mod run;
 
 use std::process::ExitCode;
 
-use equations::{BODIES, Equations, Widths};
+use equations::{Equations, Widths};
 use mechanism::Mechanism;
 use run::{Method, Run, Setup, run};
 use serde_json::{Value, json};
@@ -66,11 +66,19 @@ fn command(arguments: Vec<String>) -> Result<(), String> {
         return Err("expected MECHANISM.json and one of samples, blow, limit, hold".into());
     };
     let mechanism = mechanism::read(path)?;
+    match mechanism.bodies.len() {
+        6 => play::<6, 12>(&mechanism, command, quick),
+        8 => play::<8, 16>(&mechanism, command, quick),
+        found => Err(format!("{path}: {found} bodies; this program is compiled for 6 and 8")),
+    }
+}
+
+fn play<const B: usize, const S: usize>(mechanism: &Mechanism, command: &str, quick: bool) -> Result<(), String> {
     match command {
-        "samples" => println!("{}", samples(&mechanism)?),
-        "blow" => blows(&mechanism, "blow", if quick { &QUICK_BLOW } else { &BLOW }),
-        "limit" => blows(&mechanism, "limit", &LIMIT),
-        "hold" => holds(&mechanism, if quick { &QUICK_HOLD } else { &HOLD }),
+        "samples" => println!("{}", samples::<B, S>(mechanism)?),
+        "blow" => blows::<B, S>(mechanism, "blow", if quick { &QUICK_BLOW } else { &BLOW }),
+        "limit" => blows::<B, S>(mechanism, "limit", &LIMIT),
+        "hold" => holds::<B, S>(mechanism, if quick { &QUICK_HOLD } else { &HOLD }),
         other => return Err(format!("unknown command {other}; expected samples, blow, limit or hold")),
     }
     Ok(())
@@ -103,14 +111,14 @@ fn describe(task: &str, setup: &Setup) -> Value {
     })
 }
 
-fn blows(mechanism: &Mechanism, task: &str, plan: &Plan) {
+fn blows<const B: usize, const S: usize>(mechanism: &Mechanism, task: &str, plan: &Plan) {
     let blow = &mechanism.blow;
     plan.each(|setup| {
         let mut row = describe(task, setup);
         let play = |&scale: &f64| {
             let mut runs = (0..plan.repetitions)
-                .map(|_| run(mechanism, setup, &|t| scale * blow.force(t), &[blow.until_s]))
-                .collect::<Result<Vec<Run>, String>>()?;
+                .map(|_| run::<B, S>(mechanism, setup, &|t| scale * blow.force(t), &[blow.until_s]))
+                .collect::<Result<Vec<Run<S>>, String>>()?;
             runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
             let best = &runs[0];
             Ok(json!({
@@ -129,11 +137,11 @@ fn blows(mechanism: &Mechanism, task: &str, plan: &Plan) {
     });
 }
 
-fn holds(mechanism: &Mechanism, plan: &Plan) {
+fn holds<const B: usize, const S: usize>(mechanism: &Mechanism, plan: &Plan) {
     let hold = &mechanism.hold;
     plan.each(|setup| {
         let mut row = describe("hold", setup);
-        match run(mechanism, setup, &|_| hold.force, &hold.instants()) {
+        match run::<B, S>(mechanism, setup, &|_| hold.force, &hold.instants()) {
             Ok(run) => {
                 row["angles_rad"] = run.states.iter().map(|y| y[mechanism.strike.body]).collect();
                 row["seconds"] = run.seconds.into();
@@ -146,18 +154,18 @@ fn holds(mechanism: &Mechanism, plan: &Plan) {
 }
 
 /// Every millisecond of a blow.
-fn samples(mechanism: &Mechanism) -> Result<Value, String> {
+fn samples<const B: usize, const S: usize>(mechanism: &Mechanism) -> Result<Value, String> {
     let setup = Setup { method: Method::Bdf, tolerance: 1e-6, widths: widths(0.1) };
     let instants: Vec<f64> = (1..=60).map(|k| mechanism.blow.until_s * f64::from(k) / 60.0).collect();
-    let played = run(mechanism, &setup, &|t| mechanism.blow.force(t), &instants)?;
-    let equations = Equations::new(mechanism, setup.widths);
-    let sample = |(y, t): (&[f64; 2 * BODIES], &f64)| {
+    let played = run::<B, S>(mechanism, &setup, &|t| mechanism.blow.force(t), &instants)?;
+    let equations = Equations::<B, S>::new(mechanism, setup.widths);
+    let sample = |(y, t): (&[f64; S], &f64)| {
         let rates = equations.rates(mechanism.blow.force(*t), y);
         json!({
             "time_s": t,
-            "angles_rad": y[..BODIES],
-            "rates_rad_per_s": y[BODIES..],
-            "accelerations_rad_per_s2": rates[BODIES..],
+            "angles_rad": y[..B],
+            "rates_rad_per_s": y[B..],
+            "accelerations_rad_per_s2": rates[B..],
         })
     };
     let samples: Vec<Value> = played.states.iter().zip(&instants).map(sample).collect();

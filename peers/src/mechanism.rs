@@ -6,7 +6,7 @@ use serde::Deserialize;
 /// A point or direction in the plane.
 pub type Vector = [f64; 2];
 
-/// Format `erard-mechanism/1`.
+/// Format `erard-mechanism/2`.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Mechanism {
     /// The format's name.
@@ -130,15 +130,17 @@ pub struct Finger {
     pub direction: Vector,
 }
 
-/// What meets the string: a point of a body that is hinged on the ground.
+/// What meets the string: a point of the hammer.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Strike {
-    /// The hammer.
+    /// The hammer, or its last piece.
     pub body: usize,
-    /// Distance of the strike point from the pivot.
-    pub radius_m: f64,
-    /// The hammer's angle when it meets the string.
-    pub angle_rad: f64,
+    /// The strike point in its frame.
+    pub point_m: Vector,
+    /// Toward the string, in the world, of length 1.
+    pub direction: Vector,
+    /// The strike point's coordinate in that direction when it meets the string.
+    pub meets_m: f64,
 }
 
 /// A force in cubic pieces.
@@ -199,16 +201,12 @@ impl Blow {
 /// Reads a mechanism.
 ///
 /// # Errors
-/// When the file cannot be read, is not this format, or does not have [`crate::equations::BODIES`] bodies.
+/// When the file cannot be read or is not this format.
 pub fn read(path: &str) -> Result<Mechanism, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}"))?;
     let mechanism: Mechanism = serde_json::from_str(&text).map_err(|e| format!("{path}: {e}"))?;
-    if mechanism.format != "erard-mechanism/1" {
-        return Err(format!("{path}: format is {:?}; expected \"erard-mechanism/1\"", mechanism.format));
-    }
-    if mechanism.bodies.len() != crate::equations::BODIES {
-        let (found, expected) = (mechanism.bodies.len(), crate::equations::BODIES);
-        return Err(format!("{path}: {found} bodies; this program is compiled for {expected}"));
+    if mechanism.format != "erard-mechanism/2" {
+        return Err(format!("{path}: format is {:?}; expected \"erard-mechanism/2\"", mechanism.format));
     }
     Ok(mechanism)
 }

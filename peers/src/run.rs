@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use diffsol::{DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverStopReason};
 
-use crate::equations::{BODIES, Equations, STATES, Widths};
+use crate::equations::{Equations, Widths};
 use crate::mechanism::Mechanism;
 use crate::number::Dual;
 
@@ -51,11 +51,11 @@ pub const RATE_TOLERANCE: f64 = 1.0;
 
 /// What a run came to.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct Run<const S: usize> {
     /// Speed of the strike point at the string, m/s, and the instant, s.
     pub strike: Option<[f64; 2]>,
     /// The state at the asked instants.
-    pub states: Vec<[f64; STATES]>,
+    pub states: Vec<[f64; S]>,
     /// Wall-clock time of the solution, building the problem included, s.
     pub seconds: f64,
     /// Accepted steps.
@@ -66,14 +66,19 @@ pub struct Run {
 ///
 /// # Errors
 /// diffsol's, in words.
-pub fn run(mechanism: &Mechanism, setup: &Setup, force: &dyn Fn(f64) -> f64, instants: &[f64]) -> Result<Run, String> {
+pub fn run<const B: usize, const S: usize>(
+    mechanism: &Mechanism,
+    setup: &Setup,
+    force: &dyn Fn(f64) -> f64,
+    instants: &[f64],
+) -> Result<Run<S>, String> {
     let start = Instant::now();
-    let equations = Equations::new(mechanism, setup.widths);
-    let state = |y: &[f64]| -> [f64; STATES] { std::array::from_fn(|i| y[i]) };
-    let absolute = |i: usize| if i < BODIES { ANGLE_TOLERANCE } else { RATE_TOLERANCE };
+    let equations = Equations::<B, S>::new(mechanism, setup.widths);
+    let state = |y: &[f64]| -> [f64; S] { std::array::from_fn(|i| y[i]) };
+    let absolute = |i: usize| if i < B { ANGLE_TOLERANCE } else { RATE_TOLERANCE };
     let mut problem = OdeBuilder::<Matrix>::new()
         .rtol(setup.tolerance)
-        .atol((0..STATES).map(|i| setup.tolerance * absolute(i)))
+        .atol((0..S).map(|i| setup.tolerance * absolute(i)))
         .h0(1e-5)
         .rhs_implicit(
             |y: &[f64], _p: &[f64], t: f64, rates: &mut [f64]| {
@@ -84,8 +89,8 @@ pub fn run(mechanism: &Mechanism, setup: &Setup, force: &dyn Fn(f64) -> f64, ins
                 out.copy_from_slice(&equations.rates(force(t), &along).map(|x| x.slope));
             },
         )
-        .init(|_p: &[f64], _t: f64, y: &mut [f64]| y.copy_from_slice(&equations.rest()), STATES)
-        .root(|y: &[f64], _p: &[f64], _t: f64, gap: &mut [f64]| gap[0] = equations.beyond_string(y), 1)
+        .init(|_p: &[f64], _t: f64, y: &mut [f64]| y.copy_from_slice(&equations.rest()), S)
+        .root(|y: &[f64], _p: &[f64], _t: f64, gap: &mut [f64]| gap[0] = equations.beyond_string(&state(y)), 1)
         .build()
         .map_err(|e| e.to_string())?;
     // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it takes.
@@ -100,16 +105,20 @@ pub fn run(mechanism: &Mechanism, setup: &Setup, force: &dyn Fn(f64) -> f64, ins
     Ok(Run { strike, states, seconds: start.elapsed().as_secs_f64(), steps })
 }
 
-type Followed = (Option<[f64; 2]>, Vec<[f64; STATES]>, usize);
+type Followed<const S: usize> = (Option<[f64; 2]>, Vec<[f64; S]>, usize);
 
 /// Steps on, looks for the blow, and keeps the states at the instants.
-fn follow<'a, E, S>(mut solver: S, equations: &Equations, instants: &[f64]) -> Result<Followed, DiffsolError>
+fn follow<'a, E, M, const B: usize, const S: usize>(
+    mut solver: M,
+    equations: &Equations<'_, B, S>,
+    instants: &[f64],
+) -> Result<Followed<S>, DiffsolError>
 where
     E: OdeEquations<T = f64> + 'a,
     E::V: std::ops::Index<usize, Output = f64>,
-    S: OdeSolverMethod<'a, E>,
+    M: OdeSolverMethod<'a, E>,
 {
-    let kept = |y: &E::V| -> [f64; STATES] { std::array::from_fn(|i| y[i]) };
+    let kept = |y: &E::V| -> [f64; S] { std::array::from_fn(|i| y[i]) };
     let mut strike = None;
     let mut states = Vec::with_capacity(instants.len());
     while states.len() < instants.len() {

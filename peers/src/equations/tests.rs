@@ -2,6 +2,9 @@ use super::*;
 use crate::mechanism::{Blow, Body, Disc, Felt, Finger, Hold, Spring, Strike};
 use crate::number::Dual;
 
+const B: usize = 6;
+const S: usize = 12;
+
 /// A chain of three and three single bodies, with every kind of curve; not a piano, so that nothing cancels by luck.
 fn mechanism() -> Mechanism {
     let body = |parent, x: f64, dry_friction| Body {
@@ -43,7 +46,7 @@ fn mechanism() -> Mechanism {
             zone(None, Some(3), Curve::Line { point_m: [0.0, 0.0], normal: [0.0, 1.0] }, 1.7, 1.0, 0.2),
         ],
         finger: Finger { body: 1, point_m: [0.1, 0.1], direction: [0.0, -1.0] },
-        strike: Strike { body: 4, radius_m: 0.1, angle_rad: 0.5 },
+        strike: Strike { body: 2, point_m: [0.1, 0.2], direction: [0.0, 1.0], meets_m: 0.5 },
         blow: Blow {
             until_s: 1.0,
             scales: vec![1.0],
@@ -57,13 +60,13 @@ fn mechanism() -> Mechanism {
 
 const WIDTHS: Widths = Widths { pivot: 0.3, sliding: 0.2 };
 
-fn states() -> impl Iterator<Item = [f64; STATES]> {
-    (0..40).map(|n| std::array::from_fn(|i| ((1 + n * STATES + i) as f64 * 2.399).sin() * 1.5))
+fn states() -> impl Iterator<Item = [f64; S]> {
+    (0..40).map(|n| std::array::from_fn(|i| ((1 + n * S + i) as f64 * 2.399).sin() * 1.5))
 }
 
 /// Kinetic energy from the velocities of points, and what gravity, springs and felts store.
-fn energy<T: Number>(mechanism: &Mechanism, y: &[T; STATES]) -> T {
-    let pose = Pose::of(mechanism, y);
+fn energy<T: Number>(mechanism: &Mechanism, y: &[T; S]) -> T {
+    let pose = Pose::<T, B>::of(mechanism, y);
     let mut sum = T::constant(0.0);
     for (i, b) in mechanism.bodies.iter().enumerate() {
         let at = pose.point(Some(i), b.center_of_mass_m);
@@ -79,7 +82,7 @@ fn energy<T: Number>(mechanism: &Mechanism, y: &[T; STATES]) -> T {
         sum += (turn * turn).times(0.5 * s.stiffness) - turn.times(s.torque);
     }
     for z in &mechanism.zones {
-        let gap = T::constant(z.disc.radius_m) - Equations::distance(z, &pose).0;
+        let gap = T::constant(z.disc.radius_m) - Equations::<B, S>::distance(z, &pose).0;
         if gap.value() > 0.0 {
             let r = z.felt.exponent + 1.0;
             sum += gap.powf(r).times(z.felt.stiffness / r);
@@ -89,8 +92,8 @@ fn energy<T: Number>(mechanism: &Mechanism, y: &[T; STATES]) -> T {
 }
 
 /// dE/dt along the motion; the energy is differentiated, not the forces.
-fn power(mechanism: &Mechanism, y: &[f64; STATES], force: f64) -> f64 {
-    let rates = Equations::new(mechanism, WIDTHS).rates(force, y);
+fn power(mechanism: &Mechanism, y: &[f64; S], force: f64) -> f64 {
+    let rates = Equations::<B, S>::new(mechanism, WIDTHS).rates(force, y);
     energy(mechanism, &std::array::from_fn(|i| Dual { value: y[i], slope: rates[i] })).slope
 }
 
@@ -105,7 +108,7 @@ fn power_is_what_the_finger_gives() {
         (z.felt.damping, z.friction_coefficient) = (0.0, 0.0);
     }
     for y in states() {
-        let pose = Pose::of(&mechanism, &y);
+        let pose = Pose::<f64, B>::of(&mechanism, &y);
         let at = pose.point(Some(1), mechanism.finger.point_m);
         let given = -2.0 * pose.velocity(Some(1), at)[1];
         let found = power(&mechanism, &y, 2.0);
@@ -136,13 +139,13 @@ fn friction_takes_energy() {
 #[test]
 fn derivatives_are_derivatives() {
     let mechanism = mechanism();
-    let equations = Equations::new(&mechanism, WIDTHS);
+    let equations = Equations::<B, S>::new(&mechanism, WIDTHS);
     for y in states() {
-        let direction: [f64; STATES] = std::array::from_fn(|i| ((i * i + 3) as f64).sin());
+        let direction: [f64; S] = std::array::from_fn(|i| ((i * i + 3) as f64).sin());
         let carried = equations.rates(1.0, &std::array::from_fn(|i| Dual { value: y[i], slope: direction[i] }));
         let at = |e: f64| equations.rates(1.0, &std::array::from_fn(|i| y[i] + e * direction[i]));
         let (up, down) = (at(1e-6), at(-1e-6));
-        for i in 0..STATES {
+        for i in 0..S {
             let difference = (up[i] - down[i]) / 2e-6;
             assert!((difference - carried[i].slope).abs() < 1e-6 * (1.0 + difference.abs()), "{i}");
         }
@@ -159,4 +162,23 @@ fn force_pieces() {
         assert!(((blow.force(t + inside) - blow.force(t)) / inside - slope).abs() < 1e-5);
     }
     assert_eq!((blow.force(-1.0), blow.force(9.0)), (1.0, 0.0));
+}
+
+/// The strike point's speed and its coordinate toward the string agree: what one gains per second is the other's part in that direction.
+#[test]
+fn the_strike_point_moves_as_its_speed_says() {
+    let mut mechanism = mechanism();
+    for y in states() {
+        let along = |direction: [f64; 2], mechanism: &mut Mechanism| {
+            mechanism.strike.direction = direction;
+            let equations = Equations::<B, S>::new(mechanism, WIDTHS);
+            let at = |t: f64| {
+                equations.beyond_string(&std::array::from_fn(|i| if i < B { y[i] + t * y[B + i] } else { y[i] }))
+            };
+            (at(1e-6) - at(-1e-6)) / 2e-6
+        };
+        let [x, up] = [[1.0, 0.0], [0.0, 1.0]].map(|direction| along(direction, &mut mechanism));
+        let speed = Equations::<B, S>::new(&mechanism, WIDTHS).hammer_speed(&y);
+        assert!((x.hypot(up) - speed).abs() < 1e-7 * (1.0 + speed), "{} {speed}", x.hypot(up));
+    }
 }

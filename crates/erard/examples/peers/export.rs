@@ -1,6 +1,6 @@
 //! An instrument's mechanism as JSON: what another program needs to compute the same action.
 //!
-//! Units are SI (m, kg, s, N, rad); x toward the back of the piano, y up, angles counter-clockwise. Format `erard-mechanism/1`:
+//! Units are SI (m, kg, s, N, rad); x toward the back of the piano, y up, angles counter-clockwise. Format `erard-mechanism/2`:
 //!
 //! - `gravity_m_s2`: toward -y.
 //! - `bodies`, parents before children. `parent`: index of the body it is hinged on, null for the ground. `pivot_m`: in the
@@ -14,7 +14,8 @@
 //!   `segment` (all points within `rounding_m` of the straight piece from `from_m` to `to_m`), `disc` (`center_m`, `radius_m`).
 //!   `friction_coefficient` mu: a tangential force of at most mu times the felt's, against the slip at the contact point.
 //! - `finger`: the point that the finger pushes and the world direction of a positive force.
-//! - `strike`: the striking body, hinged on the ground; distance of the strike point from its pivot; angle at which it meets the string.
+//! - `strike`: the striking body and the strike point in its frame; the world direction toward the string, of length 1, and the strike point's
+//!   coordinate in it when the string is met. `radius_m`: its distance from the hammer's centre pin.
 //! - `blow`: the mf stroke's force in cubic pieces (Hermite's form: forces and slopes at the samples; constant before and
 //!   after them), the factors that it is played with, and how long. `hold`: a constant force under which the hammer is caught
 //!   and held, and the instants between which its angle is compared.
@@ -22,23 +23,31 @@
 use erard::instrument::{Body, Curve, Instrument, Spring, Zone};
 use serde_json::{Value, json};
 
-use super::play::{Action, BLOW_S, HOLD_N, HOLD_S, SCALES};
+use super::play::{Action, HOLD_N, HOLD_S, SCALES};
 
 /// The document.
-pub fn mechanism(action: &Action) -> Result<String, Box<dyn std::error::Error>> {
+pub fn mechanism<const B: usize, const Z: usize, const N: usize>(
+    action: &Action<B, Z, N>,
+) -> Result<String, Box<dyn std::error::Error>> {
     let Action { instrument, strike, stroke, .. } = action;
     let key = instrument.roles.key.ok_or_else(|| format!("{}: a blow needs the role key", instrument.name))?;
     let document = json!({
-        "format": "erard-mechanism/1",
+        "format": "erard-mechanism/2",
         "instrument": instrument.name,
         "gravity_m_s2": instrument.gravity_m_s2,
         "bodies": bodies(instrument, &action.rest),
         "springs": springs(instrument),
         "zones": zones(instrument),
         "finger": { "body": key, "point_m": instrument.roles.key_front_m, "direction": [0.0, -1.0] },
-        "strike": { "body": strike.body, "radius_m": strike.radius_m, "angle_rad": strike.angle_rad },
+        "strike": {
+            "body": strike.body,
+            "point_m": strike.point_m,
+            "direction": strike.direction,
+            "meets_m": strike.meets_m,
+            "radius_m": strike.radius_m,
+        },
         "blow": {
-            "until_s": BLOW_S,
+            "until_s": action.blow_s,
             "scales": SCALES,
             "times_s": stroke.times_s(),
             "forces_N": stroke.forces_n(),

@@ -1,7 +1,7 @@
 //! Erard's side of the comparison in `peers/`: the mechanism as JSON for programs that are not this one, and the engine's own rows.
 //!
-//! `cargo run --release -p erard --example peers -- export|blow|batch|hold [--quick] [FILE.toml]`; the rigid concert grand unless a file is
-//! named. `export` prints the mechanism (its format stands in `export.rs`), the others one JSON object a line and setting.
+//! `cargo run --release -p erard --example peers -- export|blow|batch|hold [--quick] [NAME or FILE.toml]`; the rigid concert grand unless another
+//! instrument is named. `export` prints the mechanism (its format stands in `export.rs`), the others one JSON object a line and setting.
 
 mod export;
 mod play;
@@ -10,7 +10,9 @@ mod rows;
 use std::path::Path;
 use std::process::ExitCode;
 
+use erard::assembly;
 use erard::instrument::Instrument;
+use moreau_sizes::Size;
 
 use play::Action;
 
@@ -29,11 +31,29 @@ fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let mut words = arguments.iter().filter(|a| *a != "--quick");
     let command = words.next().ok_or("expected export, blow, batch or hold")?;
     let instrument = match words.next() {
+        Some(name) if Path::new(name).extension().is_none() => Instrument::builtin(name)?,
         Some(file) => Instrument::load(Path::new(file))?,
         None => Instrument::builtin("concert-grand-rigid")?,
     };
-    let action = Action::new(instrument)?;
-    match command.as_str() {
+    match Size::of(&assembly::describe::<f64>(&instrument)) {
+        Size::Six => play::<6, 14, 10>(instrument, command, quick),
+        Size::Eight => play::<8, 20, 49>(instrument, command, quick),
+        size => {
+            let [bodies, zones, _] = size.holds();
+            let found = format!("the engine's size of {bodies} bodies and {zones} zones");
+            Err(format!("{}: {found}; expected six bodies or eight, as in the built-in grands", instrument.name).into())
+        }
+    }
+}
+
+/// In the engine of this size.
+fn play<const B: usize, const Z: usize, const N: usize>(
+    instrument: Instrument,
+    command: &str,
+    quick: bool,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let action = Action::<B, Z, N>::new(instrument)?;
+    match command {
         "export" => println!("{}", export::mechanism(&action)?),
         "blow" => rows::blows(&action, quick),
         "batch" => rows::batches(&action, quick),

@@ -3,50 +3,79 @@
 use std::time::Instant;
 
 use erard::assembly;
-use erard::instrument::Instrument;
+use erard::instrument::{Curve, Instrument};
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use moreau::{
     Accuracy, Controller, Halves, Input, Model, Outcome, Settings, Sleep, State, Workspace, controlled_step, step,
 };
-use moreau_lanes::{Group, Lanes};
+use moreau_lanes::Lanes;
+use moreau_sizes::{OwnedDescription, SideBySide, Size, side_by_side};
 
-/// The stroke whose hammer speed is compared is the built-in mf, pressed, its force times each of these: a single blow may be met by
+/// The stroke whose hammer speed is compared is the mf, pressed, that belongs to the instrument, its force times each of these: a single blow may be met by
 /// luck, a row of them is not.
 pub const SCALES: [f64; 9] = [0.88, 0.91, 0.94, 0.97, 1.0, 1.03, 1.06, 1.09, 1.12];
-/// All of them have struck, and left the string again or nearly, at this instant, s.
-pub const BLOW_S: f64 = 0.06;
+/// All of them have struck, and left the string again or nearly, at this instant, s: of the rigid grand's stroke, and of a hand's on one that bends.
+const BLOW_S: [f64; 2] = [0.06, 0.09];
 /// The note that is held: a constant force, N, looked at from one instant to another, s.
 pub const HOLD_N: f64 = 12.0;
 pub const HOLD_S: [f64; 2] = [1.0, 10.0];
 
-/// The grand's engine size.
-const B: usize = 6;
-const Z: usize = 14;
-const N: usize = 10;
-
-/// An instrument at rest, ready to be played.
-pub struct Action {
+/// An instrument at rest, ready to be played, in the engine of its size.
+pub struct Action<const B: usize, const Z: usize, const N: usize> {
     pub instrument: Instrument,
     /// Absolute angles at rest, rad.
     pub rest: Vec<f64>,
-    /// The mf stroke.
+    /// The mf stroke, and how long it is simulated, s.
     pub stroke: ForceSeries,
+    pub blow_s: f64,
     pub strike: Strike,
+    links: Vec<Link>,
+    description: OwnedDescription,
     model: Model<f64, B, Z>,
 }
 
-/// What meets the string: a point of a body that is hinged on the ground.
+/// What meets the string: a point of the hammer.
 #[derive(Debug, Clone, Copy)]
 pub struct Strike {
     pub body: usize,
-    /// Distance of the strike point from the pivot, m.
+    /// In the body's frame.
+    pub point_m: [f64; 2],
+    /// Toward the string, in the world, of length 1.
+    pub direction: [f64; 2],
+    /// The point's coordinate in that direction when it meets the string, m.
+    pub meets_m: f64,
+    /// The hammer's centre pin's coordinate in that direction, m.
+    pin_m: f64,
+    /// The point's distance from the pin, m.
     pub radius_m: f64,
-    /// The body's angle when it meets the string, rad.
-    pub angle_rad: f64,
+}
+
+impl Strike {
+    /// Coordinate of the point in the string's direction, its rate, m/s, and the point's speed, m/s.
+    #[inline(always)]
+    fn now<const B: usize>(&self, links: &[Link], angle: &[f64; B], velocity: &[f64; B]) -> [f64; 3] {
+        // A point of a chain is the sum of one turned arm for each of its bodies.
+        let [mut along, mut x, mut y] = [self.pin_m, 0.0, 0.0];
+        for link in links {
+            let (sin, cos) = angle[link.body].sin_cos();
+            let [ax, ay] = [cos * link.arm_m[0] - sin * link.arm_m[1], sin * link.arm_m[0] + cos * link.arm_m[1]];
+            along += ax * self.direction[0] + ay * self.direction[1];
+            x -= velocity[link.body] * ay;
+            y += velocity[link.body] * ax;
+        }
+        [along, x * self.direction[0] + y * self.direction[1], x.hypot(y)]
+    }
+}
+
+/// A body of the chain that carries the strike point, and its arm: to the next one's pivot, at last to the point.
+#[derive(Debug, Clone, Copy)]
+pub struct Link {
+    body: usize,
+    arm_m: [f64; 2],
 }
 
 /// Instruments side by side in the processor's lanes.
-pub type Together = Group<B, Z, N>;
+pub type Together = Box<dyn SideBySide>;
 
 /// One timed run.
 pub struct Played {
@@ -77,33 +106,39 @@ const FIRST_STEP_S: f64 = 50e-6;
 /// Looks out for the blow and for the instants at which the angle is asked for.
 struct Watch<'a> {
     strike: Strike,
+    links: &'a [Link],
     found: Option<[f64; 2]>,
-    /// Angle and angular velocity of what strikes, now.
-    now: [f64; 2],
-    /// Its angular acceleration over the last step, rad/s2.
+    /// What the strike point does now: [`Strike::now`].
+    now: [f64; 3],
+    /// Its acceleration toward the string over the last step, m/s2.
     slope: f64,
+    /// Angle and angular velocity of what strikes, now.
+    turn: [f64; 2],
     instants: &'a [f64],
     angles_rad: Vec<f64>,
 }
 
 impl<'a> Watch<'a> {
     /// From a start at rest.
-    fn new(strike: Strike, angle_rad: f64, instants: &'a [f64]) -> Self {
+    fn new<const B: usize>(strike: Strike, links: &'a [Link], angles: &[f64; B], instants: &'a [f64]) -> Self {
         let angles_rad = Vec::with_capacity(instants.len());
-        Watch { strike, found: None, now: [angle_rad, 0.0], slope: 0.0, instants, angles_rad }
+        let (now, turn) = (strike.now(links, angles, &[0.0; B]), [angles[strike.body], 0.0]);
+        Watch { strike, links, found: None, now, slope: 0.0, turn, instants, angles_rad }
     }
 
     /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both ends; but the string is
-    /// met as if the step before went on, its acceleration unchanged: at the step's end the string has pushed already.
+    /// met as if the step before went on, the acceleration unchanged: at the step's end the string has pushed already.
     #[inline(always)]
-    fn look(&mut self, t: f64, h: f64, angle: f64, velocity: f64) {
-        let ([q0, v0], [q1, v1]) = (self.now, [angle, velocity]);
-        let Strike { radius_m, angle_rad, .. } = self.strike;
-        if self.found.is_none() && q0 <= angle_rad && q1 > angle_rad {
-            let left = angle_rad - q0;
-            let v = (v0 * v0 + 2.0 * self.slope * left).max(0.0).sqrt();
-            self.found = Some([radius_m * v, t + 2.0 * left / (v0 + v)]);
+    fn look<const B: usize>(&mut self, t: f64, h: f64, angle: &[f64; B], velocity: &[f64; B]) {
+        let (before, now) = (self.now, self.strike.now(self.links, angle, velocity));
+        let meets_m = self.strike.meets_m;
+        if self.found.is_none() && before[0] <= meets_m && now[0] > meets_m {
+            let left = meets_m - before[0];
+            let v = (before[1] * before[1] + 2.0 * self.slope * left).max(0.0).sqrt();
+            // The point's way is all but straight; its speed is what it was, grown as its part toward the string.
+            self.found = Some([v * before[2] / before[1], t + 2.0 * left / (before[1] + v)]);
         }
+        let ([q0, v0], [q1, v1]) = (self.turn, [angle[self.strike.body], velocity[self.strike.body]]);
         let at = |s: f64| {
             let (a, b) = (v0 * h - (q1 - q0), (q1 - q0) - v1 * h);
             q0 + s * (q1 - q0) + s * (1.0 - s) * ((1.0 - s) * a + s * b)
@@ -111,19 +146,21 @@ impl<'a> Watch<'a> {
         while let Some(&instant) = self.instants.get(self.angles_rad.len()).filter(|&&instant| instant <= t + h) {
             self.angles_rad.push(at((instant - t) / h));
         }
-        (self.now, self.slope) = ([q1, v1], (v1 - v0) / h);
+        (self.now, self.slope, self.turn) = (now, (now[1] - before[1]) / h, [q1, v1]);
     }
 }
 
-impl Action {
+impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
     /// Lets the instrument come to rest.
     pub fn new(instrument: Instrument) -> Result<Self, Box<dyn std::error::Error>> {
         let rest = erard::Action::new(&instrument)?.angles().to_vec();
-        let stroke =
-            Series::builtin("mf", Touch::Pressed).and_then(|s| s.force).ok_or("the mf stroke is not built in")?;
-        let strike = strike(&instrument, &rest)?;
-        let model = assembly::assemble(&instrument)?;
-        Ok(Action { instrument, rest, stroke, strike, model })
+        let bends = instrument.has_bends();
+        let mf = if bends { Series::builtin("mf", Touch::Pressed) } else { Series::rigid("mf", Touch::Pressed) };
+        let stroke = mf.and_then(|s| s.force).ok_or("the mf stroke is not built in")?;
+        let blow_s = BLOW_S[usize::from(bends)];
+        let (strike, links) = strike(&instrument)?;
+        let (description, model) = (assembly::describe(&instrument), assembly::assemble(&instrument)?);
+        Ok(Action { instrument, rest, stroke, blow_s, strike, links, description, model })
     }
 
     /// Plays from rest to the last of `instants`, the engine only, in the given steps.
@@ -133,8 +170,7 @@ impl Action {
         let input = |t: f64, h: f64| Input::Force(force(t + theta * h));
         let start = Instant::now();
         let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
-        let body = self.strike.body;
-        let mut watch = Watch::new(self.strike, self.rest[body], instants);
+        let mut watch = Watch::new(self.strike, &self.links, &state.angle, instants);
         let mut taken = 0;
         match steps {
             Steps::Fixed(h) | Steps::FixedOrRest(h) => {
@@ -150,7 +186,7 @@ impl Action {
                         step(model, &settings, &input, &mut state, &mut workspace)
                     };
                     assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
-                    watch.look(t, h, state.angle[body], state.velocity[body]);
+                    watch.look(t, h, &state.angle, &state.velocity);
                     taken += 1;
                 }
             }
@@ -174,7 +210,7 @@ impl Action {
                         &mut halves,
                     );
                     assert_ne!(did.outcome, Outcome::NonFinite, "at {t} s");
-                    watch.look(t, did.step, state.angle[body], state.velocity[body]);
+                    watch.look(t, did.step, &state.angle, &state.velocity);
                     t += did.step;
                     taken += u64::from(did.inner);
                 }
@@ -182,26 +218,34 @@ impl Action {
         }
         let Watch { found, mut angles_rad, .. } = watch;
         if angles_rad.len() < instants.len() {
-            angles_rad.push(state.angle[body]);
+            angles_rad.push(state.angle[self.strike.body]);
         }
         Played { strike: found, angles_rad, seconds: start.elapsed().as_secs_f64(), steps: taken }
     }
 
+    /// The widest lanes up to these that this size has.
+    pub fn lanes(&self, wanted: Lanes) -> Lanes {
+        Size::of(&self.description).lanes(wanted)
+    }
+
     /// As many instruments side by side as there are lanes, ready to be played in steps of h.
     pub fn together(&self, h: f64, lanes: Lanes) -> Together {
+        let state = State::<f64, B, Z>::at_rest(std::array::from_fn(|i| self.rest[i])).save().sized();
         let count = lanes.count();
-        let states = vec![State::at_rest(std::array::from_fn(|i| self.rest[i])); count];
-        Group::new(&vec![self.model.clone(); count], &states, &Settings::new(h), lanes)
+        side_by_side(&vec![&self.description; count], &vec![state; count], &Settings::new(h), lanes)
+            .expect("the model was assembled before")
     }
 
     /// Plays blows side by side, of the stroke's force times the factor of each lane. Speed of the strike point at the string, m/s, and the
     /// instant, s.
     pub fn play_together(&self, mut group: Together, h: f64, scales: &[f64]) -> Vec<Option<[f64; 2]>> {
-        let (body, theta) = (self.strike.body, Settings::new(h).theta);
+        let theta = Settings::<f64>::new(h).theta;
         let force = self.force(1.0);
-        let mut watches: Vec<_> = scales.iter().map(|_| Watch::new(self.strike, self.rest[body], &[])).collect();
+        let (mut angles, mut velocities) = ([0.0; 12], [0.0; 12]);
+        angles[..B].copy_from_slice(&self.rest);
+        let mut watches: Vec<_> = scales.iter().map(|_| Watch::new(self.strike, &self.links, &angles, &[])).collect();
         let (mut inputs, mut outcomes) = (vec![Input::Free; scales.len()], vec![Outcome::Converged; scales.len()]);
-        for n in 0..(BLOW_S / h).ceil() as u64 {
+        for n in 0..(self.blow_s / h).ceil() as u64 {
             let t = n as f64 * h;
             let force_n = force(t + theta * h);
             for (input, scale) in inputs.iter_mut().zip(scales) {
@@ -210,8 +254,8 @@ impl Action {
             group.step_or_rest(&inputs, &mut outcomes);
             assert!(!outcomes.contains(&Outcome::NonFinite), "at {t} s");
             for (lane, watch) in watches.iter_mut().enumerate() {
-                let (angle, velocity) = group.motion(lane);
-                watch.look(t, h, angle[body], velocity[body]);
+                group.motion(lane, &mut angles, &mut velocities);
+                watch.look(t, h, &angles, &velocities);
             }
         }
         watches.into_iter().map(|watch| watch.found).collect()
@@ -229,33 +273,29 @@ impl Action {
     }
 }
 
-/// Finds the hammer's angle at the string by bisection on the string's gap.
-fn strike(instrument: &Instrument, rest: &[f64]) -> Result<Strike, Box<dyn std::error::Error>> {
+/// The strike point and the chain that carries it, from the string's zone: a point on the hammer, a line on the ground.
+fn strike(instrument: &Instrument) -> Result<(Strike, Vec<Link>), Box<dyn std::error::Error>> {
     let roles = &instrument.roles;
     let (Some(body), Some(string)) = (roles.hammer, roles.string) else {
         return Err(format!("{}: a blow needs the roles hammer and string", instrument.name).into());
     };
-    if instrument.bodies[body].parent.is_some() || instrument.zones[string].curve_body.is_some() {
-        return Err(format!(
-            "{}: the hammer must be hinged on the ground and the string be fixed to it",
+    let zone = &instrument.zones[string];
+    let (Curve::Line { point_m, normal }, None, 0.0) = (zone.curve, zone.curve_body, zone.disc_radius_m) else {
+        let found = format!(
+            "{}: the string must be a straight line on the ground and the strike point a point",
             instrument.name
-        )
-        .into());
-    }
-    let model: Model<f64, B, Z> = assembly::assemble(instrument)?;
-    let gap = |angle: f64| {
-        let angles = std::array::from_fn(|i| if i == body { angle } else { rest[i] });
-        moreau::Pose::of(&model, &angles).gap(&model, string)
+        );
+        return Err(found.into());
     };
-    let [x, y] = roles.hammer_head_m;
-    // It rises counter-clockwise, less than half a turn.
-    let (mut below, mut above) = (rest[body], rest[body] + 1.5);
-    if gap(below) > 0.0 || gap(above) <= 0.0 {
-        return Err(format!("{}: the hammer does not reach the string", instrument.name).into());
+    let direction = normal.map(|n| -n);
+    let meets_m = point_m[0] * direction[0] + point_m[1] * direction[1];
+    let (mut links, mut arm_m, mut carrier) = (Vec::new(), roles.hammer_head_m, Some(body));
+    while let Some(body) = carrier {
+        links.push(Link { body, arm_m });
+        (arm_m, carrier) = (instrument.bodies[body].pivot_m, instrument.bodies[body].parent);
     }
-    for _ in 0..80 {
-        let middle = 0.5 * (below + above);
-        if gap(middle) > 0.0 { above = middle } else { below = middle }
-    }
-    Ok(Strike { body, radius_m: x.hypot(y), angle_rad: above })
+    let pin_m = arm_m[0] * direction[0] + arm_m[1] * direction[1];
+    let [x, y] = instrument.on_first_piece(body).point(roles.hammer_head_m);
+    let strike = Strike { body, point_m: roles.hammer_head_m, direction, meets_m, pin_m, radius_m: x.hypot(y) };
+    Ok((strike, links))
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use moreau_lanes::Lanes;
 use serde_json::{Value, json};
 
-use super::play::{Action, BLOW_S, HOLD_N, HOLD_S, SCALES, Steps};
+use super::play::{Action, HOLD_N, HOLD_S, SCALES, Steps};
 
 /// Steps of the rows, s.
 const STEPS_S: [f64; 14] =
@@ -23,7 +23,7 @@ const TOLERANCES: [f64; 7] = [1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 const HOLD_TOLERANCES: [f64; 2] = [1e-3, 1e-5];
 
 /// Prints a row for every step and tolerance, and the reference, which is the same engine at a far finer step.
-pub fn blows(action: &Action, quick: bool) {
+pub fn blows<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, quick: bool) {
     row(action, "reference", Steps::Fixed(REFERENCE_STEP_S), 1);
     let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 9) };
     for &step in steps {
@@ -60,13 +60,18 @@ fn blow(scale: f64, strike: Option<[f64; 2]>, seconds: f64, steps: u64) -> Value
     })
 }
 
-fn row(action: &Action, task: &str, steps: Steps, repetitions: usize) {
+fn row<const B: usize, const Z: usize, const N: usize>(
+    action: &Action<B, Z, N>,
+    task: &str,
+    steps: Steps,
+    repetitions: usize,
+) {
     let mut row = named(task, steps);
     let blows: Vec<_> = SCALES
         .iter()
         .map(|&scale| {
             let mut runs: Vec<_> =
-                (0..repetitions).map(|_| action.play(steps, action.force(scale), &[BLOW_S])).collect();
+                (0..repetitions).map(|_| action.play(steps, action.force(scale), &[action.blow_s])).collect();
             runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
             let best = &runs[0];
             blow(scale, best.strike, best.seconds, best.steps)
@@ -78,16 +83,21 @@ fn row(action: &Action, task: &str, steps: Steps, repetitions: usize) {
 
 /// Prints a row for every step, of blows side by side in the lanes of as many cores as this process may use. A blow's seconds are those of
 /// all, over their number.
-pub fn batches(action: &Action, quick: bool) {
+pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, quick: bool) {
     let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 15) };
-    for lanes in [Lanes::most(), Lanes::most_single()] {
+    for lanes in [Lanes::most(), Lanes::most_single()].map(|lanes| action.lanes(lanes)) {
         for &step_s in steps {
             batch(action, lanes, step_s, repetitions);
         }
     }
 }
 
-fn batch(action: &Action, lanes: Lanes, step_s: f64, repetitions: usize) {
+fn batch<const B: usize, const Z: usize, const N: usize>(
+    action: &Action<B, Z, N>,
+    lanes: Lanes,
+    step_s: f64,
+    repetitions: usize,
+) {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let precision = if lanes.is_single() { "single" } else { "double" };
     eprintln!(
@@ -125,7 +135,7 @@ fn batch(action: &Action, lanes: Lanes, step_s: f64, repetitions: usize) {
     let blows: Vec<_> = SCALES
         .iter()
         .zip(strikes.chunks(MOST_LANES))
-        .map(|(&scale, group)| blow(scale, group[0], best_s, (BLOW_S / step_s).ceil() as u64))
+        .map(|(&scale, group)| blow(scale, group[0], best_s, (action.blow_s / step_s).ceil() as u64))
         .collect();
     println!(
         "{}",
@@ -137,7 +147,7 @@ fn batch(action: &Action, lanes: Lanes, step_s: f64, repetitions: usize) {
 }
 
 /// Prints the held note's row for every step.
-pub fn holds(action: &Action, quick: bool) {
+pub fn holds<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, quick: bool) {
     let fixed = if quick { &HOLD_STEPS_S[1..2] } else { &HOLD_STEPS_S[..] };
     let controlled = if quick { &HOLD_TOLERANCES[..1] } else { &HOLD_TOLERANCES[..] };
     let [from, until] = HOLD_S;
