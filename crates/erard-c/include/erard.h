@@ -552,6 +552,15 @@ ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard,
                                 struct ErardReading *reading);
 
 /**
+ * Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one action: `count` says for how many there
+ * is room. Real time: yes.
+ */
+ErardStatus erard_keyboard_angles(const struct ErardKeyboard *keyboard,
+                                  uint32_t key,
+                                  double *angles_rad,
+                                  size_t count);
+
+/**
  * Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 100 kB). Real time: yes.
  */
 ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard,
@@ -675,8 +684,8 @@ char *erard_regulate(const struct ErardInstrument *instrument,
 
 /**
  * What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
- * `data-body`), "bodies" with their hinges and angles as drawn, "zones" with the way their arrows point, "press", "labels", "views" and the law of
- * arrows; mm of the picture. Give the text back with erard_text_free.
+ * `data-body`), "bodies" with their hinges, angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one),
+ * "labels", "views" and the law of arrows; mm of the picture. Give the text back with erard_text_free.
  */
 char *erard_scene(const struct ErardInstrument *instrument,
                   size_t *length,
@@ -769,12 +778,31 @@ struct ErardStroke *erard_stroke_builtin(const struct ErardInstrument *instrumen
 
 /**
  * A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
- * it drives by its force where it has one, else by its position. What is wrong with it erard_last_error says with line and column. Real time: no.
+ * it drives by its force where it has one, else by its position. It is made ready as `erard press` does without options: the zero is taken from the rest
+ * before the touch, and what noise a channel has is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column.
+ * Real time: no.
  */
 struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
                                      const char *text,
                                      size_t length,
                                      ErardStatus *status);
+
+/**
+ * What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built in. Give the text back with
+ * erard_text_free.
+ */
+char *erard_stroke_told(const struct ErardStroke *stroke,
+                        size_t *length,
+                        ErardStatus *status);
+
+/**
+ * Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position", "hammer"), "index" (from 0) and "title", time
+ * first. `titles` is a JSON array of all titles. For who reads tables that are no text, and passes their columns on as CSV. Give the text back with
+ * erard_text_free.
+ */
+char *erard_recording_columns(const char *titles,
+                              size_t *length,
+                              ErardStatus *status);
 
 /**
  * Ends a stroke. NULL does nothing. Real time: no.

@@ -216,6 +216,33 @@ pub unsafe extern "C" fn erard_keyboard_read(
     })
 }
 
+/// Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one action: `count` says for how many there
+/// is room. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_angles(
+    keyboard: *const ErardKeyboard,
+    key: u32,
+    angles_rad: *mut f64,
+    count: usize,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or a keyboard.
+    let (Some(keyboard), false) = (unsafe { keyboard.as_ref() }, angles_rad.is_null()) else {
+        return ErardStatus::Null;
+    };
+    if key == 0 || key as usize > keyboard.keys.count() {
+        return ErardStatus::NoSuch;
+    }
+    quick(|| {
+        let angles = keyboard.keys.angles(key as usize);
+        if count < angles.len() {
+            return ErardStatus::Size;
+        }
+        // SAFETY: the caller's promise: so many numbers, and there is room.
+        unsafe { core::slice::from_raw_parts_mut(angles_rad, angles.len()) }.copy_from_slice(angles);
+        ErardStatus::Ok
+    })
+}
+
 /// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 100 kB). Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_save(

@@ -4,13 +4,15 @@ use std::ffi::c_char;
 use std::ptr::null_mut;
 
 use erard::Input;
-use erard::stroke::{DrivingError, NUANCES, PositionOf, Series, Stroke, Touch};
+use erard::stroke::{Columns, DrivingError, Layout, NUANCES, Recording, Stroke, Touch};
+use erard_lab::recording::{Preparation, prepare};
+use serde_json::{Value, json};
 
 use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
 use crate::reading::{ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardReading, within};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
-use crate::text::{bytes, name};
+use crate::text::{bytes, give, name};
 
 /// What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it, until
 /// erard_stroke_free. One thread at a time may use it.
@@ -19,13 +21,14 @@ pub struct ErardStroke {
     start_s: f64,
     duration_s: f64,
     steps: u64,
+    told: String,
 }
 
 impl ErardStroke {
-    fn new(stroke: Stroke, instrument: &ErardInstrument) -> Result<Self, Fault> {
+    fn new(stroke: Stroke, told: String, instrument: &ErardInstrument) -> Result<Self, Fault> {
         let (start_s, duration_s) = (stroke.start_s, stroke.duration_s);
         let drive = stroke.into_inputs(&instrument.instrument().finger).map_err(|error| undriven(&error))?;
-        Ok(ErardStroke { drive, start_s, duration_s, steps: 0 })
+        Ok(ErardStroke { drive, start_s, duration_s, steps: 0, told })
     }
 }
 
@@ -51,12 +54,14 @@ pub unsafe extern "C" fn erard_stroke_builtin(
             Fault::new(ErardStatus::NoSuch, format!("no stroke `{nuance}` is built in; there are {known}"))
         })?;
         let (stroke, _) = stroke.map_err(|error| undriven(&error))?;
-        Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, instrument)?)))
+        Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, String::new(), instrument)?)))
     })
 }
 
 /// A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
-/// it drives by its force where it has one, else by its position. What is wrong with it erard_last_error says with line and column. Real time: no.
+/// it drives by its force where it has one, else by its position. It is made ready as `erard press` does without options: the zero is taken from the rest
+/// before the touch, and what noise a channel has is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column.
+/// Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_new(
     instrument: *const ErardInstrument,
@@ -69,11 +74,53 @@ pub unsafe extern "C" fn erard_stroke_new(
         let instrument = unsafe { given(instrument) }?;
         // SAFETY: passed on.
         let text = unsafe { bytes(text, length) }?.ok_or_else(|| Fault::null("the text"))?;
-        let series =
-            Series::read(text, "recording").map_err(|error| Fault::new(ErardStatus::File, error.to_string()))?;
-        let recorded = Stroke::recorded("recording".into(), series, PositionOf::Key, None);
-        let (stroke, _) = recorded.map_err(|error| undriven(&error))?;
-        Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, instrument)?)))
+        let wrong = |error: &dyn std::fmt::Display| Fault::new(ErardStatus::File, error.to_string());
+        let recording = Recording::read(text, "recording", &Columns::default()).map_err(|error| wrong(&error))?;
+        let prepared = prepare(&recording, &Preparation::default()).map_err(|error| wrong(&error))?;
+        let recorded = Stroke::recorded("recording".into(), prepared.series, recording.position_of, None);
+        let (stroke, note) = recorded.map_err(|error| undriven(&error))?;
+        let lines = prepared.report.told().into_iter().chain(note.map(|note| format!("look: {note}")));
+        let lines: Vec<String> = lines.collect();
+        Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, lines.join("\n"), instrument)?)))
+    })
+}
+
+/// What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built in. Give the text back with
+/// erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_told(
+    stroke: *const ErardStroke,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: the caller's promise: NULL, or a stroke.
+        let stroke = unsafe { stroke.as_ref() }.ok_or_else(|| Fault::null("the stroke"))?;
+        give(stroke.told.clone(), length)
+    })
+}
+
+/// Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position", "hammer"), "index" (from 0) and "title", time
+/// first. `titles` is a JSON array of all titles. For who reads tables that are no text, and passes their columns on as CSV. Give the text back with
+/// erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_recording_columns(
+    titles: *const c_char,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let titles: Vec<String> = serde_json::from_str(unsafe { name(titles, "the titles") }?)
+            .map_err(|error| Fault::new(ErardStatus::Argument, format!("the titles are no JSON array: {error}")))?;
+        let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
+        let layout = Layout::of(&titles, &Columns::default(), "recording")
+            .map_err(|error| Fault::new(ErardStatus::File, error.to_string()))?;
+        let columns = layout
+            .columns
+            .iter()
+            .map(|column| json!({ "role": column.role.name(), "index": column.index, "title": column.title }));
+        give(Value::Array(columns.collect()).to_string(), length)
     })
 }
 

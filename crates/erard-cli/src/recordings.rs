@@ -6,7 +6,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
-use erard_lab::recording::{LowPass, Preparation, Prepared, Report, prepare};
+use erard_lab::recording::{LowPass, Preparation, Prepared, prepare};
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
@@ -189,15 +189,6 @@ impl RecordingOptions {
         };
         Ok(Ready { name, recording, prepared, position_of })
     }
-}
-
-/// What was done to a recording and what was noticed, a line each, with the channel's name before it.
-pub fn told(report: &Report) -> Vec<String> {
-    let done = report.channels.iter().flat_map(|channel| {
-        let name = channel.role.name();
-        channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
-    });
-    done.chain(report.warnings().into_iter().map(|warning| format!("look: {warning}"))).collect()
 }
 
 /// What a Parquet file begins with.

@@ -106,6 +106,7 @@ fn nothing_at_all() {
             erard_keyboard_drive(keyboard, 1, &raw const input),
             erard_keyboard_step(keyboard, 1, null_mut(), 0, null_mut()),
             erard_keyboard_read(keyboard, 1, null_mut()),
+            erard_keyboard_angles(keyboard, 1, null_mut(), 0),
             erard_keyboard_save(keyboard, null_mut(), &raw mut n),
             erard_keyboard_restore(keyboard, null(), 0),
             erard_instrument_get(instrument, c"name".as_ptr(), 0, &raw mut number),
@@ -198,7 +199,11 @@ fn keys_that_are_not_there() {
             assert_eq!(erard_keyboard_drive(keyboard, key, &pushed(1.0)), ErardStatus::NoSuch);
             let mut reading = ErardReading::default();
             assert_eq!(erard_keyboard_read(keyboard, key, &raw mut reading), ErardStatus::NoSuch);
+            assert_eq!(erard_keyboard_angles(keyboard, key, &raw mut reading.time_s, 1), ErardStatus::NoSuch);
         }
+        let mut angle = 7.0;
+        assert_eq!(erard_keyboard_angles(keyboard, 1, &raw mut angle, 1), ErardStatus::Size);
+        assert_eq!(angle, 7.0);
         assert_eq!(erard_keyboard_drive(keyboard, 1, &pushed(f64::NAN)), ErardStatus::NotFinite);
         assert_eq!(erard_keyboard_step(keyboard, 0, null_mut(), 0, null_mut()), ErardStatus::Range);
         assert_eq!(erard_keyboard_step(keyboard, u32::MAX, null_mut(), 0, null_mut()), ErardStatus::Range);

@@ -148,6 +148,31 @@ fn periods_are_steps() {
     assert!(action.read().key_m > 7e-3);
 }
 
+/// A key's bodies stand as those of its instrument alone.
+#[test]
+fn keys_show_their_angles() {
+    let keyboard = Keyboard::new();
+    let instrument = erard_instrument_of_key(40, null_mut());
+    let alone = Action(unsafe { erard_action_of(instrument, 50e-6, null_mut()) });
+    let bodies = unsafe { erard_body_count(alone.0) };
+    let angles = || {
+        let mut angles = vec![0.0_f64; bodies];
+        assert_eq!(unsafe { erard_keyboard_angles(keyboard.0, 40, angles.as_mut_ptr(), bodies) }, ErardStatus::Ok);
+        angles.iter().map(|angle| angle.to_bits()).collect::<Vec<u64>>()
+    };
+    assert_eq!(angles(), alone.angles());
+    let rest = angles();
+    keyboard.drive(40, 6.0);
+    keyboard.step(1000);
+    for _ in 0..1000 {
+        alone.force(6.0);
+    }
+    assert_eq!(angles(), alone.angles());
+    assert_ne!(angles(), rest);
+    drop(alone);
+    unsafe { erard_instrument_free(instrument) };
+}
+
 struct Keyboard(*mut ErardKeyboard);
 
 impl Keyboard {

@@ -319,3 +319,58 @@ fn bad_callers_of_a_player() {
         assert!(CStr::from_ptr(erard_last_error()).to_str().is_ok_and(|text| text.contains("NULL")));
     }
 }
+
+/// A sensor's offset is no stroke: what stands before the touch is the zero, as `erard press` takes it, and the stroke says so.
+#[test]
+fn recordings_are_made_ready() {
+    let grand = Owned::grand();
+    let mut status = ErardStatus::Internal;
+    let rows = |offset: f64| {
+        let row = |n: u32| {
+            let time_ms = f64::from(n);
+            let force = if (100.0..250.0).contains(&time_ms) { (0.05 * (time_ms - 100.0)).min(5.0) } else { 0.0 };
+            format!("{time_ms},{}", 100.0 * (force + offset))
+        };
+        format!("time (ms),load (cN)\n{}", (0..300).map(row).collect::<Vec<_>>().join("\n"))
+    };
+    let blow = |text: &str, status: &mut ErardStatus| {
+        let place = &raw mut *status;
+        let stroke = unsafe { erard_stroke_new(grand.0, text.as_ptr().cast(), text.len(), place) };
+        assert_eq!(*status, ErardStatus::Ok, "{}", last_error());
+        let told = taken(unsafe { erard_stroke_told(stroke, null_mut(), null_mut()) });
+        let action = Action::grand();
+        for _ in 0..8000 {
+            assert!(unsafe { erard_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
+        }
+        unsafe { erard_stroke_free(stroke) };
+        (action.read().blow_m_s, told)
+    };
+    let (plain, said) = blow(&rows(0.0), &mut status);
+    let (offset, told) = blow(&rows(0.75), &mut status);
+    assert!(plain > 1.0 && (plain - offset).abs() < 1e-9 * plain, "{plain} {offset}");
+    assert!(!said.contains("zero") || said.contains("0.0000 N"), "{said}");
+    assert!(told.contains("force: zero: 0.7500 N taken away"), "{told}");
+    let stroke = unsafe { erard_stroke_builtin(grand.0, c"mf".as_ptr(), 0, null_mut()) };
+    assert_eq!(taken(unsafe { erard_stroke_told(stroke, null_mut(), null_mut()) }), "");
+    unsafe { erard_stroke_free(stroke) };
+    assert!(unsafe { erard_stroke_told(null(), null_mut(), &raw mut status) }.is_null());
+    assert_eq!(status, ErardStatus::Null);
+}
+
+/// Who reads a table of another kind is told which of its columns are read, in the words of the reader of text.
+#[test]
+fn columns_are_found() {
+    let mut status = ErardStatus::Internal;
+    let titles = cr#"["trial", "Force (gf)", "time / ms", "hammer_rad"]"#;
+    let found = taken(unsafe { erard_recording_columns(titles.as_ptr(), null_mut(), &raw mut status) });
+    let found: Value = serde_json::from_str(&found).unwrap();
+    let expected = json!([
+        {"role": "time", "index": 2, "title": "time / ms"}, {"role": "force", "index": 1, "title": "Force (gf)"},
+    ]);
+    assert_eq!(found, expected);
+    let wrong = [(c"[\"time_s\"]", "neither force nor position"), (c"[\"t\", \"force\"]", "unit"), (c"{", "no JSON")];
+    for (titles, said) in wrong {
+        assert!(unsafe { erard_recording_columns(titles.as_ptr(), null_mut(), &raw mut status) }.is_null());
+        assert!((status as i32) < 0 && last_error().contains(said), "{}", last_error());
+    }
+}

@@ -15,7 +15,7 @@ use crate::compare::{ComparisonReport, print_table};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
-use crate::recordings::{Ready, RecordingOptions, told};
+use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
 use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg};
 
@@ -91,7 +91,7 @@ impl Compare {
         output.commit()?;
 
         say!("{title} beside {}", instrument.name);
-        for line in told(&prepared.report) {
+        for line in prepared.report.told() {
             say!("  {line}");
         }
         say!();

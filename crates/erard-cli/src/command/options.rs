@@ -16,7 +16,7 @@ use moreau::{FrictionLaw, Settings, Solver};
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs;
-use crate::recordings::{Ready, RecordingOptions, told};
+use crate::recordings::{Ready, RecordingOptions};
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
 
@@ -391,7 +391,7 @@ impl StrokeOptions {
         let (stroke, note) = match &self.file {
             Some(path) => {
                 let Ready { name, prepared, position_of, .. } = self.recording.load(path)?;
-                notes = told(&prepared.report);
+                notes = prepared.report.told();
                 Stroke::recorded(name, prepared.series, position_of, drive)
             }
             None => {

@@ -23,6 +23,7 @@ pub fn scene(instrument: &Instrument) -> Value {
             let mut hinge = hinge(instrument, index);
             hinge["name"] = body.name.clone().into();
             hinge["angle"] = body.angle_rad.into();
+            hinge["mass_g"] = (1e3 * body.mass_kg).into();
             hinge
         })
         .collect();
@@ -47,6 +48,7 @@ pub fn scene(instrument: &Instrument) -> Value {
         "bodies": bodies,
         "zones": zones,
         "press": press(instrument),
+        "pedal": instrument.roles.pedal.is_some() && !instrument.strings.is_empty(),
         "labels": labels(instrument, &drawing),
         "arrow": arrow(),
         "views": views_value(views),

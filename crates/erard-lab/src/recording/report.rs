@@ -184,6 +184,15 @@ impl Report {
         self.channels.iter().find(|channel| channel.role == role)
     }
 
+    /// What was done and what was noticed, a line each, with the channel's name before it.
+    pub fn told(&self) -> Vec<String> {
+        let done = self.channels.iter().flat_map(|channel| {
+            let name = channel.role.name();
+            channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
+        });
+        done.chain(self.warnings().into_iter().map(|warning| format!("look: {warning}"))).collect()
+    }
+
     /// What should be looked at, all channels.
     pub fn warnings(&self) -> Vec<String> {
         self.channels.iter().flat_map(ChannelReport::warnings).collect()
