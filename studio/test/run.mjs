@@ -4,19 +4,24 @@ import { mkdirSync } from "node:fs";
 import { parseArgs } from "node:util";
 import { open } from "./browser.mjs";
 import { bits } from "./bits.mjs";
+import { parquet } from "./parquet.mjs";
 import { wild } from "./wild.mjs";
 import * as play from "./play.mjs";
+import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
 
 const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
 const tests = {
   size: page.size,
-  ...(process.env.ERARD ? { bits } : {}),
+  ...(process.env.ERARD ? { bits, parquet } : {}),
   "a stranger's path": page.stranger,
   "press by mouse": play.mouse,
   "press by touch": play.touch,
   "press by key": play.key,
+  "every part can be grasped": grasp.grasp,
+  "the keyboard alone": grasp.keys_only,
+  "the pedal": grasp.pedal,
   "look back": play.replay,
   "a recording": play.recording,
   screws: bench.screws,
@@ -29,14 +34,13 @@ const tests = {
   link: page.link,
   offline: page.offline,
   faults: page.faults,
-  axe: page.axe,
-  phone: page.phone,
+  "axe, light, dark, phone": page.axe,
   ...(asked.shots ? { screenshots: (browser) => page.screenshots(browser, asked.shots) } : {}),
   "random playing": (browser) => wild(browser, Number(asked.seconds)),
 };
 
 if (asked.shots) mkdirSync(asked.shots, { recursive: true });
-if (!process.env.ERARD) console.log("not run: bits, for ERARD names no command");
+if (!process.env.ERARD) console.log("not run: bits and parquet, for ERARD names no command");
 const browser = await open();
 let failed = 0;
 for (const [name, test] of Object.entries(tests)) {

@@ -22,6 +22,7 @@ export const wild = async ({ visit }, seconds) => {
   const dials = ["let_off", "drop", "capstan_height", "back_check", "hammer", "capstan", "knuckle", "leads", "front_punching"];
   const acts = [
     async () => {
+      if (!(await page.isVisible("#pictures svg"))) await page.click("#tab-play");
       const { x, y } = await onKey(page);
       await page.mouse.move(x, y);
       await page.mouse.down();
@@ -45,18 +46,30 @@ export const wild = async ({ visit }, seconds) => {
     async () => page.evaluate(() => studio.redo()),
     async () => page.evaluate(() => studio.change({ a: { ...studio.state.a, turns: {} } })),
     async () => page.click(`#tab-${pick(["play", "screws", "compare", "learn", "file", "keyboard"])}`),
-    async () => page.evaluate((b) => studio.change({ b: b && { base: { builtin: b }, turns: {} } }), pick([null, null, "heavy-touch", "steinway-o"])),
+    async () => page.evaluate((b) => studio.change({ b: b && { base: { builtin: b }, turns: {} } }), pick([null, null, "heavy-touch", "steinway-o", "concert-grand-strings"])),
     async () => page.evaluate((on) => studio.change({ beside: on }), chance() < 0.5),
     async () => page.evaluate(() => studio.replay()),
     async () => page.evaluate(() => studio.goLive()),
     async () => page.evaluate((share) => studio.pictures[0].zoom(0.5 + share), chance()),
     async () => page.evaluate(() => studio.pictures[0].lookWhole()),
+    async () => page.evaluate(([part, action]) => studio.onchoose(part ? { action, part } : null), [pick([null, "jack", "let-off button", "string", "hammer felt"]), 0]),
+    async () => page.evaluate((pedal) => studio.change({ pedal }), 10 * chance()),
+    async () => {
+      // A hand anywhere in the picture: on a part with a screw, on another, on none.
+      if (!(await page.isVisible("#pictures svg"))) return;
+      const { x, y, width, height } = await page.locator("#pictures").boundingBox();
+      await page.mouse.move(x + width * (0.5 + 0.45 * chance()), y + height * (0.2 + 0.6 * chance()));
+      await page.mouse.down();
+      for (let n = 0; n < 6; n++) await page.mouse.move(x + width * (0.5 + 0.45 * chance()), y + height * (0.2 + 0.6 * chance()));
+      await page.mouse.up();
+    },
   ];
   /** Everything as at first, so that what is kept can be compared. */
   const home = async () => {
     await page.evaluate(() => { studio.push(0); studio.goLive(); studio.pictures[0].lookWhole(); });
     await page.click("#tab-play");
-    await page.evaluate(() => studio.change({ a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false }));
+    await page.evaluate(() => studio.change({ a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, pedal: 0 }));
+    await page.evaluate(() => studio.onchoose(null));
     await until(page, () => studio.scenes.length === 1 && document.getElementById("clock").textContent === "at rest");
     return kept(page);
   };

@@ -1,16 +1,24 @@
 // The worker that owns a whole keyboard: 88 actions, those at rest free of cost.
 import { Library, LibraryError } from "./library";
 import { STEP_S } from "./played";
-import type { FromKeys, ToKeys } from "./protocol";
+import type { FromKeys, Scene, ToKeys } from "./protocol";
 
-const LONGEST_S = 0.1;
+/** Never more than this at once, s; and a page that asks for nothing for so long was not looked at. */
+const LONGEST_S = 0.1, AWAY_S = 0.5;
 const MOST_BLOWS = 256;
 const BLOW_BYTES = 24;
-const FREE = 0, FORCE = 1;
+const FREE = 0, FORCE = 1, MOTION = 2;
+/** A fingertip's way within a frame is taken in so many steps at a time: a millisecond. */
+const STRIDE = 20;
+const FASTEST_M_S = 2;
 let library: Library;
 let keyboard = 0, keys = 0, input = 0, blows = 0, count = 0, reading = 0;
 let last_ms: number | null = null;
 let owed_s = 0;
+/** Time that was not computed, for it would not have been in time, s. */
+let late_s = 0;
+let shown: { key: number; bodies: number; angles: number } | null = null;
+let finger_m: number | null = null;
 const say = (message: FromKeys, transfer: Transferable[] = []) => postMessage(message, { transfer });
 
 const open = async (module: WebAssembly.Module): Promise<void> => {
@@ -26,27 +34,59 @@ const open = async (module: WebAssembly.Module): Promise<void> => {
   say({ kind: "ready", keys, took_ms: performance.now() - began });
 };
 
-const frame = (wall_ms: number, forces: [number, number][]): void => {
+const drive = (key: number, kind: number, force: number, position: number, velocity: number): void => {
+  library.u32(input, 2).set([kind, 0]);
+  library.f64(input + 8, 3).set([force, position, velocity]);
+  check(library.raw.erard_keyboard_drive(keyboard, key, input));
+};
+
+/** The key whose action is looked at. */
+const show = (key: number): void => {
+  const { raw } = library;
+  if (shown) {
+    if (finger_m !== null) drive(shown.key, FREE, 0, 0, 0);
+    raw.erard_memory_free(shown.angles, 8 * shown.bodies);
+  }
+  finger_m = null;
+  const instrument = library.made(raw.erard_instrument_of_key(key, 0));
+  try {
+    const scene = library.json<Scene>(raw.erard_scene(instrument, 0, 0));
+    shown = { key, bodies: scene.bodies.length, angles: raw.erard_memory_new(8 * scene.bodies.length) };
+    say({ kind: "shown", key, scene });
+  } finally {
+    raw.erard_instrument_free(instrument);
+  }
+};
+
+const frame = (wall_ms: number, forces: [number, number][], to_m: number | null): void => {
   const { raw } = library;
   const began = performance.now();
-  for (const [key, force] of forces) {
-    library.u32(input, 2).set([force > 0 ? FORCE : FREE, 0]);
-    library.f64(input + 8, 3).set([force, 0, 0]);
-    check(raw.erard_keyboard_drive(keyboard, key, input));
-  }
-  owed_s = Math.min(owed_s + (last_ms === null ? 0 : Math.max(wall_ms - last_ms, 0) / 1e3), LONGEST_S);
+  for (const [key, force] of forces) drive(key, force > 0 ? FORCE : FREE, force, 0, 0);
+  const passed_s = last_ms === null ? 0 : Math.max(wall_ms - last_ms, 0) / 1e3;
+  owed_s += passed_s;
+  // A page that was away is not late.
+  if (passed_s < AWAY_S) late_s += Math.max(owed_s - LONGEST_S, 0);
+  owed_s = Math.min(owed_s, LONGEST_S);
   last_ms = wall_ms;
   const steps = Math.floor(owed_s / STEP_S + 1e-6);
   owed_s = Math.max(owed_s - steps * STEP_S, 0);
   const struck: { key: number; speed_m_s: number }[] = [];
-  if (steps > 0) {
-    check(raw.erard_keyboard_step(keyboard, steps, blows, MOST_BLOWS, count));
+  const from_m = finger_m ?? to_m;
+  const wanted = to_m === null || from_m === null || !steps ? 0 : (to_m - from_m) / (steps * STEP_S);
+  const velocity = Math.min(Math.max(wanted, -FASTEST_M_S), FASTEST_M_S);
+  if (shown && to_m === null && finger_m !== null) drive(shown.key, FREE, 0, 0, 0);
+  for (let done = 0; done < steps; ) {
+    const some = to_m === null ? steps : Math.min(STRIDE, steps - done);
+    if (shown && to_m !== null && from_m !== null) drive(shown.key, MOTION, 0, from_m + velocity * (done + 0.5 * some) * STEP_S, velocity);
+    check(raw.erard_keyboard_step(keyboard, some, blows, MOST_BLOWS, count));
     const many = Math.min(library.u32(count, 1)[0]!, MOST_BLOWS);
     for (let n = 0; n < many; n++) {
       const at = blows + BLOW_BYTES * n;
       struck.push({ key: library.u32(at, 1)[0]!, speed_m_s: library.f64(at + 16, 1)[0]! });
     }
+    done += some;
   }
+  finger_m = to_m === null || from_m === null ? null : from_m + velocity * steps * STEP_S;
   const [key_m, hammer_m, finger_n] = [new Float32Array(keys), new Float32Array(keys), new Float32Array(keys)];
   for (let key = 1; key <= keys; key++) {
     raw.erard_keyboard_read(keyboard, key, reading);
@@ -55,8 +95,13 @@ const frame = (wall_ms: number, forces: [number, number][]): void => {
     finger_n[key - 1] = read[3]!;
     hammer_m[key - 1] = read[5]!;
   }
+  let pose: { key: number; angles: Float32Array } | null = null;
+  if (shown) {
+    check(raw.erard_keyboard_angles(keyboard, shown.key, shown.angles, shown.bodies));
+    pose = { key: shown.key, angles: Float32Array.from(library.f64(shown.angles, shown.bodies)) };
+  }
   const awake = raw.erard_keyboard_awake(keyboard);
-  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, blows: struck, awake, steps, cost_ms: performance.now() - began }, [key_m.buffer, hammer_m.buffer, finger_n.buffer]);
+  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, blows: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose }, [key_m.buffer, hammer_m.buffer, finger_n.buffer]);
 };
 
 const check = (status: number): void => {
@@ -66,6 +111,6 @@ const check = (status: number): void => {
 let queue = Promise.resolve();
 addEventListener("message", ({ data }: MessageEvent<ToKeys>) => {
   queue = queue
-    .then(() => (data.kind === "open" ? open(data.module) : frame(data.wall_ms, data.forces)))
+    .then(() => (data.kind === "open" ? open(data.module) : data.kind === "show" ? show(data.key) : frame(data.wall_ms, data.forces, data.finger_m)))
     .catch((error: unknown) => say({ kind: "fault", message: error instanceof Error ? error.message : String(error) }));
 });

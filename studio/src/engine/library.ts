@@ -34,6 +34,7 @@ export interface Exports {
   erard_step_free(action: number, reading: number): number;
   erard_read(action: number, reading: number): number;
   erard_reset(action: number): number;
+  erard_set_pedal(action: number, lift: number): number;
   erard_save(action: number, bytes: number, size: number): number;
   erard_restore(action: number, bytes: number, size: number): number;
   erard_rests(action: number): number;
@@ -49,6 +50,8 @@ export interface Exports {
   erard_watch_read(watch: number, events: number): number;
   erard_stroke_builtin(instrument: number, nuance: number, struck: number, status: number): number;
   erard_stroke_new(instrument: number, text: number, length: number, status: number): number;
+  erard_stroke_told(stroke: number, length: number, status: number): number;
+  erard_recording_columns(titles: number, length: number, status: number): number;
   erard_stroke_free(stroke: number): void;
   erard_stroke_duration(stroke: number): number;
   erard_stroke_rewind(stroke: number): number;
@@ -60,6 +63,7 @@ export interface Exports {
   erard_keyboard_drive(keyboard: number, key: number, input: number): number;
   erard_keyboard_step(keyboard: number, steps: number, blows: number, capacity: number, count: number): number;
   erard_keyboard_read(keyboard: number, key: number, reading: number): number;
+  erard_keyboard_angles(keyboard: number, key: number, angles: number, count: number): number;
 }
 
 /** The version of the C interface that this page was written for. */

@@ -99,7 +99,8 @@ export class Played {
     this.library.done(this.library.raw.erard_watch_look(this.watch, this.action));
   }
 
-  beginStroke(stroke: { nuance: string; struck: boolean } | { csv: string }): void {
+  /** A stroke begins. @returns what was done to a recording to make it ready, a line each. */
+  beginStroke(stroke: { nuance: string; struck: boolean } | { csv: string }): string[] {
     const { raw } = this.library;
     this.endStroke();
     this.stroke = this.library.made(
@@ -109,6 +110,12 @@ export class Played {
     );
     this.strokeLeft_s = raw.erard_stroke_duration(this.stroke);
     this.begin();
+    return this.library.taken(raw.erard_stroke_told(this.stroke, 0, 0)).split("\n").filter((line) => line);
+  }
+
+  /** Sends the rail that the sustain pedal lifts to a lift, m. */
+  pedal(lift_m: number): void {
+    this.library.done(this.library.raw.erard_set_pedal(this.action, lift_m));
   }
 
   endStroke(): void {

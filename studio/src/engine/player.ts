@@ -27,6 +27,9 @@ export class Player {
   private finger_m: number | null = null;
   private pressed = false;
   private owed_s = 0;
+  private pedal_m = 0;
+  /** Whether the pedal was moved since the last steps. */
+  private pedalled = false;
   private fresh: Blow[] = [];
   /** Steps since the last time it was asked, and whether anything moved. */
   steps = 0;
@@ -57,6 +60,8 @@ export class Player {
     this.owed_s = 0;
     this.fresh = [];
     this.resting = false;
+    this.pedalled = this.pedal_m !== 0;
+    this.actions.forEach((one) => one.pedal(this.pedal_m));
     this.good = { texts, firmness_n_m, saved: loaded.map((one) => one.save()) };
     return this.scenes;
   }
@@ -76,10 +81,18 @@ export class Player {
     return scenes;
   }
 
-  begin(stroke: Stroke): void {
-    for (const one of this.actions) one.beginStroke("csv" in stroke ? { csv: stroke.csv } : stroke);
+  /** A stroke begins on all actions. @returns what was done to a recording to make it ready, a line each. */
+  begin(stroke: Stroke): string[] {
     this.owed_s = 0;
     this.resting = false;
+    return this.actions.map((one) => one.beginStroke("csv" in stroke ? { csv: stroke.csv } : stroke))[0] ?? [];
+  }
+
+  /** Sends the sustain pedal's rail to a lift, m. */
+  pedal(lift_m: number): void {
+    this.pedalled = this.pedalled || lift_m !== this.pedal_m;
+    this.pedal_m = lift_m;
+    this.actions.forEach((one) => one.pedal(lift_m));
   }
 
   stop(): void {
@@ -105,8 +118,9 @@ export class Player {
     const same = touch.kind === "force" ? this.force_n === touch.force_n : to === this.finger_m && this.force_n === 0;
     this.pressed = presses;
     // What rests under what has not changed rests on: its clock stands still, and the last second stays what it was.
-    this.resting = steps > 0 && same && !this.striking && this.actions.every((one) => one.rests);
+    this.resting = steps > 0 && same && !this.pedalled && !this.striking && this.actions.every((one) => one.rests);
     if (this.resting || steps === 0) return;
+    this.pedalled = false;
     const from = this.finger_m ?? to;
     const wanted = to === null || from === null ? 0 : (to - from) / (steps * STEP_S);
     const velocity = Math.min(Math.max(wanted, -FASTEST_M_S), FASTEST_M_S);

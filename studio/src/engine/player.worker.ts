@@ -1,7 +1,11 @@
 // The worker that owns the player. The page's frames are its clock: it asks for a frame, and gets what became of the time since the last one.
 import { Library } from "./library";
 import { LoadError, Player } from "./player";
-import type { FromPlayer, ToPlayer } from "./protocol";
+import type { FromPlayer, Stroke, ToPlayer } from "./protocol";
+
+/** What is wrong with a recording, with its own name in it; a line of a table that is no text is a row below its titles. */
+const inFile = (message: string, stroke: Stroke): string =>
+  "csv" in stroke ? message.replace(/^recording(:(\d+))?/, (_, line, number) => stroke.name + (!line ? "" : stroke.rows ? `, row ${Number(number) - 1}` : line)) : message;
 
 let module: WebAssembly.Module;
 let player: Player | null = null;
@@ -37,15 +41,17 @@ const act = async (message: ToPlayer): Promise<void> => {
       return;
     case "stroke":
       try {
-        player.begin(message.stroke);
+        say({ kind: "stroke-begun", told: player.begin(message.stroke) });
       } catch (error) {
         if (error instanceof WebAssembly.RuntimeError) throw error;
         player.stop();
-        say({ kind: "no-stroke", message: (error as Error).message });
+        say({ kind: "no-stroke", message: inFile((error as Error).message, message.stroke) });
       }
       return;
     case "stop":
       return player.stop();
+    case "pedal":
+      return player.pedal(message.lift_m);
     case "rest":
       last_ms = null;
       return;

@@ -6,9 +6,10 @@ export interface Scene {
   name: string;
   shapes: string;
   gradients: string;
-  bodies: (Hinge & { name: string; angle: number })[];
+  bodies: (Hinge & { name: string; angle: number; mass_g: number })[];
   zones: { name: string; label: string; sign: number; unseen: boolean; disc: number | null; curve: number | null }[];
   press: { body: number; point: number[] } | null;
+  pedal: boolean;
   labels: { text: string; piece: number; at: number[] }[];
   arrow: ArrowLaw;
   views: { whole: number[]; close: number[] | null };
@@ -51,13 +52,15 @@ export interface Blow {
 /** What presses the key: the fingertip somewhere (null: lifted), or a force that grows and fades within milliseconds. */
 export type Touch = { kind: "finger"; position_m: number | null } | { kind: "force"; force_n: number };
 
-export type Stroke = { nuance: string; struck: boolean } | { csv: string; name: string };
+/** A stroke that is built in, or a recording: a table's text, and the name of its file, with `rows` where lines of the text are no lines of the file. */
+export type Stroke = { nuance: string; struck: boolean } | { csv: string; name: string; rows?: boolean };
 
 export type ToPlayer =
   | { kind: "open"; module: WebAssembly.Module }
   | { kind: "load"; id: number; texts: string[]; firmness_n_m: number; keep: boolean }
   | { kind: "stroke"; stroke: Stroke }
   | { kind: "stop" }
+  | { kind: "pedal"; lift_m: number }
   | { kind: "rest" }
   | { kind: "frame"; wall_ms: number; touch: Touch; at_s: number | null; curves: { from: number; to: number; points: number } | null }
   | { kind: "restore" };
@@ -67,6 +70,7 @@ export type FromPlayer =
   | { kind: "loaded"; id: number; scenes: Scene[] }
   | { kind: "refused"; id: number; which: number; message: string }
   | { kind: "no-stroke"; message: string }
+  | { kind: "stroke-begun"; told: string[] }
   | {
       kind: "frame"; wall_ms: number; poses: Pose[]; events: Events[]; span: [number, number]; blows: Blow[]; resting: boolean; striking: boolean;
       limited: number; cost_ms: number; steps: number; curves: { times: Float64Array; series: Float64Array[][] } | null;
@@ -113,6 +117,7 @@ export type Task =
   | { kind: "dials"; text: string }
   | { kind: "sheet"; key: number }
   | { kind: "check"; text: string }
+  | { kind: "columns"; titles: string[] }
   | { kind: "try"; text: string }
   | { kind: "measure"; text: string; lines: string }
   | { kind: "regulate"; text: string };
@@ -123,11 +128,17 @@ export type FromWorkshop =
   | { kind: "done"; id: number; answer: unknown }
   | { kind: "failed"; id: number; message: string; fault: boolean };
 
-/** How keys of the keyboard are pressed: key, from 1, and force, N; 0 lets go. */
+/** How keys of the keyboard are pressed: key, from 1, and force, N, 0 lets go; and of the key that is shown, where the far end of a fingertip on it is, m
+ * (null: lifted). */
 export type ToKeys =
   | { kind: "open"; module: WebAssembly.Module }
-  | { kind: "frame"; wall_ms: number; forces: [number, number][] };
+  | { kind: "show"; key: number }
+  | { kind: "frame"; wall_ms: number; forces: [number, number][]; finger_m: number | null };
 export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }
-  | { kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_s: number }[]; awake: number; steps: number; cost_ms: number }
+  | { kind: "shown"; key: number; scene: Scene }
+  | {
+      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_s: number }[];
+      awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
+    }
   | { kind: "fault"; message: string };

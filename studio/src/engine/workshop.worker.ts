@@ -31,6 +31,8 @@ const answer = (task: Task): unknown => {
       return library.json(raw.erard_sheet(task.key, 0, 0));
     case "check":
       return library.given(task.text, (at, length) => library.json(raw.erard_check(at, length, 0, 0)));
+    case "columns":
+      return library.given(JSON.stringify(task.titles), (at) => library.json(raw.erard_recording_columns(at, 0, 0)));
     case "try":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_try(instrument, 0, 0)));
     case "measure":

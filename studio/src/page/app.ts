@@ -3,7 +3,9 @@ import type { Dial, Events, FromPlayer, Pose, Scene, Stroke, ToPlayer, Touch } f
 import { Bench, Dropped } from "./bench";
 import { CurvePanel } from "./curves";
 import { byId, fixed, later, say } from "./dom";
-import { Picture } from "./picture";
+import type { Chosen } from "./part";
+import { PARTS } from "./parts";
+import { Picture, type View } from "./picture";
 import { type Base, FIRST, fromHash, same, type Setting, type State, toHash } from "./state";
 
 /** What is known of an action that is played. */
@@ -47,13 +49,15 @@ export class App {
   /** The instant that is looked at; null is now. */
   private at_s: number | null = null;
   private playing = false;
-  private speed = 1 / 50;
   private span: [number, number] = [0, 0];
   private asked_ms: number | null = null;
   private waited = 0;
   private drawn_ms = 0;
   private curves_ms = 0;
   private needed = true;
+  /** Whether what was loaded has not been seen yet, and how often something was. */
+  private loading = false;
+  loads = 0;
   private broken = false;
   private latest: Frame | null = null;
   /** For tests: how long frames and steps took. */
@@ -64,8 +68,15 @@ export class App {
   readonly onframe: ((frame: Frame) => void)[] = [];
   readonly onfault: ((message: string) => void)[] = [];
   readonly onrefused: ((which: number, message: string) => void)[] = [];
+  /** Told what was done to a recording that is played. */
+  readonly onstroke: ((told: string[]) => void)[] = [];
+  /** Told which part is tapped, and which is pointed at. */
+  onchoose: (chosen: Chosen | null) => void = () => {};
+  onpoint: (pointed: Chosen | null) => void = () => {};
 
+  /** For tests: what frames of the keyboard cost, ms, their steps, and how many keys were awake; and the time that was left out, s. */
   readonly keysTiming: [number, number, number][] = [];
+  keysLate = 0;
 
   constructor(readonly engine: WebAssembly.Module) {
     this.bench = new Bench(engine);
@@ -98,6 +109,7 @@ export class App {
         this.struck = this.replayNext = false;
         this.at_s = null;
         this.playing = false;
+        this.loading = true;
         this.show(message.scenes);
         this.waitingFor?.(null);
         return;
@@ -108,6 +120,8 @@ export class App {
         say(message.message);
         this.notice(message.message);
         return;
+      case "stroke-begun":
+        return this.onstroke.forEach((told) => told(message.told));
       case "restored":
         this.broken = false;
         byId("fault").hidden = true;
@@ -169,22 +183,63 @@ export class App {
     byId("pictures").querySelector(".first")?.remove();
     while (this.pictures.length > wanted) this.pictures.pop()!.svg.remove();
     while (this.pictures.length < wanted) {
-      const picture = new Picture(place, this.pictures.length ? "Action B" : "The action", { press: (down_m) => this.press(down_m) });
-      picture.onview = (view) => this.pictures.forEach((other) => other !== picture && other.look(view, true));
+      const picture = new Picture(place, this.pictures.length ? "Action B" : "The action", {
+        press: (down_m) => this.press(down_m),
+        point: (at) => this.onpoint(at),
+        choose: (at) => this.onchoose(at),
+        way: (action, part) => this.movable(part, action)?.way ?? null,
+        take: (action, part) => this.hold(part, action),
+      });
+      picture.onview = (view) => {
+        this.pictures.forEach((other) => other !== picture && other.look(view, true));
+        this.state = { ...this.state, view: picture.isWhole ? null : [...view] };
+        this.remember();
+      };
       this.pictures.push(picture);
     }
     const all = scenes.map((scene, index) => ({ scene, index }));
     this.pictures.forEach((picture, index) => {
-      picture.arrows = byId<HTMLInputElement>("arrows").checked;
-      picture.naming = byId<HTMLInputElement>("naming").checked;
+      picture.arrows = this.state.forces;
+      picture.naming = this.state.names;
       picture.show(beside ? [all[index]!] : all, scenes.length > 1 && !beside, !another);
     });
+    // What the address asks for is seen first; then each picture is where it was, and a new one shows all.
+    if (this.first) this.pictures.forEach((picture) => this.state.view && picture.look(this.state.view as View, true));
+    else if (another && this.state.view) this.state = { ...this.state, view: null };
+    this.first = false;
     place.classList.toggle("beside", beside);
     for (const two of document.querySelectorAll<HTMLElement>(".two")) two.hidden = scenes.length < 2;
     byId<HTMLInputElement>("beside").checked = beside;
     byId("name-a").textContent = `A: ${this.title(0)}`;
     byId("name-b").textContent = `B: ${this.title(1)}`;
     this.wake();
+  }
+
+  private first = true;
+
+  /** The dial that dragging a part turns, what that does, and which way it goes on the screen. */
+  movable(part: string, action: number): { dial: Dial; label: string; way: "ns" | "ew" } | null {
+    const drag = PARTS[part]?.drag;
+    const dial = drag && this.loaded[action]?.dials.find(({ name }) => name === drag.dial);
+    return dial ? { dial, label: dial.label, way: drag!.along[1] ? "ns" : "ew" } : null;
+  }
+
+  /** A part is taken by hand: it follows by its dial, as far as that goes. */
+  private hold(part: string, action: number): ((x_mm: number, y_mm: number) => void) | null {
+    const found = this.movable(part, action);
+    if (!found) return null;
+    const { dial } = found, { along } = PARTS[part]!.drag!;
+    const setting = action ? this.state.b : this.state.a;
+    const began = setting?.turns[dial.name] ?? dial.value;
+    let last = began;
+    return (x_mm, y_mm) => {
+      if (last === began) this.onchoose({ action, part });
+      const value = Math.min(Math.max(began + along[0] * x_mm + along[1] * y_mm, dial.from), dial.to);
+      const rounded = Number(value.toFixed(dial.decimals));
+      if (rounded === last) return;
+      last = rounded;
+      void this.turn(action, dial.name, rounded);
+    };
   }
 
   /** What tells an action from the other. */
@@ -213,6 +268,8 @@ export class App {
 
   private take(frame: Frame): void {
     this.latest = frame;
+    if (this.loading) this.loads += 1;
+    this.loading = false;
     const [, end] = frame.span;
     const start = frame.events[0]?.key_start_s ?? NaN;
     const wanted = Number.isFinite(start) ? Math.min(end - SHOWN_S, start - BEFORE_S) : end - SHOWN_S;
@@ -220,7 +277,7 @@ export class App {
     for (const picture of this.pictures) picture.draw(frame.poses);
     this.timing.costs.push(frame.cost_ms);
     this.timing.steps.push(frame.steps);
-    if (frame.curves) this.curves.draw(frame.curves, this.names, this.difference, this.at_s);
+    if (frame.curves) this.curves.draw(frame.curves, this.names, this.state.difference, this.at_s);
     this.onframe.forEach((told) => told(frame));
     if (frame.striking) this.struck = true;
     else if (this.struck) {
@@ -233,7 +290,6 @@ export class App {
     if (frame.resting && frame.curves && !this.woken && !this.playing && this.at_s === null) this.needed = false;
   }
 
-  difference = false;
   private struck = false;
 
   private readonly tick = (now: number): void => {
@@ -253,7 +309,7 @@ export class App {
       return;
     }
     if (this.playing && this.at_s !== null) {
-      const next = this.at_s + passed_s * this.speed;
+      const next = this.at_s + passed_s * this.state.speed;
       this.at_s = next > this.span[1] ? this.span[0] : next;
     }
     const [from, to] = this.span;
@@ -304,7 +360,7 @@ export class App {
   press(down_m: number | null): void {
     this.goLive();
     this.touch = { kind: "finger", position_m: down_m === null ? null : Math.min(Math.max(down_m, -0.005), 0.095) };
-    if (down_m !== null) document.getElementById("hint")?.remove();
+    if (down_m !== null && down_m > 1e-3) document.getElementById("hint")?.remove();
     this.begin();
   }
 
@@ -331,6 +387,11 @@ export class App {
     this.touch = { kind: "finger", position_m: null };
     this.tell({ kind: "stop" });
     this.goLive();
+    this.begin();
+  }
+
+  private sendPedal(): void {
+    this.tell({ kind: "pedal", lift_m: 1e-3 * this.state.pedal });
     this.begin();
   }
 
@@ -372,7 +433,7 @@ export class App {
   }
 
   setSpeed(speed: number): void {
-    this.speed = speed;
+    void this.change({ speed });
   }
 
   // ---------------------------------------------------------------------------------------------------------------- state
@@ -397,6 +458,7 @@ export class App {
     if (location.hash.replace(/^#/, "") === this.written) return;
     const { state, fault } = await fromHash(location.hash);
     await this.change(state);
+    this.pictures.forEach((picture) => (state.view ? picture.look(state.view as View, true) : picture.lookWhole()));
     if (fault) this.notice(fault);
   }
 
@@ -432,6 +494,14 @@ export class App {
       this.future = [];
       this.gesture = gesture;
     } else if (before.beside !== next.beside) this.show(this.scenes);
+    if (before.pedal !== next.pedal) this.sendPedal();
+    if (before.forces !== next.forces || before.names !== next.names) {
+      for (const picture of this.pictures) {
+        [picture.arrows, picture.naming] = [next.forces, next.names];
+        picture.draw(this.poses);
+      }
+    }
+    if (before.difference !== next.difference) this.wake();
     this.remember();
     if (instruments) return this.reload();
     this.onchange.forEach((told) => told());
@@ -531,6 +601,7 @@ export class App {
     this.loaded = loaded;
     const refused = await new Promise<{ which: number; message: string } | null>((resolve) => {
       this.waitingFor = resolve;
+      this.tell({ kind: "pedal", lift_m: 1e-3 * this.state.pedal });
       this.tell({ kind: "load", id, texts: loaded.map(({ text }) => text), firmness_n_m: 1e3 * firmness, keep: true });
     });
     if (refused) {

@@ -7,10 +7,7 @@ import { Sheet } from "./sheet";
 export const comparePanel = (app: App, into: HTMLElement): void => {
   const select = h("select", { "aria-label": "Action B", id: "other" });
   const difference = h("input", { type: "checkbox", id: "difference" });
-  difference.addEventListener("change", () => {
-    app.difference = difference.checked;
-    app.wake();
-  });
+  difference.addEventListener("change", () => void app.change({ difference: difference.checked }));
   const swap = h("button", { type: "button", id: "swap", onclick: () => app.state.b && void app.change({ a: app.state.b, b: app.state.a }) }, "Swap A and B");
   const copy = h("button", { type: "button", id: "copy", onclick: () => void app.change({ b: structuredClone(app.state.a) }) }, "B as A is now");
   const numbers = h("table", { class: "sheet", id: "differences" });
@@ -36,6 +33,7 @@ export const comparePanel = (app: App, into: HTMLElement): void => {
     select.replaceChildren(new Option("nothing", ""), ...app.builtin.map((name) => new Option(name, name)), ...(own ? [new Option("key" in b.base ? `key ${b.base.key}` : "a file", "own")] : []));
     select.value = !b ? "" : "builtin" in b.base ? b.base.builtin : "own";
     more.hidden = !b;
+    difference.checked = app.state.difference;
     dials.follow();
     const seen = app.state.tab === "compare" && b !== null && app.loaded.length > 1;
     sheets.forEach((sheet) => sheet.look(seen));

@@ -62,10 +62,11 @@ export class CurvePanel {
           y: { range: (_, low, high) => [Math.min(low ?? 0, 0) * 1.05, Math.max(high ?? 0, difference ? 0.1 : row.least) * 1.05] },
         },
         axes: [
-          { ...axis, size: 28, values: (_, ticks) => ticks.map((tick) => `${Number((1e3 * tick).toFixed(2))}`) },
+          { ...axis, size: 28, label: "ms", labelSize: 14, labelFont: "11px system-ui, sans-serif", labelGap: -1, values: (_, ticks) => ticks.map((tick) => `${Number((1e3 * tick).toFixed(2))}`) },
           { ...axis, size: 42 },
         ],
-        legend: { live: false },
+        // Whose curve it is shows in the legend as in the plot: B's is broken.
+        legend: { live: false, markers: { dash: (_, index) => (series[index - 1]?.dash.length ? "dashed" : "solid") } },
         cursor: { drag: { x: false, y: false }, points: { show: false }, y: false },
         series: [{ label: "ms" }, ...series],
         hooks: {

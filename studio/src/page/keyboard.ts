@@ -1,7 +1,8 @@
 // The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
-import type { FromKeys } from "../engine/protocol";
+import type { FromKeys, Scene } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
+import { Picture } from "./picture";
 
 const NAMES = ["C", "C\u266f", "D", "D\u266f", "E", "F", "F\u266f", "G", "G\u266f", "A", "A\u266f", "B"];
 /** Key 1 is the lowest A. */
@@ -24,9 +25,18 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const chosen = h("output", { id: "chosen" });
   const told = h("p", { class: "quiet", id: "keys-said" }, "The 88 actions are made ready \u2026");
   const list = h("ol", { class: "blows", id: "blows" });
-  const open = h("button", { type: "button", id: "open-key" }, "Look inside");
+  const open = h("button", { type: "button", id: "open-key" }, "Play this action");
+  /** The chosen key's action, as it moves. */
+  const inside = h("div", { class: "inside" });
+  const numbers = h("p", { class: "quiet", id: "key-numbers" });
+  let finger_m: number | null = null;
+  let scene: Scene | null = null, asked = 0, drawn = 0;
+  const picture = new Picture(inside, "The chosen key's action", {
+    press: (down_m) => (finger_m = down_m === null ? null : Math.min(Math.max(down_m, -0.005), 0.05)),
+    point: () => {}, choose: () => {}, way: () => null, take: () => null,
+  });
   let worker: Worker | null = null;
-  let ready = false, waiting = false;
+  let ready = false, waiting = false, late_s = 0;
   let frame: Frame | null = null;
   let key = MIDDLE_C;
   let changed = new Map<number, number>();
@@ -41,6 +51,12 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       if (data.kind === "ready") {
         ready = true;
         told.textContent = "";
+        look();
+      } else if (data.kind === "shown") {
+        if (data.key !== key) return;
+        scene = data.scene;
+        picture.show([{ index: 0, scene }], false, drawn > 0);
+        drawn = data.key;
       } else if (data.kind === "fault") {
         ready = false;
         told.textContent = `The keyboard has stopped: ${data.message}.`;
@@ -53,23 +69,41 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     worker?.terminate();
     worker = null;
     ready = waiting = false;
+    asked = 0;
+    finger_m = null;
     held.clear();
     changed.clear();
     void start();
   };
+  const look = () => {
+    if (!ready || asked === key) return;
+    asked = key;
+    finger_m = null;
+    worker!.postMessage({ kind: "show", key });
+  };
   const take = (data: Frame) => {
     waiting = false;
     frame = data;
+    app.keysLate = late_s = data.late_s;
+    if (scene && data.shown && data.shown.key === drawn) {
+      const at = data.shown.key - 1;
+      picture.draw([{
+        time_s: 0, key_m: data.key_m[at]!, hammer_m: data.hammer_m[at]!, finger_n: data.finger_n[at]!, string_n: 0, hammer_m_s: 0,
+        angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length),
+      }]);
+      const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_m[at]!, 1)} mm, finger ${fixed(data.finger_n[at]!, 2)} N`;
+      if (numbers.textContent !== text) numbers.textContent = text;
+    }
     const now = performance.now();
     for (const blow of data.blows) {
       struck[blow.key] = now;
       list.prepend(h("li", {}, `${nameOf(blow.key)} ${fixed(blow.speed_m_s, 2)} m/s`));
     }
-    while (list.children.length > 8) list.lastChild!.remove();
+    while (list.children.length > 12) list.lastChild!.remove();
     if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);
     if (app.keysTiming.length > 5000) app.keysTiming.splice(0, 2500);
     const load = data.steps ? (data.cost_ms / (data.steps * 0.05)) * 100 : 0;
-    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time` : "All keys rest, and cost nothing.";
+    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out, for this machine was busy` : ""}` : "All keys rest, and cost nothing.";
     draw();
   };
 
@@ -204,6 +238,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     const at = whites.indexOf(isSharp(key) ? key - 1 : key);
     if (at < first || at >= first + 15) first = Math.min(Math.max(at - 7, 0), whites.length - 15);
     chosen.textContent = `${nameOf(key)}, key ${key}`;
+    look();
     if (aloud) say(`${nameOf(key).replace("\u266f", " sharp ")}, key ${key}`);
     draw();
   };
@@ -230,10 +265,11 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   });
 
   into.append(
-    h("p", {}, "Every key is an action of its own, from heavy bass hammers to light treble ones. Press near the front edge to play loud, further back to play softly."),
+    h("p", {}, "Every key is an action of its own, from heavy bass hammers to light treble ones. Press near the front edge to play loud, further back to play softly. Above is the action of the key that was pressed last: its key can be dragged, too."),
+    inside,
+    h("div", { class: "row" }, chosen, numbers, open, ten),
     canvas,
     octaves,
-    h("div", { class: "row" }, chosen, open, ten),
     told,
     h("h2", {}, "Blows"),
     list,
@@ -244,7 +280,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (app.state.tab === "keyboard") {
       if (ready && !waiting) {
         waiting = true;
-        worker!.postMessage({ kind: "frame", wall_ms: now, forces: [...changed] });
+        worker!.postMessage({ kind: "frame", wall_ms: now, forces: [...changed], finger_m });
         changed = new Map();
       }
     }

@@ -24,8 +24,6 @@ const HEAVY: Setting = { base: { builtin: "concert-grand" }, turns: { hammer: 12
 /** Plays a stroke, and shows it again slowly once it is over. */
 const slowly = (nuance: string, struck: boolean, speed = 1 / 50): ((app: App) => void) => (app) => {
   app.setSpeed(speed);
-  const select = document.getElementById("speed") as HTMLSelectElement;
-  select.value = String(speed);
   app.stroke({ nuance, struck });
   app.replayWhenOver();
 };
@@ -38,17 +36,19 @@ const gesture = (through: readonly (readonly [number, number])[]): string => {
     const time = n / 1000, next = Math.max(through.findIndex(([at]) => at >= time), 1);
     const [from, start] = through[next - 1]!, [to, end] = through[next]!;
     const down = start + (end - start) * (0.5 - 0.5 * Math.cos((Math.PI * (time - from)) / (to - from)));
-    rows.push(`${time.toFixed(3)},${(down / 1000).toFixed(7)}`);
+    rows.push(`${time.toFixed(3)},${(down / 1000).toFixed(10)}`);
   }
   return rows.join("\n");
 };
-const again = (app: App): void => {
-  const csv = gesture(AGAIN);
-  app.setSpeed(1 / 20);
-  (document.getElementById("speed") as HTMLSelectElement).value = String(1 / 20);
-  app.stroke({ csv, name: "again" });
+/** Plays a table, and shows it again slowly once it is over. */
+const played = (csv: string, name: string, speed: number) => (app: App): void => {
+  app.setSpeed(speed);
+  app.stroke({ csv, name });
   app.replayWhenOver();
 };
+const again = played(gesture(AGAIN), "again", 1 / 20);
+/** A force that grows within 12 ms and then is the same, whatever moves. */
+const steady = played("time_s,force_N\n0,0\n0.012,5\n0.3,5\n0.31,0", "5 N", 1 / 50);
 /** Turns a dial of A, and then does something. */
 const turned = (dial: string, value: number | null, then?: (app: App) => void): ((app: App) => void) => (app) => {
   app.letGo();
@@ -106,15 +106,15 @@ const SCENES: Scene[] = [
     title: "Why a heavy hammer feels heavy",
     text: [
       "The hammer moves five to six times as fast as the key, so that its weight counts five to six times at the finger, and its inertia thirty times. Four fifths of what a pianist has to set in motion is the hammer.",
-      "B has a hammer four grams heavier: the same stroke gives it less speed.",
+      "B has a hammer four grams heavier: the same force of the finger takes longer, and gives it less speed.",
     ],
     a: GRAND,
     b: HEAVY,
     close: false,
     tries: [
-      { label: "One stroke on both", act: slowly("mf", false) },
+      { label: "5 N on both", act: steady },
       { label: "Fortissimo", act: slowly("ff", false) },
-      { label: "Lighter B: 6 g", act: (app) => void app.turn(1, "hammer", 6).then(() => slowly("mf", false)(app)) },
+      { label: "Lighter B: 6 g", act: (app) => void app.turn(1, "hammer", 6).then(() => steady(app)) },
     ],
     watch: "The blow\u2019s numbers stand side by side: A | B.",
   },

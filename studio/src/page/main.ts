@@ -7,7 +7,8 @@ import { filePanel } from "./file";
 import { keyboardPanel } from "./keyboard";
 import { learnPanel } from "./learn";
 import { numbers } from "./numbers";
-import { playPanel } from "./play";
+import { partCard } from "./part";
+import { PEDAL_MM, playPanel } from "./play";
 import { screwsPanel } from "./screws";
 
 /** The engine's bytes, packed or not, whatever a server makes of them. */
@@ -46,18 +47,11 @@ const begin = async (): Promise<void> => {
     }
     setTimeout(() => (byId("link").textContent = "Copy link"), 2000);
   });
-  for (const id of ["arrows", "naming"] as const) {
-    byId<HTMLInputElement>(id).addEventListener("change", ({ target }) => {
-      pictures((picture) => {
-        picture[id] = (target as HTMLInputElement).checked;
-        picture.draw(app.poses);
-      });
-    });
-  }
+  const boxes = [["arrows", "forces"], ["naming", "names"]] as const;
+  for (const [id, what] of boxes) byId(id).addEventListener("change", ({ target }) => void app.change({ [what]: (target as HTMLInputElement).checked }));
   byId<HTMLInputElement>("beside").addEventListener("change", ({ target }) => void app.change({ beside: (target as HTMLInputElement).checked }));
   const speed = byId<HTMLSelectElement>("speed");
   for (const slower of SPEEDS) speed.add(new Option(slower === 1 ? "real time" : `1/${slower}`, String(1 / slower)));
-  speed.value = String(1 / 50);
   speed.addEventListener("change", () => app.setSpeed(Number(speed.value)));
   const time = byId<HTMLInputElement>("time");
   time.addEventListener("input", () => app.seek(Number(time.value)));
@@ -96,6 +90,9 @@ const begin = async (): Promise<void> => {
     instrument.replaceChildren(...own, ...app.builtin.map((name) => new Option(name, name)));
     instrument.value = "builtin" in base ? base.builtin : "";
     document.body.className = app.state.tab;
+    for (const [id, what] of boxes) byId<HTMLInputElement>(id).checked = app.state[what];
+    const slower = SPEEDS.reduce((best, one) => (Math.abs(Math.log(one * app.state.speed)) < Math.abs(Math.log(best * app.state.speed)) ? one : best));
+    speed.value = String(1 / slower);
     byId<HTMLButtonElement>("undo").disabled = !app.canUndo;
     byId<HTMLButtonElement>("redo").disabled = !app.canRedo;
   };
@@ -111,6 +108,7 @@ const begin = async (): Promise<void> => {
   });
   app.onchange.unshift(show);
   numbers(app, byId("numbers"));
+  partCard(app);
 
   // Keys. The space bar is a finger, unless the focus is on something that takes it itself.
   const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input, textarea, select, button, [role=tab], summary, .keys");
@@ -126,6 +124,7 @@ const begin = async (): Promise<void> => {
       if (!event.repeat) app.push(app.state.force);
     } else if (event.key === "r") app.replay();
     else if (event.key === "l") app.goLive();
+    else if (event.key === "p" && app.scenes.some(({ pedal }) => pedal)) void app.change({ pedal: app.state.pedal ? 0 : PEDAL_MM });
     else if (event.key === "0") pictures((picture) => picture.lookWhole());
     else if (event.key === "9") pictures((picture) => picture.lookClose());
     else if (event.key === "+") pictures((picture) => picture.zoom(0.8));

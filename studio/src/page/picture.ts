@@ -4,6 +4,7 @@ import {
 } from "../../../crates/erard-figures/src/page/moving.js";
 import type { Dent, Frame, Moving, Name, Outline } from "../../../crates/erard-figures/src/page/moving.js";
 import type { Pose, Scene } from "../engine/protocol";
+import { mainPart } from "./parts";
 
 interface Shown {
   scene: Scene;
@@ -34,12 +35,36 @@ const boxOf = (view: number[]): View => [view[0]!, view[1]!, view[2]! - view[0]!
 export interface Grasp {
   /** A finger is put on the key, moves it down by so much from where it was put down, m, or leaves it. */
   press(down_m: number | null): void;
+  /** A part of an action is pointed at; null: none is. */
+  point(at: { action: number; part: string } | null): void;
+  /** A part was tapped; null: none was, but the picture. */
+  choose(at: { action: number; part: string } | null): void;
+  /** Which way a part is turned by dragging it, of the screen; null where it is not. */
+  way(action: number, part: string): "ns" | "ew" | null;
+  /** A part that can be turned by hand is taken: what is told where the hand is, mm to the right and up from there. */
+  take(action: number, part: string): ((x_mm: number, y_mm: number) => void) | null;
+}
+
+/** How far a pointer moves and still taps, px. */
+const TAP = 4;
+
+interface Finger {
+  from: number[];
+  key: boolean;
+  at: { action: number; part: string } | null;
+  drag: ((x_mm: number, y_mm: number) => void) | null;
+  /** Where it was put down, px, and whether it has left that place. */
+  down: number[];
+  moved: boolean;
 }
 
 /** How far apart the wanted and the shown view may be, as a share of the view. */
 const CLOSE = 1e-3;
 
+let made = 0;
+
 export class Picture {
+  private readonly mine = `p${++made}-`;
   readonly svg: SVGSVGElement;
   private shown: Shown[] = [];
   private labels: Label[] = [];
@@ -52,7 +77,8 @@ export class Picture {
   private close: View | null = null;
   private pixel = 0.4;
   private layout = "";
-  private fingers = new Map<number, { from: number[]; key: boolean }>();
+  private fingers = new Map<number, Finger>();
+  private marked = "";
   arrows = true;
   naming = false;
   onview: (view: View) => void = () => {};
@@ -61,6 +87,7 @@ export class Picture {
     this.svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.svg.setAttribute("class", "action");
     this.svg.setAttribute("role", "img");
+    this.svg.setAttribute("aria-label", title);
     this.svg.setAttribute("preserveAspectRatio", "xMidYMid meet");
     into.append(this.svg);
     this.listen();
@@ -72,7 +99,8 @@ export class Picture {
     this.svg.replaceChildren();
     this.svg.setAttribute("aria-label", `${this.title}: ${actions.map(({ scene }) => scene.name).join(" and ")}`);
     const defs = element("defs", {}, this.svg);
-    defs.innerHTML = actions[0]?.scene.gradients ?? "";
+    // Each picture has gradients of its own: those of one that is not shown paint nothing.
+    defs.innerHTML = (actions[0]?.scene.gradients ?? "").replaceAll('id="', `id="${this.mine}`).replaceAll('href="#', `href="#${this.mine}`);
     this.parts = element("g", {}, this.svg);
     this.names = element("g", { class: "names" }, this.svg);
     this.forces = element("g", { class: "forces" }, this.svg);
@@ -90,9 +118,18 @@ export class Picture {
       for (const part of group.querySelectorAll<SVGElement>("[data-body]")) {
         if (pressed.has(Number(part.dataset.body))) part.classList.add("key");
       }
-      const moving = movingIn(group);
+      // Names are shown beside the picture; a browser's own would cover it.
+      for (const part of group.querySelectorAll<SVGElement>(".parts > path")) {
+        const title = part.querySelector("title");
+        part.dataset.part = mainPart(title?.textContent ?? "");
+        title?.remove();
+        const way = this.grasp.way(index, part.dataset.part);
+        if (way) part.classList.add(`turns-${way}`);
+      }
+      const moving = movingIn(group), outlines = outlinesIn(group, moving);
+      for (const part of group.querySelectorAll("[fill^='url(#']")) part.setAttribute("fill", part.getAttribute("fill")!.replace("url(#", `url(#${this.mine}`));
       return {
-        scene, index, group, moving, outlines: outlinesIn(group, moving), dents: new Map(), placed: [], pose: null, finger: arrow("touch"),
+        scene, index, group, moving, outlines, dents: new Map(), placed: [], pose: null, finger: arrow("touch"),
         zones: scene.zones.map((zone) => (zone.unseen ? null : arrow("contact"))),
       };
     });
@@ -105,7 +142,7 @@ export class Picture {
       const moving = first!.moving.find((one) => one.element === pieces[piece]);
       return { text, at, moving, leader, end, label, anchor: [0, 0], wide: 0, row: 0, x: 0, y: 0, from: 0, placed: false };
     });
-    this.layout = "";
+    this.layout = this.marked = "";
     const boxes = actions.map(({ scene }) => scene.views);
     const around = (views: number[][]): View =>
       boxOf([Math.min(...views.map((v) => v[0]!)), Math.min(...views.map((v) => v[1]!)), Math.max(...views.map((v) => v[2]!)), Math.max(...views.map((v) => v[3]!))]);
@@ -116,6 +153,29 @@ export class Picture {
     }
     if (!keepView || this.view[2] === 1) this.view = this.whole;
     this.look(this.view, true);
+  }
+
+  /** The body that carries a part; null: none does; undefined: there is no such part of this action here. */
+  bodyOf(action: number, part: string): number | null | undefined {
+    const path = this.shown.find(({ index }) => index === action)?.group.querySelector<SVGElement>(`[data-part="${CSS.escape(part)}"]`);
+    return path ? (path.dataset.body === undefined ? null : Number(path.dataset.body)) : undefined;
+  }
+
+  /** Shows which part is meant. */
+  mark(what: { action: number; part: string } | null): void {
+    const marked = what ? `${what.action} ${what.part}` : "";
+    if (marked === this.marked) return;
+    this.marked = marked;
+    for (const one of this.shown) {
+      for (const part of one.group.querySelectorAll<SVGElement>("[data-part]")) part.classList.toggle("held", one.index === what?.action && part.dataset.part === what.part);
+    }
+  }
+
+  /** The part that an event met. */
+  private partOf(target: EventTarget | null): { action: number; part: string } | null {
+    const path = (target as Element | null)?.closest<SVGElement>("[data-part]");
+    const one = path && this.shown.find(({ group }) => group.contains(path));
+    return one && path.dataset.part ? { action: one.index, part: path.dataset.part } : null;
   }
 
   /** Moves everything to where it is. */
@@ -137,6 +197,7 @@ export class Picture {
 
   private redraw(): void {
     this.measure();
+    if (!this.shown.length) return;
     this.push();
     this.name();
   }
@@ -267,31 +328,43 @@ export class Picture {
       if (event.button !== 0) return;
       svg.setPointerCapture(event.pointerId);
       const key = (event.target as Element).closest(".key") !== null && ![...fingers.values()].some((other) => other.key);
-      fingers.set(event.pointerId, { from: this.at(event), key });
-      svg.classList.toggle("grabbed", !key);
+      const at = this.partOf(event.target);
+      const drag = at && !key && !fingers.size ? this.grasp.take(at.action, at.part) : null;
+      fingers.set(event.pointerId, { from: this.at(event), key, at, drag, down: [event.clientX, event.clientY], moved: false });
+      svg.classList.toggle("grabbed", !key && !drag);
       svg.classList.toggle("pressing", key);
       if (key) this.grasp.press(0);
     });
     svg.addEventListener("pointermove", (event) => {
       const finger = fingers.get(event.pointerId);
-      if (!finger) return;
+      if (!finger) {
+        if (event.pointerType === "mouse") this.grasp.point(this.partOf(event.target));
+        return;
+      }
       const to = this.at(event), from = finger.from;
+      finger.moved ||= Math.hypot(event.clientX - finger.down[0]!, event.clientY - finger.down[1]!) > TAP;
       if (finger.key) return this.grasp.press(1e-3 * (to[1]! - from[1]!));
-      const [other] = [...fingers].filter(([id, one]) => id !== event.pointerId && !one.key).map(([, one]) => one.from);
+      if (finger.drag) {
+        if (finger.moved) finger.drag(to[0]! - from[0]!, from[1]! - to[1]!);
+        return;
+      }
+      const [other] = [...fingers].filter(([id, one]) => id !== event.pointerId && !one.key && !one.drag).map(([, one]) => one.from);
       if (other) {
         const spread = (at: number[]) => Math.hypot(at[0]! - other[0]!, at[1]! - other[1]!);
         this.zoom(Math.min(Math.max(spread(from) / Math.max(spread(to), 1e-3), 0.5), 2), other[0], other[1]);
         finger.from = this.at(event);
-      } else this.look([this.view[0] + from[0]! - to[0]!, this.view[1] + from[1]! - to[1]!, this.view[2], this.view[3]]);
+      } else if (finger.moved) this.look([this.view[0] + from[0]! - to[0]!, this.view[1] + from[1]! - to[1]!, this.view[2], this.view[3]]);
     });
     const over = (event: PointerEvent) => {
       const finger = fingers.get(event.pointerId);
       fingers.delete(event.pointerId);
       if (finger?.key) this.grasp.press(null);
+      if (finger && !finger.moved && event.type === "pointerup") this.grasp.choose(finger.at);
       if (!fingers.size) svg.classList.remove("grabbed", "pressing");
     };
     svg.addEventListener("pointerup", over);
     svg.addEventListener("pointercancel", over);
+    svg.addEventListener("pointerleave", () => this.grasp.point(null));
     svg.addEventListener("dblclick", () => this.lookWhole());
   }
 

@@ -1,6 +1,10 @@
 // Play: how firm the finger is, how hard a key presses, strokes that are built in, and a recording that is dropped onto the page.
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
+import { MOST_PEDAL_MM } from "./state";
+
+/** A pedal that is down, mm of its rail: dampers are clear of the strings. */
+export const PEDAL_MM = 7;
 
 /** A slider over decades: its place is the logarithm. */
 const decades = (label: string, unit: string, from: number, to: number, decimals: number, value: () => number, set: (value: number) => void) => {
@@ -22,6 +26,9 @@ const decades = (label: string, unit: string, from: number, to: number, decimals
 export const playPanel = (app: App, into: HTMLElement): void => {
   const firm = decades("firmness of the fingertip", "N/mm", 0.1, 20, 2, () => app.state.firmness, (firmness) => void app.change({ firmness }, "firmness"));
   const force = decades("force of a pressed key", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
+  const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MOST_PEDAL_MM, step: 0.05, id: "pedal", "aria-label": "sustain pedal, lift of its rail" });
+  pedal.addEventListener("input", () => void app.change({ pedal: Number(pedal.value) }));
+  const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, h("span", {}, "sustain pedal, lift of its rail"), pedalled, pedal), h("p", { class: "quiet" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
   const press = h("button", { type: "button", class: "press", id: "press" }, "Press");
   const down = (event: PointerEvent) => {
     press.setPointerCapture(event.pointerId);
@@ -46,17 +53,31 @@ export const playPanel = (app: App, into: HTMLElement): void => {
   }
 
   const recorded = h("p", { class: "quiet", id: "recorded" });
-  let kept: { csv: string; name: string } | null = null;
+  const done = h("ul", { class: "quiet", id: "made-ready" });
+  let kept: { csv: string; name: string; rows?: boolean } | null = null;
   const again = h("button", { type: "button", hidden: true, onclick: () => kept && app.stroke(kept) }, "Play it again");
+  const read = async (file: File) => {
+    const head = new Uint8Array(await file.slice(0, 4).arrayBuffer());
+    if (new TextDecoder("latin1").decode(head) !== "PAR1") return { csv: await file.text(), name: file.name };
+    const { tableOf } = await import("./parquet");
+    const csv = await tableOf(await file.arrayBuffer(), (titles) => app.bench.ask({ kind: "columns", titles }));
+    return { csv, name: file.name, rows: true };
+  };
   const play = async (file: File) => {
     if (file.size > 50_000_000) return app.notice(`${file.name} is larger than 50 MB; a stroke of some seconds is enough.`);
-    kept = { csv: await file.text(), name: file.name };
+    try {
+      kept = await read(file);
+    } catch (error) {
+      const message = `${file.name}: ${(error as Error).message.replace(/^recording:\s*/, "")}`;
+      say(message);
+      return app.notice(message);
+    }
     recorded.textContent = `${file.name}, ${Math.ceil(file.size / 1000)} kB`;
     again.hidden = false;
     app.stroke(kept);
     say(`Plays ${file.name}.`);
   };
-  const choose = h("input", { type: "file", accept: ".csv,.txt,text/csv,text/plain", class: "unseen", id: "recording", "aria-label": "Open a recorded stroke" });
+  const choose = h("input", { type: "file", accept: ".csv,.txt,.parquet,text/csv,text/plain", class: "unseen", id: "recording", "aria-label": "Open a recorded stroke" });
   choose.addEventListener("change", () => {
     const file = choose.files?.[0];
     choose.value = "";
@@ -78,17 +99,24 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     firm.row,
     h("p", { class: "quiet" }, "Soft: the pointer goes far for little force. Firm: the key follows it."),
     force.row,
+    pedalRow,
     h("h2", {}, "Strokes"),
     strokes,
     h("h2", {}, "A recording"),
-    h("p", { class: "quiet" }, "A CSV file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here."),
+    h("p", { class: "quiet" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is made ready as the command does: its zero is that of the rest before the touch."),
     h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose.click() }, "Open a recording"), again, choose),
     recorded,
+    done,
     h("h2", {}, "Looking back"),
     h("p", { class: "quiet" }, "The last second is always kept, every step of it. ", h("kbd", {}, "R"), " replays it, ", h("kbd", {}, "L"), " goes back to now; drag the slider or the curves to look at an instant. Speeds go down to 1/1000."),
   );
   app.onchange.push(() => {
     firm.show();
     force.show();
+    pedalRow.hidden = !app.scenes.some((scene) => scene.pedal);
+    pedal.value = String(app.state.pedal);
+    pedalled.textContent = `${fixed(app.state.pedal, 2)} mm`;
+    pedal.setAttribute("aria-valuetext", pedalled.textContent);
   });
+  app.onstroke.push((told) => done.replaceChildren(...told.map((line) => h("li", {}, line))));
 };

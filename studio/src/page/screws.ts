@@ -12,7 +12,14 @@ export class Dials {
   private rows = new Map<string, { input: HTMLInputElement; number: HTMLInputElement; back: HTMLButtonElement; dial: Dial }>();
   private made = "";
 
-  constructor(private readonly app: App, private readonly which: number, private readonly into: HTMLElement) {}
+  /** @param some only these dials, by name, without headings: those of a part. */
+  constructor(private readonly app: App, private readonly which: number, private readonly into: HTMLElement, private readonly some?: { of(): string[] }) {}
+
+  /** Made again, whatever they were. */
+  anew(): void {
+    this.made = "";
+    this.follow();
+  }
 
   follow(): void {
     const loaded = this.app.loaded[this.which];
@@ -36,6 +43,11 @@ export class Dials {
   private make(dials: Dial[]): void {
     this.rows.clear();
     this.into.replaceChildren();
+    if (this.some) {
+      const wanted = this.some.of();
+      this.into.append(...dials.filter(({ name }) => wanted.includes(name)).map((dial) => this.row(dial)));
+      return;
+    }
     for (const [group, heading] of Object.entries(GROUPS)) {
       const own = dials.filter((dial) => dial.group === group);
       if (!own.length) continue;
@@ -47,7 +59,7 @@ export class Dials {
 
   private row(dial: Dial): HTMLElement {
     const step = 10 ** -dial.decimals;
-    const input = h("input", { type: "range", min: dial.from, max: dial.to, step: step / 10, "aria-label": dial.label, "data-dial": dial.name });
+    const input = h("input", { type: "range", min: dial.from, max: dial.to, step: step / 10, "aria-label": dial.label, [this.some ? "data-turn" : "data-dial"]: dial.name });
     const number = h("input", { type: "number", min: dial.from, max: dial.to, step, "aria-label": `${dial.label}, ${spoken(dial.unit)}`, class: "exact" });
     const back = h("button", { type: "button", class: "back", title: `Back to ${fixed(dial.value, dial.decimals)} ${spoken(dial.unit)}`, "aria-label": `${dial.label}: back to the file's` }, "\u21ba");
     const turn = (text: string) => {

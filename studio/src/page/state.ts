@@ -18,11 +18,25 @@ export interface State {
   firmness: number;
   /** How hard a computer key presses, N. */
   force: number;
+  /** How far the sustain pedal lifts its rail, mm. */
+  pedal: number;
+  /** How slowly one looks back. */
+  speed: number;
+  forces: boolean;
+  names: boolean;
+  /** Whether curves are B's less A's. */
+  difference: boolean;
+  /** What is seen of the picture, mm: left, top, width, height; null is all of it. */
+  view: number[] | null;
 }
 
 export const FIRST: State = {
-  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", scene: 0, firmness: 0.4, force: 5,
+  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", scene: 0, firmness: 0.4, force: 5, pedal: 0,
+  speed: 1 / 50, forces: true, names: false, difference: false, view: null,
 };
+
+/** As far as the engine's rail goes, mm. */
+export const MOST_PEDAL_MM = 10;
 
 export const same = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
 
@@ -78,7 +92,13 @@ export const toHash = async (state: State): Promise<string> => {
   if (state.tab === "learn" && state.scene) hash.set("scene", String(state.scene + 1));
   if (state.firmness !== FIRST.firmness) hash.set("firm", String(state.firmness));
   if (state.force !== FIRST.force) hash.set("force", String(state.force));
-  return hash.toString().replaceAll("%3A", ":").replaceAll("%3B", ";");
+  if (state.pedal) hash.set("pedal", String(state.pedal));
+  if (state.speed !== FIRST.speed) hash.set("slower", String(Math.round(1 / state.speed)));
+  if (!state.forces) hash.set("forces", "0");
+  if (state.names) hash.set("names", "1");
+  if (state.difference) hash.set("difference", "1");
+  if (state.view) hash.set("view", state.view.map((value) => Number(value.toFixed(1))).join(","));
+  return hash.toString().replaceAll("%3A", ":").replaceAll("%3B", ";").replaceAll("%2C", ",");
 };
 
 /** What an address asks for; what cannot be read in it is as at first, and said. */
@@ -101,5 +121,12 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
   state.scene = number("scene", 1, 6, 1) - 1;
   state.firmness = number("firm", 0.05, 50, FIRST.firmness);
   state.force = number("force", 0.1, 50, FIRST.force);
+  state.pedal = number("pedal", 0, MOST_PEDAL_MM, FIRST.pedal);
+  state.speed = 1 / number("slower", 1, 1000, 1 / FIRST.speed);
+  state.forces = hash.get("forces") !== "0";
+  state.names = hash.get("names") === "1";
+  state.difference = hash.get("difference") === "1";
+  const view = (hash.get("view") ?? "").split(",").map(Number);
+  if (view.length === 4 && view.every(Number.isFinite) && view[2]! > 0 && view[3]! > 0) state.view = view;
   return { state, fault };
 };
