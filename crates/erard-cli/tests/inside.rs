@@ -97,3 +97,34 @@ fn pins_are_drawn() {
         assert_eq!(folder.read("run/run.html").contains("id=\"pin-forces\""), shown);
     }
 }
+
+/// Sound under a name of one's own, and under note.wav where none is given: 48 kHz, with C4 in it. A folder, another ending and a stroke's file are no names.
+#[test]
+fn sound_is_written_under_a_name() {
+    let folder = Folder::new("inside-wav");
+    let press = ["press", "--instrument", "concert-grand-strings", "--duration", "0.6", "--out", "press", "--wav"];
+    let said = folder.good(&[&press[..], &["mine.wav"]].concat());
+    assert!(said.contains("mine.wav is the force on the bridge") && folder.0.join("press/mine.wav").exists(), "{said}");
+    let mut reader = hound::WavReader::open(folder.0.join("press/mine.wav")).unwrap();
+    assert_eq!(reader.spec().sample_rate, 48_000);
+    let samples: Vec<f64> = reader.samples::<i16>().map(|s| f64::from(s.unwrap())).collect();
+    // The last fifth of a second, against sines of both phases: C4 stands out from what lies a semitone beside it.
+    let tail = &samples[samples.len() - 9600..];
+    let part = |hz: f64| {
+        let sum = |phase: f64| -> f64 {
+            let turn = |n: usize| std::f64::consts::TAU * hz * n as f64 / 48e3 + phase;
+            tail.iter().enumerate().map(|(n, x)| x * turn(n).sin()).sum()
+        };
+        sum(0.0).hypot(sum(0.25 * std::f64::consts::TAU))
+    };
+    let c4_hz = 261.63;
+    for beside_hz in [c4_hz * 0.944, c4_hz * 1.059] {
+        assert!(part(c4_hz) > 10.0 * part(beside_hz), "{} {}", part(c4_hz), part(beside_hz));
+    }
+    folder.good(&press);
+    assert!(folder.0.join("press/note.wav").exists());
+    for name in ["sub/note.wav", "stroke.csv", ".wav"] {
+        let said = folder.bad(&[&press[..], &[name]].concat());
+        assert!(said.contains("no name for it; expected one that ends in .wav"), "{said}");
+    }
+}

@@ -58,10 +58,10 @@ pub struct Press {
     /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
     #[arg(long)]
     losses: bool,
-    /// Write the force of the note's strings on the bridge as sound, too: note.wav, 48 kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano), and
-    /// its spectrogram, spectrogram.svg and spectrogram.png. Played once more in steps of 1/96000 s
-    #[arg(long)]
-    wav: bool,
+    /// Write the force of the note's strings on the bridge as sound, too, into a file of this name in the output folder: 48 kHz, 16 bit, its peak at 0.9 of full scale
+    /// (it is that force, not a piano), and its spectrogram, spectrogram.svg and spectrogram.png. Played once more in steps of 1/96000 s [default: note.wav]
+    #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
+    wav: Option<String>,
     /// Hold the sustain pedal down so that its rail is lifted so far (7mm), or move it: instants on the stroke's clock with lifts, straight lines between them
     /// (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
     #[arg(long, value_name = "LIFT", default_value = "0mm", hide_default_value = true)]
@@ -89,6 +89,17 @@ fn steps(text: &str) -> Result<u64, String> {
     text.parse().ok().filter(|steps| *steps > 0).ok_or_else(|| "expected a whole number of steps, from 1".to_owned())
 }
 
+/// A name of a file in the output folder that says what it is.
+fn wav_name(text: &str) -> Result<String, String> {
+    let is_sound = text.len() > 4 && text.to_ascii_lowercase().ends_with(".wav");
+    if !is_sound || text.contains(['/', '\\', ':']) {
+        return Err(format!(
+            "`{text}` is no name for it; expected one that ends in .wav, without a folder: --out says where all results go, and a stroke's file stands before --wav"
+        ));
+    }
+    Ok(text.to_owned())
+}
+
 impl Press {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
@@ -114,7 +125,7 @@ impl Press {
         };
         let setup = setup(&stroke);
         check(&setup)?;
-        if self.wav && !instrument.has_yielding_strings() {
+        if self.wav.is_some() && !instrument.has_yielding_strings() {
             let message =
                 "--wav needs strings that yield; this instrument's string is rigid (`concert-grand-strings` has some)";
             return Err(Failure::Usage(message.into()));
@@ -148,9 +159,12 @@ impl Press {
         if self.reactions {
             stage_figure(&mut output, "reactions", &reactions_svg(&run, &title, &pins))?;
         }
-        let sound = if self.wav { listen(instrument, &stroke, &setup)? } else { None };
-        if let Some(sound) = &sound {
-            output.stage("note.wav", |w| crate::wav::write(sound, w))?;
+        let sound = match &self.wav {
+            Some(name) => listen(instrument, &stroke, &setup)?.map(|sound| (name, sound)),
+            None => None,
+        };
+        if let Some((name, sound)) = &sound {
+            output.stage(name, |w| crate::wav::write(sound, w))?;
             stage_figure(&mut output, "spectrogram", &spectrogram_svg(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
         }
         let mut lost = None;
@@ -174,11 +188,8 @@ impl Press {
             }
             say!();
         }
-        if let Some(sound) = &sound {
-            say!(
-                "note.wav is the force on the bridge, {:.2} N at most, not a piano; steps of 1/96000 s",
-                sound.peak_n()
-            );
+        if let Some((name, sound)) = &sound {
+            say!("{name} is the force on the bridge, {:.2} N at most, not a piano; steps of 1/96000 s", sound.peak_n());
             say!();
         }
         let names: Vec<String> =
@@ -216,7 +227,7 @@ impl Press {
             (Some(other), _) => vec![stroke, other.load()?],
             (None, _) => vec![stroke],
         };
-        if self.reactions || self.losses || self.wav {
+        if self.reactions || self.losses || self.wav.is_some() {
             return Err(Failure::Usage("--reactions, --losses and --wav show one run; play the two one by one".into()));
         }
         let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
