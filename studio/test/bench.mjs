@@ -77,7 +77,7 @@ export const regulate = async ({ visit }) => {
   await until(page, () => document.querySelector("#log ol") !== null, undefined, 120_000);
   const log = await page.textContent("#log");
   assert.match(log, /Every goal is met/);
-  assert.match(log, /let off: .* mm, up by/);
+  assert.match(log, /let-off: .* mm, up by/);
   await until(page, () => studio.state.a.turns.let_off !== -1.5 && studio.loaded[0].setting.turns.let_off !== -1.5);
   await page.waitForTimeout(300);
   await measured(page, "let-off");

@@ -125,6 +125,15 @@ export const pedal = async ({ visit }) => {
   await page.waitForSelector("#pedal", { state: "visible" });
   await page.click("button[aria-label='mf, pressed']");
   await struck(page);
+  // The string is seen to swing, and the picture says by how much that is exaggerated.
+  await page.evaluate(() => studio.seek(studio.events[0].blow_s + 0.001));
+  await until(page, () => Math.max(...studio.poses[0].string) > 2e-4);
+  assert.match(await page.textContent("#pictures .swing"), /middle string, swing \u00d7 (2|5|10)$/);
+  const [strike, height] = await page.evaluate(() => studio.scenes[0].string);
+  const drawn = await page.evaluate(() => document.querySelector("#pictures .swinging").getAttribute("points").split(" ").map((pair) => pair.split(",").map(Number)));
+  const [, up] = drawn.reduce((best, point) => (Math.abs(point[0] - strike) < Math.abs(best[0] - strike) ? point : best));
+  assert(-up - height > 0.2, `where it is struck it is ${-up - height} mm above its rest in the picture`);
+  await page.evaluate(() => studio.goLive());
   const damper = () => page.evaluate(() => studio.poses[0].angles[studio.scenes[0].bodies.findIndex(({ name }) => name === "damper")]);
   await page.evaluate(() => studio.letGo());
   await until(page, () => studio.poses[0].key_m < 2e-4);

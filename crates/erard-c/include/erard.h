@@ -451,6 +451,22 @@ ErardStatus erard_set_pedal(struct ErardAction *action,
                             double lift_m);
 
 /**
+ * The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer end: as many as `count` has room for are
+ * written to `places_m` (which may be NULL). Returns how many there are; 0 for an action without strings that yield, and for NULL. Real time: yes.
+ */
+size_t erard_string_places(const struct ErardAction *action,
+                           double *places_m,
+                           size_t count);
+
+/**
+ * How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room in `shape_m`, at least
+ * erard_string_places. Without strings that yield it does nothing. Real time: yes.
+ */
+ErardStatus erard_string_shape(const struct ErardAction *action,
+                               float *shape_m,
+                               size_t count);
+
+/**
  * Goes on from a saved state of the same instrument and the same length of step, to the bit; readings are those of then. What is no such state is
  * refused, and the action stays as it was. Real time: yes.
  */
@@ -685,7 +701,7 @@ char *erard_regulate(const struct ErardInstrument *instrument,
 /**
  * What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
  * `data-body`), "bodies" with their hinges, angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one),
- * "labels", "views" and the law of arrows; mm of the picture. Give the text back with erard_text_free.
+ * "string" (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the picture. Give the text back with erard_text_free.
  */
 char *erard_scene(const struct ErardInstrument *instrument,
                   size_t *length,

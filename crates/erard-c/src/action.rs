@@ -3,6 +3,7 @@
 use std::ffi::{CString, c_char};
 use std::ptr::null_mut;
 
+use erard::strings::Seen;
 use erard::{Action, Input, Instrument};
 
 use crate::instrument::{ErardInstrument, parse};
@@ -17,6 +18,8 @@ pub struct ErardAction {
     pub(crate) play: Play,
     bodies: Vec<CString>,
     zones: Vec<CString>,
+    /// Where a string that yields is looked at, m from the striking point, and what tells its shape there.
+    string: Option<(Vec<f64>, Seen)>,
 }
 
 impl ErardAction {
@@ -26,11 +29,13 @@ impl ErardAction {
                 if matches!(error, erard::ActionError::Step { .. }) { ErardStatus::Range } else { ErardStatus::Model };
             Fault::new(status, error.to_string())
         })?;
+        let string = action.strings().map(|strings| (strings.places_seen_m(), strings.seen()));
         let name = |name: &String| CString::new(name.as_str()).unwrap_or_default();
         Ok(ErardAction {
             play: Play::new(action, instrument.zones.len()),
             bodies: instrument.bodies.iter().map(|body| name(&body.name)).collect(),
             zones: instrument.zones.iter().map(|zone| name(&zone.name)).collect(),
+            string,
         })
     }
 }
@@ -228,6 +233,44 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
     }
     quick(|| {
         action.play.action.set_pedal(lift_m);
+        ErardStatus::Ok
+    })
+}
+
+/// The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer end: as many as `count` has room for are
+/// written to `places_m` (which may be NULL). Returns how many there are; 0 for an action without strings that yield, and for NULL. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_m: *mut f64, count: usize) -> usize {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let Some((places, _)) = (unsafe { action.as_ref() }).and_then(|action| action.string.as_ref()) else { return 0 };
+    if !places_m.is_null() {
+        let many = count.min(places.len());
+        // SAFETY: the caller's promise: there is room for so many.
+        unsafe { core::slice::from_raw_parts_mut(places_m, many) }.copy_from_slice(&places[..many]);
+    }
+    places.len()
+}
+
+/// How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room in `shape_m`, at least
+/// erard_string_places. Without strings that yield it does nothing. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_string_shape(
+    action: *const ErardAction,
+    shape_m: *mut f32,
+    count: usize,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let (Some(action), false) = (unsafe { action.as_ref() }, shape_m.is_null()) else { return ErardStatus::Null };
+    let Some((places, seen)) = &action.string else { return ErardStatus::Ok };
+    if count < places.len() {
+        return ErardStatus::Size;
+    }
+    // SAFETY: there is room for at least so many.
+    let shape = unsafe { core::slice::from_raw_parts_mut(shape_m, places.len()) };
+    quick(|| {
+        if let Some(strings) = action.play.action.strings() {
+            seen.read(strings, shape);
+        }
         ErardStatus::Ok
     })
 }

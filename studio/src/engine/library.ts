@@ -34,6 +34,8 @@ export interface Exports {
   erard_step_free(action: number, reading: number): number;
   erard_read(action: number, reading: number): number;
   erard_reset(action: number): number;
+  erard_string_places(action: number, places: number, count: number): number;
+  erard_string_shape(action: number, shape: number, count: number): number;
   erard_set_pedal(action: number, lift: number): number;
   erard_save(action: number, bytes: number, size: number): number;
   erard_restore(action: number, bytes: number, size: number): number;
@@ -79,6 +81,7 @@ export class Library {
   private all = new Uint8Array();
   private doubles = new Float64Array();
   private words = new Uint32Array();
+  private singles = new Float32Array();
 
   private constructor(readonly raw: Exports) {}
 
@@ -97,6 +100,7 @@ export class Library {
     this.all = new Uint8Array(this.buffer);
     this.doubles = new Float64Array(this.buffer);
     this.words = new Uint32Array(this.buffer);
+    this.singles = new Float32Array(this.buffer);
   }
 
   bytes(address: number, count: number): Uint8Array {
@@ -107,6 +111,11 @@ export class Library {
   f64(address: number, count: number): Float64Array {
     this.look();
     return this.doubles.subarray(address >> 3, (address >> 3) + count);
+  }
+
+  f32(address: number, count: number): Float32Array {
+    this.look();
+    return this.singles.subarray(address >> 2, (address >> 2) + count);
   }
 
   u32(address: number, count: number): Uint32Array {

@@ -20,7 +20,7 @@ export type Drive =
   | { kind: "finger"; position_m: number; velocity_m_s: number }
   | { kind: "stroke" };
 
-/** Numbers at the head of a row of the ring: then the angles, then five of every zone. */
+/** Numbers at the head of a row of the ring: then the angles, then five of every zone, then the string's shape. */
 const HEAD = 5;
 
 export class Played {
@@ -34,6 +34,8 @@ export class Played {
   private readonly numbers: number;
   private readonly bodies: number;
   private readonly zones: number;
+  private readonly places: number;
+  private readonly shape: number;
   private stroke = 0;
   strokeLeft_s = 0;
   private blowsBefore = 0;
@@ -60,7 +62,11 @@ export class Played {
     this.bodies = raw.erard_body_count(this.action);
     this.zones = raw.erard_zone_count(this.action);
     this.numbers = raw.erard_memory_new(8 * (this.bodies + 5 * this.zones));
-    const width = HEAD + this.bodies + 5 * this.zones, fits = spare.findIndex((ring) => ring.width === width);
+    this.places = raw.erard_string_places(this.action, 0, 0);
+    this.shape = raw.erard_memory_new(8 * Math.max(this.places, 1));
+    raw.erard_string_places(this.action, this.shape, this.places);
+    this.scene.places_m = [...library.f64(this.shape, this.places)];
+    const width = HEAD + this.bodies + 5 * this.zones + this.places, fits = spare.findIndex((ring) => ring.width === width);
     this.ring = fits >= 0 ? spare.splice(fits, 1)[0]! : new Ring(width, Math.round(KEPT_S / STEP_S));
     this.ring.clear();
     library.done(raw.erard_read(this.action, this.reading));
@@ -90,6 +96,7 @@ export class Played {
     raw.erard_memory_free(this.reading, READING_BYTES);
     raw.erard_memory_free(this.events, 8 * EVENTS.length);
     raw.erard_memory_free(this.numbers, 8 * (this.bodies + 5 * this.zones));
+    raw.erard_memory_free(this.shape, 8 * Math.max(this.places, 1));
   }
 
   /** A press begins: its instants are looked for. */
@@ -153,6 +160,9 @@ export class Played {
     row[3] = string!;
     row[4] = speed!;
     row.set(library.f64(numbers, bodies + 5 * zones), HEAD);
+    if (!this.places) return;
+    library.raw.erard_string_shape(this.action, this.shape, this.places);
+    row.set(library.f32(this.shape, this.places), HEAD + bodies + 5 * zones);
   }
 
   get rests(): boolean {
@@ -188,14 +198,14 @@ export class Played {
 
   /** How it stood at a time, straight between rows; now where none is given. */
   pose(time: number | null): Pose {
-    const { ring, bodies } = this;
+    const { ring, bodies, zones } = this, last = HEAD + bodies + 5 * zones;
     const index = time === null ? ring.length - 1 : ring.find(time);
     const row = ring.row(index), next = ring.row(Math.min(index + 1, ring.length - 1));
     const from = ring.timeOf(index), to = ring.timeOf(Math.min(index + 1, ring.length - 1));
     const share = time === null || to <= from ? 0 : Math.min(Math.max((time - from) / (to - from), 0), 1);
     const mixed = Float32Array.from(row, (value, k) => value + share * (next[k]! - value));
     // A contact that is in one of the two rows only keeps its place and direction.
-    for (let k = HEAD + bodies; k < row.length; k += 5) {
+    for (let k = HEAD + bodies; k < last; k += 5) {
       const known = row[k]! > 0 ? row : next;
       if (!(row[k]! > 0 && next[k]! > 0)) for (let j = 1; j < 5; j++) mixed[k + j] = known[k + j]!;
     }
@@ -203,7 +213,8 @@ export class Played {
       time_s: time === null ? from : from + share * (to - from),
       key_m: mixed[0]!, hammer_m: mixed[1]!, finger_n: mixed[2]!, string_n: mixed[3]!, hammer_m_s: mixed[4]!,
       angles: mixed.slice(HEAD, HEAD + bodies),
-      contacts: mixed.slice(HEAD + bodies),
+      contacts: mixed.slice(HEAD + bodies, last),
+      string: mixed.slice(last),
     };
   }
 

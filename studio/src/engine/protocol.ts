@@ -10,6 +10,10 @@ export interface Scene {
   zones: { name: string; label: string; sign: number; unseen: boolean; disc: number | null; curve: number | null }[];
   press: { body: number; point: number[] } | null;
   pedal: boolean;
+  /** Where a string that yields is struck and how high it lies; null where it is rigid. */
+  string: number[] | null;
+  /** The places at which it is looked at, m from there: not erard_scene's, but the action's. */
+  places_m?: number[];
   labels: { text: string; piece: number; at: number[] }[];
   arrow: ArrowLaw;
   views: { whole: number[]; close: number[] | null };
@@ -40,6 +44,8 @@ export interface Pose {
   hammer_m_s: number;
   angles: Float32Array;
   contacts: Float32Array;
+  /** How far the string is from its rest at its places, m; none where it is rigid. */
+  string: Float32Array;
 }
 
 /** A blow that was just struck. */

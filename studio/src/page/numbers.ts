@@ -29,6 +29,7 @@ export const numbers = (app: App, into: HTMLElement): void => {
     return value;
   });
   app.onframe.push(({ events, poses }) => {
+    into.classList.toggle("pair", poses.length > 1);
     LINES.forEach((line, index) => {
       const each = poses.map((pose, which) => line.of(events[which]!, pose, app.blowOf(which)));
       const text = `${each.join(" | ")} ${line.unit}`.trim();

@@ -17,6 +17,8 @@ interface Shown {
   placed: Frame[];
   finger: { path: SVGElement; text: SVGElement };
   zones: ({ path: SVGElement; text: SVGElement } | null)[];
+  /** A string that yields: its line, how it is exaggerated, and the label that says so. */
+  swing: { line: SVGElement; label: SVGElement; times: number; most_mm: number } | null;
   pose: Pose | null;
 }
 
@@ -45,6 +47,8 @@ export interface Grasp {
   take(action: number, part: string): ((x_mm: number, y_mm: number) => void) | null;
 }
 
+/** Times by which a string's swing is exaggerated, and how far it then goes at most, mm of the picture. */
+const TIMES = [10, 5, 2, 1], SWING_MM = 12;
 /** How far a pointer moves and still taps, px. */
 const TAP = 4;
 
@@ -129,7 +133,7 @@ export class Picture {
       const moving = movingIn(group), outlines = outlinesIn(group, moving);
       for (const part of group.querySelectorAll("[fill^='url(#']")) part.setAttribute("fill", part.getAttribute("fill")!.replace("url(#", `url(#${this.mine}`));
       return {
-        scene, index, group, moving, outlines, dents: new Map(), placed: [], pose: null, finger: arrow("touch"),
+        scene, index, group, moving, outlines, dents: new Map(), placed: [], pose: null, swing: this.swinging(scene, group), finger: arrow("touch"),
         zones: scene.zones.map((zone) => (zone.unseen ? null : arrow("contact"))),
       };
     });
@@ -153,6 +157,27 @@ export class Picture {
     }
     if (!keepView || this.view[2] === 1) this.view = this.whole;
     this.look(this.view, true);
+  }
+
+  /** A string that yields swings across the straight one, exaggerated as its label says. */
+  private swinging(scene: Scene, group: SVGElement): Shown["swing"] {
+    const { string, places_m } = scene;
+    if (!string || !places_m?.length) return null;
+    const line = element("polyline", { class: "swinging" }, group);
+    const label = element("text", { class: "newton swing", "text-anchor": "end", x: (string[0]! - 4).toFixed(2), y: (-string[1]! - SWING_MM - 1).toFixed(2) }, group);
+    return { line, label, times: 0, most_mm: 0 };
+  }
+
+  private swingBy({ swing, scene }: Shown, shape_m: Float32Array): void {
+    if (!swing || !scene.string) return;
+    const [strike, height] = scene.string;
+    swing.most_mm = Math.max(swing.most_mm, ...shape_m.map((m) => 1e3 * Math.abs(m)));
+    const times = TIMES.find((times) => times * swing.most_mm <= SWING_MM) ?? 1;
+    if (times !== swing.times) {
+      swing.times = times;
+      swing.label.textContent = times === 1 ? "middle string" : `middle string, swing \u00d7 ${times}`;
+    }
+    swing.line.setAttribute("points", scene.places_m!.map((place, k) => `${(strike! + 1e3 * place).toFixed(2)},${(-height! - times * 1e3 * shape_m[k]!).toFixed(3)}`).join(" "));
   }
 
   /** The body that carries a part; null: none does; undefined: there is no such part of this action here. */
@@ -184,6 +209,7 @@ export class Picture {
       const pose = poses[one.index];
       if (!pose || pose.angles.length !== one.scene.bodies.length) continue;
       one.pose = pose;
+      this.swingBy(one, pose.string);
       one.placed = placeBodies(one.scene.bodies, (body) => pose.angles[body]!);
       move(one.moving, one.placed);
       dent(one.outlines, one.scene.zones.map((zone, k) => {
@@ -210,7 +236,9 @@ export class Picture {
   }
 
   private push(): void {
-    const shafts: number[][][] = [], taken: number[][] = [];
+    const shafts: number[][][] = [], seen = this.seen();
+    // Numbers stay within what is seen.
+    const far = 1e6, taken: number[][] = [[-far, -far, seen[0]!, far], [seen[2]!, -far, far, far], [-far, -far, far, seen[1]!], [-far, seen[3]!, far, far]];
     const numbered: { text: SVGElement; force: number; shaft: number[][]; law: Scene["arrow"] }[] = [];
     const draw = (one: Shown, arrow: { path: SVGElement; text: SVGElement }, force: { x: number; y: number; ux: number; uy: number; force: number }) => {
       const law = one.scene.arrow;
@@ -238,7 +266,8 @@ export class Picture {
       });
     }
     for (const { text, force, shaft, law } of numbered) {
-      if (force < law.labelled) continue;
+      const [x, y] = shaft[1]!;
+      if (force < law.labelled || x! < seen[0]! || x! > seen[2]! || y! < seen[1]! || y! > seen[3]!) continue;
       const label = newtons(force);
       const place = freePlace(shaft, 7.6 * label.length * this.pixel, 13 * this.pixel, shafts, taken, this.pixel);
       if (!place) continue;
@@ -250,11 +279,16 @@ export class Picture {
     }
   }
 
+  /** What the element shows, mm of the picture: more than the view box where their shapes differ. */
+  private seen(): number[] {
+    const matrix = this.svg.getScreenCTM(), frame = this.svg.getBoundingClientRect();
+    if (!matrix || !(matrix.a > 0)) return [this.view[0], this.view[1], this.view[0] + this.view[2], this.view[1] + this.view[3]];
+    return [(frame.left - matrix.e) / matrix.a, (frame.top - matrix.f) / matrix.d, (frame.right - matrix.e) / matrix.a, (frame.bottom - matrix.f) / matrix.d];
+  }
+
   private name(): void {
     this.names.style.display = this.naming ? "" : "none";
     if (!this.naming) return;
-    const matrix = this.svg.getScreenCTM(), frame = this.svg.getBoundingClientRect();
-    if (!matrix) return;
     const [left, top, wide, tall] = this.view;
     const inside = this.labels.filter((label) => {
       const [x, y] = carry(label.moving?.frame ?? STILL, label.at);
@@ -264,10 +298,8 @@ export class Picture {
     const layout = `${this.view} ${this.pixel} ${inside.map(({ text }) => text)}`;
     if (layout !== this.layout) {
       this.layout = layout;
-      // The element shows more than the view box where their shapes differ.
-      const at = (x: number, y: number) => [(x - matrix.e) / matrix.a, (y - matrix.f) / matrix.d];
       for (const label of this.labels) label.placed = false;
-      layNames(inside, [...at(frame.left, frame.top), ...at(frame.right, frame.bottom)], this.pixel);
+      layNames(inside, this.seen(), this.pixel);
     }
     for (const label of this.labels) {
       const shown = label.placed && inside.includes(label);

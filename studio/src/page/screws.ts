@@ -103,7 +103,7 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
       const turns = { ...app.state.a.turns };
       for (const { screw, to } of done.screws) turns[screw] = to;
       await app.change({ a: { ...app.state.a, turns } });
-      log.replaceChildren(...told(done));
+      log.replaceChildren(...told(done, before.dials));
       say(done.all_met ? "Regulated: every goal is met." : "Regulated as far as it goes.");
     } catch (error) {
       if (!(error instanceof Dropped)) log.replaceChildren(h("p", { class: "bad" }, `It cannot be regulated: ${(error as Error).message}`));
@@ -150,10 +150,11 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
 };
 
 /** The log of a regulation. */
-const told = (done: Regulated): HTMLElement[] => {
+const told = (done: Regulated, dials: Dial[]): HTMLElement[] => {
+  const label = (screw: string) => dials.find(({ name }) => name === screw)?.label ?? screw.replaceAll("_", " ");
   const turns = done.screws.map(({ screw, unit, from, to, turned_by, turns: threads, way }) => {
     const by = threads === null ? "" : `, about ${fixed(Math.abs(threads), 2)} turns`;
-    return h("li", {}, `${screw.replaceAll("_", " ")}: ${fixed(from, 2)} to ${fixed(to, 2)} ${unit}, ${way} by ${fixed(Math.abs(turned_by), 2)} ${unit}${by}`);
+    return h("li", {}, `${label(screw)}: ${fixed(from, 2)} to ${fixed(to, 2)} ${unit}, ${way} by ${fixed(Math.abs(turned_by), 2)} ${unit}${by}`);
   });
   const missed = done.goals.filter(({ met }) => !met).map(({ goal, asked, after, unit, why_not }) => h("li", { class: "bad" }, `${goal}: asked ${fixed(asked, 2)} ${unit}, there is ${fixed(after, 2)} ${unit}${why_not ? `: ${why_not}` : ""}`));
   return [

@@ -101,6 +101,7 @@ fn nothing_at_all() {
             erard_save(action, null_mut(), &raw mut n),
             erard_restore(action, null(), 0),
             erard_angles(action, null_mut(), 0),
+            erard_string_shape(action, null_mut(), 0),
             erard_velocities(action, null_mut(), 0),
             erard_contact_forces(action, null_mut(), 0),
             erard_keyboard_drive(keyboard, 1, &raw const input),

@@ -173,6 +173,36 @@ fn keys_show_their_angles() {
     unsafe { erard_instrument_free(instrument) };
 }
 
+/// The string's shape is that of a run: it bulges away from the hammer where it is struck, and of a rigid string there is none.
+#[test]
+fn strings_show_their_shape() {
+    let (rigid, strung) = (Action::grand(), Action::strung());
+    assert_eq!(unsafe { erard_string_places(rigid.0, null_mut(), 0) }, 0);
+    let count = unsafe { erard_string_places(strung.0, null_mut(), 0) };
+    let mut places = vec![0.0; count];
+    assert_eq!(unsafe { erard_string_places(strung.0, places.as_mut_ptr(), count) }, count);
+    assert!(count > 10 && places.is_sorted() && places[0] < 0.0 && places[count - 1] > 0.0, "{places:?}");
+    let shape = || {
+        let mut shape = vec![0.0_f32; count];
+        assert_eq!(unsafe { erard_string_shape(strung.0, shape.as_mut_ptr(), count) }, ErardStatus::Ok);
+        shape
+    };
+    assert_eq!(unsafe { erard_string_shape(strung.0, [0.0_f32].as_mut_ptr(), 1) }, ErardStatus::Size);
+    // It rests under its damper, which presses it by hundredths of a millimetre.
+    assert!(shape().iter().all(|m| m.abs() < 1e-4), "{:?}", shape());
+    let mut struck = 0;
+    for _ in 0..4000 {
+        let reading = strung.force(6.0);
+        if reading.string_n > 5.0 {
+            // Where the hammer pushes, the string gives way to it, by tenths of a millimetre.
+            let middle = places.iter().position(|place| *place >= 0.0).unwrap();
+            struck += u32::from(shape()[middle] > 1e-5);
+            assert!(shape().iter().all(|m| m.abs() < 5e-3));
+        }
+    }
+    assert!(struck > 5, "{struck}");
+}
+
 struct Keyboard(*mut ErardKeyboard);
 
 impl Keyboard {

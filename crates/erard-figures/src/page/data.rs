@@ -6,7 +6,7 @@ use crate::drawing::{Drawing, MM};
 use crate::figure::{self, Dash, Figure, Layout, Panel};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use erard::instrument::{Curve, Instrument};
+use erard::instrument::Instrument;
 use erard::run::{Run, ZoneSeries};
 use serde_json::{Value, json};
 
@@ -132,10 +132,7 @@ const SWING_MM: f64 = 12.0;
 /// exaggerates them.
 fn string(instrument: &Instrument, run: &Run, frames: &Frames) -> Option<Value> {
     let series = run.strings.as_ref()?;
-    let Curve::Line { point_m: [strike_m, height_m], .. } = instrument.zones.get(instrument.roles.string?)?.curve
-    else {
-        return None;
-    };
+    let [strike_m, height_m] = scene::string_at(instrument)?;
     let count = series.places_m.len();
     let largest_mm = MM * series.shape_m.iter().fold(0.0, |most: f32, m| most.max(m.abs())) as f64;
     let times = TIMES.into_iter().rev().find(|times| times * largest_mm <= SWING_MM).unwrap_or(1.0);

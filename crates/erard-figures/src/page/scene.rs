@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::{Views, close_up};
 use crate::drawing::{self, ARROW, Drawing, MM, drawn_angles, gradients, placements, shapes};
-use erard::instrument::Instrument;
+use erard::instrument::{Curve, Instrument};
 
 /// The instrument as drawn: `shapes` and `gradients` are SVG (for `<g>` and `<defs>`), lengths are millimetres of the picture (y up; SVG's is down),
 /// angles rad.
@@ -48,7 +48,8 @@ pub fn scene(instrument: &Instrument) -> Value {
         "bodies": bodies,
         "zones": zones,
         "press": press(instrument),
-        "pedal": instrument.roles.pedal.is_some() && !instrument.strings.is_empty(),
+        "string": string(instrument),
+        "pedal": instrument.roles.pedal.is_some() && instrument.has_yielding_strings(),
         "labels": labels(instrument, &drawing),
         "arrow": arrow(),
         "views": views_value(views),
@@ -80,6 +81,19 @@ pub(super) fn sides(instrument: &Instrument, drawing: &Drawing, zone: usize) -> 
         unseen: known.is_some_and(|zone| is_unseen(zone.disc_body) || is_unseen(zone.curve_body)),
         disc: known.and_then(|zone| zone.disc_body),
         curve: known.and_then(|zone| zone.curve_body),
+    }
+}
+
+/// Where a string that yields is struck and how high it lies.
+fn string(instrument: &Instrument) -> Option<Value> {
+    instrument.has_yielding_strings().then(|| string_at(instrument)).flatten().map(|at| json!(at.map(|c| c * MM)))
+}
+
+/// Where the string is struck, m, in the world.
+pub(super) fn string_at(instrument: &Instrument) -> Option<[f64; 2]> {
+    match instrument.zones.get(instrument.roles.string?)?.curve {
+        Curve::Line { point_m, .. } => Some(point_m),
+        _ => None,
     }
 }
 
