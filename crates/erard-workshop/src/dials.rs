@@ -69,6 +69,9 @@ enum Kind {
     Distance { path: String, to_mm: Vec2, height_mm: f64, side: f64 },
 }
 
+/// What a screw sets that is spoken of by a name of its own.
+const SETS: [(&str, &str); 3] =
+    [("capstan_height", "blow"), ("front_punching", "dip"), ("back_rail_cloth", "key height")];
 /// How far felts and friction go, either way, as a factor.
 const FACTOR: f64 = 3.0;
 /// Where a lead is put, mm in front of the balance pin: where the built-in grand's stand in the mean (0.62 and 0.55 of 265 mm).
@@ -82,6 +85,7 @@ pub fn dials(file: &InstrumentFile) -> Vec<Dial> {
         all.extend(places(file, &parts));
         all.extend(weights(file, &parts));
         all.extend(felts(file));
+        all.extend(springs(file, &parts));
         all.extend(friction(file));
     }
     all
@@ -186,7 +190,10 @@ fn of_screw(file: &InstrumentFile, screw: usize) -> Option<Dial> {
     let [from, to] = limits.map_or([value - 2.0, value + 2.0], |limits| limits.map(|limit| limit * si));
     Some(Dial {
         name: screw.name.clone(),
-        label: spoken(&screw.name),
+        label: SETS
+            .iter()
+            .find(|(name, _)| *name == screw.name)
+            .map_or_else(|| spoken(&screw.name), |(_, what)| format!("{} ({what})", spoken(&screw.name))),
         note: screw.label.clone(),
         group: Group::Screws,
         unit,
@@ -321,6 +328,44 @@ fn felts(file: &InstrumentFile) -> Vec<Dial> {
     );
     felt(i.roles.check, look("check_felt", "back check's stiffness", "a softer leather: the hammer is caught lower"));
     all
+}
+
+/// Springs that no screw turns, and parts that bend.
+fn springs(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
+    let i = &file.instrument;
+    let turned = |spring: usize| {
+        i.screws.iter().any(|screw| matches!(screw.action, ScrewAction::Spring { spring: own } if own == spring))
+    };
+    let dial = |index: usize| {
+        let spring = &i.springs[index];
+        let whose = root(i, spring.body);
+        let (name, what, label, note) = if !i.bodies[spring.body].is_bend {
+            let note = "a stronger spring: its part is back sooner, and more is felt of it";
+            (format!("{}_spring", spring.name), "torque_N_m", format!("{} spring's torque", spoken(&spring.name)), note)
+        } else if whose == root(i, parts.key) {
+            let note = "a stiffer key: its front goes less far before the hammer moves";
+            (spring.name.clone(), "stiffness_N_m_per_rad", "key's stiffness in bending".to_owned(), note)
+        } else if whose == root(i, parts.hammer) {
+            let note = "a stiffer shank: the head lags less behind its root in a hard blow";
+            (spring.name.clone(), "stiffness_N_m_per_rad", "hammer shank's stiffness in bending".to_owned(), note)
+        } else {
+            return None;
+        };
+        let found = numbers(file, [(format!("spring.{}.{what}", spring.name), 0)]).filter(|found| found[0].2 != 0.0)?;
+        Some(Dial {
+            name,
+            label,
+            note: note.into(),
+            group: Group::Felts,
+            unit: "x",
+            decimals: 2,
+            value: 1.0,
+            from: 1.0 / FACTOR,
+            to: FACTOR,
+            kind: Kind::Times(found),
+        })
+    };
+    (0..i.springs.len()).filter(|&index| !turned(index)).filter_map(dial).collect()
 }
 
 fn friction(file: &InstrumentFile) -> Vec<Dial> {

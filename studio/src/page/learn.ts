@@ -28,7 +28,7 @@ const slowly = (nuance: string, struck: boolean, speed = 1 / 50): ((app: App) =>
   app.replayWhenOver();
 };
 /** The key's front, s and mm: down, held, back up by four millimetres only, and down once more. */
-const AGAIN = [[0, 0], [0.01, 0], [0.05, 9.4], [0.13, 9.4], [0.19, 5.4], [0.2, 5.4], [0.24, 9.4], [0.36, 9.4], [0.42, 0], [0.43, 0]] as const;
+const AGAIN = [[0, 0], [0.01, 0], [0.05, 9.4], [0.13, 9.4], [0.19, 5.4], [0.2, 5.4], [0.24, 9.4], [0.36, 9.4], [0.6, 0], [0.61, 0]] as const;
 /** From place to place on half a cosine, a row every millisecond: a curve through few points would overshoot. */
 const gesture = (through: readonly (readonly [number, number])[]): string => {
   const rows = ["time_s,position_m"];

@@ -37,7 +37,7 @@ export const PARTS: Record<string, PartText> = {
   "whippen rail": { does: "Carries the whippens' flanges.", dials: ["spread"], zones: [] },
   key: {
     does: "Drag it down: the pointer is the far end of a soft fingertip. It bends at its balance pin under a hard blow.",
-    zones: ["key_front", "key_back_rail", "capstan_heel", "key_damper"], dials: ["leads", "pivots"],
+    zones: ["key_front", "key_back_rail", "capstan_heel", "key_damper"], dials: ["leads", "key_bending", "pivots"],
   },
   "key lead": { does: "Lead that makes up for the hammer's weight: it lightens the touch, and adds inertia.", zones: [], dials: ["leads"] },
   capstan: {
@@ -61,7 +61,7 @@ export const PARTS: Record<string, PartText> = {
   },
   jack: {
     does: "Pushes the hammer up by its knuckle until its toe meets the let-off button.",
-    dials: ["jack_position", "knuckle_friction"], drag: { dial: "jack_position", along: RIGHT },
+    dials: ["jack_position", "jack_spring", "knuckle_friction"], drag: { dial: "jack_position", along: RIGHT },
   },
   knuckle: {
     does: "Leather and cloth on the shank that the jack pushes. Closer to the hammer's centre the hammer is faster, and heavier at the key.",
@@ -72,7 +72,7 @@ export const PARTS: Record<string, PartText> = {
     does: "Stops the repetition lever just before the string, so that the hammer drops a little after let-off.",
     zones: ["drop_screw"], dials: ["drop"], drag: { dial: "drop", along: DOWN },
   },
-  "hammer shank": { does: "Carries the hammer. It bends: at a hard blow the head is behind its root by millimetres.", zones: ["jack_knuckle", "lever_knuckle", "hammer_rest"], dials: ["knuckle"] },
+  "hammer shank": { does: "Carries the hammer. It bends: at a hard blow the head is behind its root by millimetres.", zones: ["jack_knuckle", "lever_knuckle", "hammer_rest"], dials: ["shank_bending", "knuckle"] },
   "hammer felt": { does: "Wool, stiffer the more it is pressed: a loud note is brighter.", zones: ["string"], dials: ["hammer_felt", "string_height"] },
   "hammer moulding": { does: "The hammer's wood, with the tail that the back check catches. Its every gram is five to six at the key.", zones: ["string", "check"], dials: ["hammer"] },
   finger: { does: "A spring and a damper that only push. How firm it is, the Play panel says.", zones: [] },

@@ -5,7 +5,7 @@ import { Dropped } from "./bench";
 import { fixed, h, later, say } from "./dom";
 import { Sheet } from "./sheet";
 
-const GROUPS: Record<string, string> = { screws: "Screws", places: "Where parts stand", weights: "Weights", felts: "Felts", friction: "Friction" };
+const GROUPS: Record<string, string> = { screws: "Screws", places: "Where parts stand", weights: "Weights", felts: "Felts, springs, what bends", friction: "Friction" };
 
 /** Sliders of an action's dials. */
 export class Dials {

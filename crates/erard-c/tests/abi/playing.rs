@@ -211,6 +211,13 @@ fn dials_turn() {
                 turned(base.0, &json!({ name: to + 0.1 * (to - from) })).err().expect("beyond its range");
             assert!(status == ErardStatus::Argument && said.contains(name), "{said}");
         }
+        // A spring without a screw, and what bends, by a factor.
+        let torque = |i: &Instrument| i.springs.iter().find(|spring| spring.name == "jack").unwrap().torque_n_m;
+        let stronger = turned(base.0, &json!({ "jack_spring": 1.5 })).unwrap();
+        let stronger = torque(&Instrument::parse(&stronger.text(), "stronger").unwrap());
+        assert!((stronger / torque(&native) - 1.5).abs() < 1e-9, "{called}: {stronger}");
+        let bends = dials.iter().any(|dial| dial["name"] == "shank_bending");
+        assert_eq!(bends, native.bodies.iter().any(|body| body.is_bend), "{called}");
         // What they are called for: the spread is the distance of the two centres, a lead weighs what it says.
         let by = |name: &str| dials.iter().find(|dial| dial["name"] == name).unwrap()["value"].as_f64().unwrap();
         let moved = turned(base.0, &json!({ "spread": by("spread") + 1.0, "leads": 10.0 })).unwrap();
