@@ -119,7 +119,8 @@ fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64
         (1..=MODES).map(|n| n as f64).map(|n| 2.0 * PI * n * f0 * (1.0 + inharmonicity * n * n).sqrt()).collect();
     let place = |x: f64| -> Vec<f64> { (1..=MODES).map(|n| (n as f64 * PI * x / string.length_m).sin()).collect() };
     let (before, behind) = (place(middle_m - length_m / 12_f64.sqrt()), place(middle_m + length_m / 12_f64.sqrt()));
-    let mean: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| 0.5 * (a + b)).collect();
+    // The damper lies above, the hammer below: what moves the string up moves it into the damper.
+    let mean: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| -0.5 * (a + b)).collect();
     let rocks: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| 0.5 * (b - a)).collect();
     let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let rate = |y: &[f64]| -> Vec<f64> {
@@ -186,7 +187,7 @@ fn a_damped_string_is_the_one_of_an_independent_solution() {
         });
         let order = 0.5 * (errors[0] / errors[2]).log2();
         println!("{speed} m/s: {errors:?}: order {order:.2}");
-        assert!(errors[2] < 0.02 && errors[0] < 0.2, "{errors:?}");
+        assert!(errors[2] < 0.005 && errors[0] < 0.01, "{errors:?}");
     }
 }
 
@@ -215,7 +216,7 @@ fn dampers_lie_at_rest_exactly() {
         let found = strings.shape_m(string, x);
         println!("string {string}: {:.3} um, of tension alone {:.3}", 1e6 * found, 1e6 * hangs);
         assert!((found.abs() / hangs - 1.0).abs() < 0.08, "{found} {hangs}");
-        assert!(found.signum() == strings.shape_m(0, x).signum());
+        assert!(found < 0.0, "the damper above pushes the string down, toward the hammer: {found}");
     }
     let mut keys = Keys::at_rest(&[strung(), strung()], Settings::new(USUAL_STEP_S)).unwrap();
     assert_eq!(keys.awake(), 0);
@@ -299,41 +300,62 @@ fn the_books_close_over_dampers_and_pedal() {
     assert!(matches!(refused, Err(SimulationError::NoPedal)));
 }
 
-/// A hammer that is pressed on strings on which a damper lies, for a second, which it never is in play: the two are not solved together within a step, so that the books lack something, of
-/// either sign, which goes with the step.
+/// A hammer that is pressed on a string on which a damper lies, for a second, from the same side and from the other: the two are solved together within a step, so that the books close.
 #[test]
-fn hammer_and_damper_on_the_same_strings_are_booked_the_better_the_shorter_the_step() {
-    let mut instrument = damped(0.0);
-    instrument.gravity_m_s2 = 225.0;
-    // The hammer lies on the string from above, 25.6 mm from the damper, which lies there, too.
-    instrument.zones[0].curve = erard::instrument::Curve::Line { point_m: [1.0, 0.0], normal: [0.0, 1.0] };
-    let mut residuals = Vec::new();
-    for h in [10e-6, 20e-6, 50e-6] {
-        let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
-        let mut saved = m.save();
-        saved.state.velocity[0] = -1.0;
-        m.restore(&saved);
-        let mut ledger = m.open_ledger();
-        let (mut least, mut lost) = (0.0_f64, 0.0);
-        let felts_before = ledger.start.felt;
-        for _ in 0..(1.0 / h) as usize {
-            m.step(&moreau::Input::Free);
-            m.book(&mut ledger);
-            least = least.min(ledger.surface - lost);
-            lost = ledger.surface;
+fn the_books_close_over_hammer_and_damper_on_the_same_string() {
+    for (side, gravity) in [(1.0, 225.0), (-1.0, -225.0)] {
+        let mut instrument = damped(0.0);
+        instrument.gravity_m_s2 = gravity;
+        // The hammer lies on the string, 25.6 mm from the damper, which lies there, too.
+        instrument.zones[0].curve = erard::instrument::Curve::Line { point_m: [1.0, 0.0], normal: [0.0, side] };
+        let mut residuals = Vec::new();
+        for h in [10e-6, 20e-6, 50e-6] {
+            let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
+            let mut saved = m.save();
+            saved.state.velocity[0] = -side;
+            m.restore(&saved);
+            let mut ledger = m.open_ledger();
+            let (mut least, mut lost, mut both) = (0.0_f64, 0.0, 0);
+            let felts_before = ledger.start.felt;
+            for _ in 0..(1.0 / h) as usize {
+                m.step(&moreau::Input::Free);
+                m.book(&mut ledger);
+                least = least.min(ledger.surface - lost);
+                lost = ledger.surface;
+                both += usize::from(m.normal_force(0) > 0.0 && m.normal_force(1) > 0.0);
+            }
+            m.take_stock(&mut ledger);
+            let residual = ledger.residual_relative();
+            println!(
+                "side {side}, {h:e}: residual {residual:.1e} of the work ({:.1e} J), lost {lost:.3e} J (felts at first {felts_before:.1e}), least {least:.1e}, both press in {both} steps",
+                ledger.residual()
+            );
+            residuals.push(residual);
+            assert!(least > -1e-15 && ledger.smallest_term >= 0.0 && both > 1000);
         }
-        m.take_stock(&mut ledger);
-        let residual = ledger.residual_relative();
-        println!(
-            "{h:e}: residual {residual:.1e} of the work ({:.1e} J), lost {lost:.3e} J (felts at first {felts_before:.1e}), least {least:.1e}",
-            ledger.residual()
-        );
-        residuals.push(residual);
-        assert!(least > -1e-15 && ledger.smallest_term >= 0.0);
+        assert!(residuals.iter().all(|residual| *residual < 1e-4), "{residuals:?}");
     }
-    let order = (residuals[2] / residuals[0]).ln() / 5_f64.ln();
-    println!("order {order:.2}");
-    assert!(residuals[2] < 1e-3 && order > 1.2, "{order} {residuals:?}");
+}
+
+/// A hammer that strikes strings on which the damper lies, with the pedal's rail so high that it lies there with half its weight: the books of the whole action.
+#[test]
+fn the_books_close_over_a_blow_under_the_damper() {
+    let mut instrument = strung();
+    // The spoon comes so late that the damper stays where the pedal holds it.
+    let screw = instrument.screws.iter().position(|screw| screw.name == "damper_timing").unwrap();
+    assert!(instrument.turn(screw, -6.0e-3));
+    for lift_m in [0.0, 2.05e-3] {
+        let setup = Setup { pedal: Pedal::held(lift_m), ..Setup::new(0.5) };
+        let drive = |t: f64| if t < 0.3 { Input::Force(8.0) } else { Input::Free };
+        let run = simulate(&instrument, &drive, &setup, &mut |_| true).unwrap();
+        let ledger = run.ledger.as_ref().unwrap();
+        let string = &run.zones[instrument.roles.string.unwrap()].normal_n;
+        let damper = &run.zones[instrument.strings[1].damper.unwrap().zone].normal_n;
+        let both = string.iter().zip(damper).filter(|(a, b)| **a > 0.0 && **b > 0.0).count();
+        println!("rail {lift_m}: residual {:.1e}, both press in {both} rows", ledger.residual_relative());
+        assert!(ledger.residual_relative() < 1e-4 && ledger.smallest_term >= 0.0, "{:e}", ledger.residual_relative());
+        assert!(both > 10 && run.work.unconverged_steps == 0);
+    }
 }
 
 /// Where nothing damps its keys, the keyboard has no dampers; a bridge and dampers that lie nowhere are told.

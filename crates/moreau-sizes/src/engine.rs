@@ -193,10 +193,11 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         &mut self,
         over: Over,
         settings: &Settings<f64>,
-        workspace: &Workspace<f64, B, Z, N>,
+        workspace: &mut Workspace<f64, B, Z, N>,
     ) {
         let Some(under) = &mut self.under else { return };
         if over == Over::Awake {
+            workspace.settle_surfaces(&self.model, settings);
             for (index, &zone) in under.surfaces.zones().iter().enumerate() {
                 under.forces[index] = workspace.normal_force(&self.model, settings, zone);
             }

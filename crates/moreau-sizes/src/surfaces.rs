@@ -3,12 +3,12 @@
 
 use std::any::Any;
 
-use moreau::{Settings, Surface, Workspace};
+use moreau::{Settings, Surface, TOGETHER, Workspace};
 
 /// Things under zones that yield ([`moreau::Yields`]). Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
 /// normal, positive away from the disc.
 ///
-/// The zones' surfaces may belong to one thing; a force on one then displaces the others from the next step on, or as their owner expects it to.
+/// The zones' surfaces may belong to one thing: a force on one then displaces the others within the same step ([`Surfaces::together`]).
 pub trait Surfaces: Send {
     /// The mechanism's zones.
     fn zones(&self) -> &[usize];
@@ -18,6 +18,12 @@ pub trait Surfaces: Send {
     fn follow(&mut self, statically: bool);
     /// What a surface would do in the next step.
     fn surface(&self, index: usize) -> Surface<f64>;
+    /// How many surfaces, from the first one on, belong to one thing. By how much a newton on one displaces another at the next step's end, m/N, the same both
+    /// ways; and what pressed them in the last step, N. [`Surfaces::surface`] then says what each does if nothing presses any of them.
+    fn together(&self, compliance: &mut [[f64; TOGETHER]; TOGETHER], forces: &mut [f64; TOGETHER]) -> usize {
+        let _ = (compliance, forces);
+        0
+    }
     /// Takes the step, under forces, N, that lasted for all of it.
     fn advance(&mut self, forces: &[f64]);
     /// Whether the last step changed nothing, so that the next one does not either if the same forces press.
@@ -73,6 +79,9 @@ impl Under {
         for (index, &zone) in self.surfaces.zones().iter().enumerate() {
             workspace.set_surface(settings, zone, &self.surfaces.surface(index));
         }
+        let (mut compliance, mut forces) = ([[0.0; TOGETHER]; TOGETHER], [0.0; TOGETHER]);
+        let count = self.surfaces.together(&mut compliance, &mut forces);
+        workspace.set_together(settings, &self.surfaces.zones()[..count], &compliance, &forces);
     }
 
     /// The step, under the forces that were set.

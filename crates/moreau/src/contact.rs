@@ -10,6 +10,9 @@ use crate::surface::Yielding;
 use crate::timing::Timing;
 use crate::vector::{Vector, scale, sub};
 
+/// N; a remainder that is not known, for no force comes near it.
+const FAR_OFF: f64 = 1e30;
+
 /// A zone as it acted during one step, for whoever reads it.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
@@ -40,8 +43,8 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub tangent: T,
     /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is asked for.
-    gap: T,
-    rate: T,
+    pub gap: T,
+    pub rate: T,
     /// The felt's memory at the step's start, where it has one.
     pub memory: T,
     /// Row G in relative velocities, for the zone's supporting joints: dg/dt = G w.
@@ -138,6 +141,14 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
+    }
+
+    /// The felt's force on a surface that yields, N, and -dF/d(rate), N s/m, where the rate is so much greater.
+    pub fn pressed_at(&self, zone: &CompiledZone<T>, timing: &Timing<T>, more: T, surface: &Yielding<T>) -> [T; 2] {
+        let (gap, rate) = (self.gap + timing.h_theta * more, self.rate + more);
+        let carried = Carried { memory: &self.memory, surface };
+        let pressed = zone.felt.press_yielding(gap, rate, timing, T::Mask::splat(true), carried);
+        [pressed.force, pressed.tangent / timing.h_theta]
     }
 
     /// What a caller may read: the contact at the pose of the last evaluation, its force carried along with the last change of the
@@ -256,6 +267,9 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         active: T::Mask,
         surface: &Yielding<T>,
     ) -> T {
+        if surface.shared {
+            return T::from_f64(FAR_OFF);
+        }
         let carried = Carried { memory: &self.memory, surface };
         let bend = zone.felt.press_yielding(self.gap, self.rate, timing, active, carried).curvature;
         self.bent(zone, &bend, rate, timing, active)

@@ -6,6 +6,7 @@ use crate::model::{Model, YIELDING};
 use crate::real::{Mask, Real};
 use crate::surface::Yielding;
 use crate::timing::Timing;
+use crate::together::press_together;
 use crate::workspace::{Contacts, Kinematics, Workspace};
 
 /// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its slip row when it
@@ -99,6 +100,7 @@ fn examine<T: Real, const B: usize, const Z: usize, const K: usize, const YIELDS
 pub(crate) fn add_felts<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
+    near: &[usize],
     w: &[T; B],
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
@@ -109,5 +111,8 @@ pub(crate) fn add_felts<T: Real, const B: usize, const Z: usize, const N: usize>
         contact.press(&model.compiled[z], timing, active[z], &surfaces[z], margins);
         let impulse = -(timing.step * contact.force);
         support.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, impulse, w);
+    }
+    if const { T::LANES == 1 } && workspace.contacts.together.count > 1 {
+        press_together(model, timing, near, w, &mut workspace.contacts, &mut workspace.problem.system);
     }
 }

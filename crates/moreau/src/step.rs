@@ -244,7 +244,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
         joint_momentum(model, &state.velocity, w0, workspace);
     }
     linearise(model, &timing, input, w, &joint_angle, workspace);
-    add_felts(model, &timing, w, workspace);
+    add_felts(model, &timing, near, w, workspace);
     if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
         regularised_friction(model, &timing, near, [pivot_width, sliding_width], w, workspace);
         if model.dry_count > 0 {

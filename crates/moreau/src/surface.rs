@@ -11,6 +11,9 @@ use crate::real::{Mask, Real};
 const MOST: u32 = 64;
 const NEWTON: u32 = 10;
 
+/// Zones whose surfaces may feel each other within a step.
+pub const TOGETHER: usize = 4;
+
 /// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way in which the felt pushes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface<T> {
@@ -31,16 +34,46 @@ pub(crate) struct Yielding<T> {
     pub drift: T,
     /// A/h: what a newton adds to that, m/s per N.
     pub give: T,
+    /// Others press the same thing: how far the force is from its linearisation is then not known.
+    pub shared: bool,
+}
+
+/// Zones whose surfaces belong to one thing: a force on one displaces the others within the same step.
+#[derive(Debug, Clone)]
+pub(crate) struct Together<T> {
+    /// How many; nothing is shared by fewer than two.
+    pub count: usize,
+    pub zone: [usize; TOGETHER],
+    /// A/h between them, m/s per N, symmetric; each one's own stands with its surface, and here is zero.
+    pub give: [[T; TOGETHER]; TOGETHER],
+    /// What the others' forces add to the drift of each, as it stands with its surface now, m/s.
+    pub told: [T; TOGETHER],
+}
+
+impl<T: Real> Together<T> {
+    pub fn nothing() -> Self {
+        let zero = T::ZERO;
+        Together { count: 0, zone: [0; TOGETHER], give: [[zero; TOGETHER]; TOGETHER], told: [zero; TOGETHER] }
+    }
+
+    /// What forces on the others add to the drift of one, m/s.
+    pub fn others(&self, one: usize, forces: &[T; TOGETHER]) -> T {
+        let mut sum = T::ZERO;
+        for other in 0..self.count {
+            sum = sum.add_product(self.give[one][other], forces[other]);
+        }
+        sum
+    }
 }
 
 impl<T: Real> Yielding<T> {
     pub fn still() -> Self {
-        Yielding { offset: T::ZERO, drift: T::ZERO, give: T::ZERO }
+        Yielding { offset: T::ZERO, drift: T::ZERO, give: T::ZERO, shared: false }
     }
 
     pub fn of(surface: &Surface<T>, h: T, h_theta: T) -> Self {
         let drift = (surface.free - surface.displacement) / h;
-        Yielding { offset: surface.displacement + h_theta * drift, drift, give: surface.compliance / h }
+        Yielding { offset: surface.displacement + h_theta * drift, drift, give: surface.compliance / h, shared: false }
     }
 }
 

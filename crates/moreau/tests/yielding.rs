@@ -2,7 +2,7 @@
 
 use moreau::{
     Body, Curve, Description, Exponent, Felt, GROUND, Input, Ledger, Loss, Model, ModelError, Outcome, Settings, State,
-    Surface, Workspace, Yields, Zone, step,
+    Surface, TOGETHER, Workspace, Yields, Zone, step,
 };
 
 /// kg; on an arm of 1 m.
@@ -117,6 +117,122 @@ fn nothing_is_won_between_felt_and_surface() {
         let residual = ledger.residual().abs() / ledger.start.kinetic;
         println!("h {h:e}: residual {residual:.2e}, lost {:.3e} J", ledger.dissipated());
         assert!(residual < 1e-8 && ledger.smallest_term >= 0.0 && ledger.felt_damping > 0.0, "{h}: {residual:e}");
+    }
+}
+
+type Two = (Model<f64, 2, 2>, State<f64, 2, 2>, Workspace<f64, 2, 2, 4>);
+
+/// Two masses at the ends of long arms, flying upward at given speeds against felts under a line.
+fn two_thrown(masses: [f64; 2], speeds: [f64; 2], felt: Felt<f64>, gravity: f64) -> Two {
+    let bodies = masses.map(|mass| Body { mass, center_of_mass: [1.0, 0.0], inertia: mass, ..Body::inert() });
+    let curve = Curve::Line { point: [0.0, 0.0], normal: [0.0, -1.0] };
+    let zone = |body| Zone {
+        disc_body: body,
+        center: [1.0, 0.0],
+        radius: 0.0,
+        curve_body: GROUND,
+        curve,
+        felt,
+        friction: None,
+    };
+    let (zones, yields) = ([zone(0), zone(1)], [0, 1].map(|zone| Yields { zone, excursion: 1e-3 }));
+    let description =
+        Description { bodies: &bodies, zones: &zones, yields: &yields, gravity, ..Description::default() };
+    let model = description.compile().unwrap();
+    let mut state = State::at_rest([0.0; 2]);
+    state.velocity = speeds;
+    (model, state, Workspace::new())
+}
+
+/// Two alike masses strike one thing at once: each finds what one mass finds on a surface that gives way by the compliance of both, a + b, or, struck from the
+/// two sides, a - b.
+#[test]
+fn two_that_strike_together_are_one_on_what_yields_to_both() {
+    let felt = Felt { stiffness: 1e10, exponent: Exponent::TwoAndHalf, loss: Loss::Quadratic(1e6) };
+    let settings = Settings { tolerance: 1e-13, ..Settings::new(50e-6) };
+    // Of a step, 50 us: a dashpot's, and the other's part of it.
+    let own = settings.step / DAMPER;
+    for other in [0.6 * own, -0.6 * own] {
+        let (model, mut state, mut workspace) = thrown(felt, &YIELDS, 0.0);
+        let mut place = 0.0;
+        let one: Vec<f64> = (0..100)
+            .map(|_| {
+                let surface = Surface { displacement: place, free: place, compliance: own + other };
+                workspace.set_surface(&settings, 0, &surface);
+                step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+                let force = workspace.normal_force(&model, &settings, 0);
+                place += (own + other) * force;
+                force
+            })
+            .collect();
+        let (model, mut state, mut workspace) = two_thrown([MASS; 2], [SPEED; 2], felt, 0.0);
+        let mut compliance = [[0.0; TOGETHER]; TOGETHER];
+        [compliance[0][1], compliance[1][0]] = [other; 2];
+        let (mut places, mut most) = ([0.0; 2], 0.0_f64);
+        for (n, expected) in one.iter().enumerate() {
+            for (zone, displacement) in places.into_iter().enumerate() {
+                workspace.set_surface(&settings, zone, &Surface { displacement, free: displacement, compliance: own });
+            }
+            // A bad guess costs rounds and nothing else.
+            workspace.set_together(&settings, &[0, 1], &compliance, &[3.0, 0.0, 0.0, 0.0]);
+            assert_eq!(step(&model, &settings, &Input::Free, &mut state, &mut workspace).outcome, Outcome::Converged);
+            workspace.settle_surfaces(&model, &settings);
+            let forces = [0, 1].map(|zone| workspace.normal_force(&model, &settings, zone));
+            for (force, zone) in forces.iter().zip([0, 1]) {
+                assert!(
+                    (force - expected).abs() < 1e-9 * (1.0 + expected),
+                    "step {n}, zone {zone}: {force} {expected}"
+                );
+            }
+            places = [places[0] + own * forces[0] + other * forces[1], places[1] + own * forces[1] + other * forces[0]];
+            most = most.max(forces[0]);
+        }
+        assert!(most > 10.0, "{most}");
+    }
+}
+
+/// Two unlike masses that rattle on one undamped mode for a second: the books close at every length of step.
+#[test]
+fn nothing_is_won_where_two_press_one_thing() {
+    for (h, shapes) in [(20e-6, [1.0, 0.7]), (50e-6, [1.0, -0.7]), (50e-6, [1.0, 0.7]), (200e-6, [1.0, 0.7])] {
+        let felt = Felt { stiffness: 1e10, exponent: Exponent::Three, loss: Loss::Quadratic(1e5) };
+        let (model, mut state, mut workspace) = two_thrown([MASS, 0.03], [SPEED, 0.5], felt, -9.81);
+        let (modal_mass, omega) = (2e-3, 1600.0_f64);
+        let (mut q, mut v) = (0.0, 0.0);
+        let settings = Settings { tolerance: 1e-12, ..Settings::new(h) };
+        let mut ledger = Ledger::open(&model, &state);
+        let (c, s) = ((omega * h).cos(), (omega * h).sin());
+        let a = (1.0 - c) / (modal_mass * omega * omega);
+        let mut compliance = [[0.0; TOGETHER]; TOGETHER];
+        [compliance[0][1], compliance[1][0]] = [a * shapes[0] * shapes[1]; 2];
+        let (mut both, mut forces) = (0, [0.0; TOGETHER]);
+        for _ in 0..(1.0 / h) as usize {
+            let free = q * c + v * s / omega;
+            for (zone, shape) in shapes.into_iter().enumerate() {
+                let surface = Surface { displacement: shape * q, free: shape * free, compliance: a * shape * shape };
+                workspace.set_surface(&settings, zone, &surface);
+            }
+            workspace.set_together(&settings, &[0, 1], &compliance, &forces);
+            let before = state.clone();
+            step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+            workspace.settle_surfaces(&model, &settings);
+            ledger.record(&model, &settings, &before, &state, &workspace);
+            for zone in [0, 1] {
+                forces[zone] = workspace.normal_force(&model, &settings, zone);
+            }
+            both += usize::from(forces[0] > 0.0 && forces[1] > 0.0);
+            let rest = (shapes[0] * forces[0] + shapes[1] * forces[1]) / (modal_mass * omega * omega);
+            (q, v) = (rest + (q - rest) * c + v * s / omega, v * c - (q - rest) * omega * s);
+        }
+        ledger.now = moreau::Energies::displaced(&model, &state, |zone| shapes[zone] * q);
+        ledger.now.surface = 0.5 * modal_mass * (v * v + omega * omega * q * q);
+        let residual = ledger.residual().abs() / ledger.start.kinetic;
+        println!(
+            "h {h:e}, {shapes:?}: residual {residual:.2e}, lost {:.3e} J, both press in {both} steps",
+            ledger.dissipated()
+        );
+        assert!(residual < 1e-8 && ledger.smallest_term >= 0.0 && ledger.felt_damping > 0.0, "{h}: {residual:e}");
+        assert!(both > 10, "{both}");
     }
 }
 

@@ -5,11 +5,13 @@
 //! like any other, whose force the damper's weight on its lever, the key and the pedal decide.
 //!
 //! A partial with a node under the middle would pass by that mean. It rocks the felt: half the difference of the two places, r, is what one end is pressed by more
-//! than the other. Its force is the felt's own dashpot, c r' with c the loss of the felt's law at its present compression, c = b g^2 (a k g^r); found within
+//! than the other. Its force is the felt's own dashpot, c r' with c the loss of the felt's law at the compression of the step before, c = b g^2 (a k g^r); found within
 //! the step, f = -c (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's stiffness adds to that is left out.)
+//! It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and so the places give way to these by a little less: by A_pr k A_rq with
+//! k = (c/h)/(1 + (c/h) A_r), and they are moved by -A_pr k (r - r0) if nothing presses them.
 
 use super::rows::{Block, Row};
-use crate::instrument::{self, Instrument, PianoString};
+use crate::instrument::{self, Curve, Instrument, PianoString};
 
 /// Partials that a static compliance counts: the felt's length makes it converge soon.
 const STATIC_PARTIALS: u32 = 400;
@@ -22,13 +24,16 @@ pub(super) struct Felt {
     pub zone: usize,
     pub string: usize,
     law: instrument::Felt,
+    /// 1 where it pushes the string the way the hammer does, -1 against it, as a damper above strings that are struck from below.
+    side: f64,
     /// Gauss's two places, m.
     places_m: [f64; 2],
     /// Its mean, and half the difference of its ends.
     pub row: Row,
     pub rocking: Row,
-    /// A of the rocking, m/N.
+    /// A of the rocking, m/N; and how far in a step a newton on the hammer and on the felt itself rocks it, and the other way round, m/N.
     rocks_m_n: f64,
+    pub rocked_by_m_n: [f64; 2],
 }
 
 /// Those of an instrument.
@@ -39,33 +44,46 @@ pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
         Some(Felt {
             zone: damper.zone,
             string,
+            side: side(instrument, damper.zone),
             law: instrument.zones[damper.zone].felt,
             places_m: [damper.middle_m - half_m, damper.middle_m + half_m],
             row: Row::default(),
             rocking: Row::default(),
             rocks_m_n: 0.0,
+            rocked_by_m_n: [0.0; 2],
         })
     };
     instrument.strings.iter().enumerate().filter_map(of).collect()
 }
 
+/// On which side of the strings a damper lies: both curves are where the strings are at rest, with normals toward what presses.
+fn side(instrument: &Instrument, damper: usize) -> f64 {
+    let normal = |zone: usize| match instrument.zones[zone].curve {
+        Curve::Line { normal, .. } => normal,
+        _ => [0.0; 2],
+    };
+    let ([x, y], [u, v]) = (normal(damper), instrument.roles.string.map_or([0.0; 2], normal));
+    if x * u + y * v < 0.0 { -1.0 } else { 1.0 }
+}
+
 impl Felt {
     /// Its string has these blocks.
     pub fn lay(&mut self, first: usize, blocks: usize) {
-        (self.row, self.rocking, self.rocks_m_n) = (Row::new(first, blocks), Row::new(first, blocks), 0.0);
+        (self.row, self.rocking) = (Row::new(first, blocks), Row::new(first, blocks));
+        (self.rocks_m_n, self.rocked_by_m_n) = (0.0, [0.0; 2]);
     }
 
-    /// A mode's displacement of the felt and of its rocking, per metre.
+    /// A mode's displacement of the felt, away from it, and of its rocking, per metre.
     fn shapes(&self, string: &PianoString, n: u32) -> [f64; 2] {
         let [a, b] = self.places_m.map(|place_m| PianoString::shape(n, place_m, string.length_m));
-        [0.5 * (a + b), 0.5 * (b - a)]
+        [self.side * 0.5 * (a + b), self.side * 0.5 * (b - a)]
     }
 
-    /// Takes in a mode of its string; returns its displacement of the felt per metre.
+    /// Takes in a mode of its string, which displaces the hammer by so much per metre; returns its displacement of the felt.
     pub fn set_mode(
         &mut self,
         string: &PianoString,
-        n: u32,
+        (n, hammer): (u32, f64),
         at: usize,
         stiffness_n_m: f64,
         qq: f64,
@@ -74,7 +92,10 @@ impl Felt {
         let [mean, half] = self.shapes(string, n);
         self.row.set(at, mean, stiffness_n_m, blocks);
         self.rocking.set(at, half, stiffness_n_m, blocks);
-        self.rocks_m_n += half * half / stiffness_n_m * (1.0 - qq);
+        let rocks = half / stiffness_n_m * (1.0 - qq);
+        self.rocks_m_n += half * rocks;
+        self.rocked_by_m_n[0] += hammer * rocks;
+        self.rocked_by_m_n[1] += mean * rocks;
         mean
     }
 
@@ -100,14 +121,28 @@ impl Felt {
         self.law.damping * g * g + self.law.hunt_crossley * force_n
     }
 
-    /// After a step under its force: what the rocking has taken meanwhile. `before`: where it was.
-    pub fn rock(&self, force_n: f64, before: f64, step_s: f64, blocks: &mut [Block]) {
-        let c = self.dashpot(force_n);
-        if c > 0.0 {
-            let free = self.rocking.now(blocks);
-            let per_s = c / step_s;
-            let force_n = -per_s * (free - before) / (1.0 + per_s * self.rocks_m_n);
-            self.rocking.press(force_n, blocks);
+    /// What its rocking does in the next step, after one under this force.
+    pub fn rocks(&self, force_n: f64, blocks: &[Block], step_s: f64) -> Rocks {
+        let per_s = self.dashpot(force_n) / step_s;
+        if per_s <= 0.0 {
+            return Rocks::default();
         }
+        let stiff_n_m = per_s / (1.0 + per_s * self.rocks_m_n);
+        Rocks { stiff_n_m, drift_m: self.rocking.free(blocks) - self.rocking.now(blocks) }
     }
+
+    /// After a step under the other forces: what the rocking has taken meanwhile. `before_m`: where it was.
+    pub fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) {
+        let force_n = -rocks.stiff_n_m * (self.rocking.now(blocks) - before_m);
+        self.rocking.press(force_n, blocks);
+    }
+}
+
+/// The rocking of a felt in a step. All zero: it is not pressed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rocks {
+    /// (c/h) / (1 + (c/h) A_r): its force per metre by which it would rock if its dashpot did nothing, N/m.
+    pub stiff_n_m: f64,
+    /// By how much it rocks if nothing presses it, m.
+    pub drift_m: f64,
 }

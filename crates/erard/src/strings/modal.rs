@@ -7,7 +7,7 @@ use moreau::Surface;
 use moreau_sizes::{Mechanism, Surfaces};
 
 use super::bridge::Bridge;
-use super::damping::{self, Felt};
+use super::damping::{self, Felt, Rocks};
 use super::pedal::Rail;
 use super::rows::{Block, Row, WIDE, added, transition};
 use super::tuning::REACH_HZ;
@@ -21,7 +21,7 @@ const STILL_J: f64 = 1e-18;
 /// J; likewise for a single mode among others.
 const MODE_STILL_J: f64 = 1e-30;
 /// Strings that are still go on standing as they do where a force changes by less than this part of it: its rounding.
-const SAME: f64 = 1e-12;
+const SAME: f64 = 1e-10;
 /// Places at which strings are pressed: the hammer's, and a damper's on each string.
 const POINTS: usize = 1 + MAX_STRINGS;
 
@@ -52,6 +52,8 @@ pub struct Strings {
     modes: Vec<Mode>,
     /// The dampers' felts, each on one string.
     felts: Vec<Felt>,
+    /// What these do beside their forces in the next step.
+    rocks: [Rocks; MAX_STRINGS],
     rail: Option<Rail>,
     /// Where it moves.
     bridge: Option<Bridge>,
@@ -97,6 +99,7 @@ impl Strings {
             blocks: Vec::new(),
             modes: Vec::new(),
             felts,
+            rocks: [Rocks::default(); MAX_STRINGS],
             rail: instrument.roles.pedal.map(|_| Rail::default()),
             bridge: None,
             hold_n_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
@@ -245,7 +248,7 @@ impl Strings {
                 let mut shapes = [0.0; POINTS];
                 shapes[0] = shape;
                 if let Some(k) = felt {
-                    shapes[1 + k] = self.felts[k].set_mode(string, n, at, stiffness_n_m, qq, &self.blocks);
+                    shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_m, qq, &self.blocks);
                 }
                 for (p, of_p) in shapes.iter().enumerate() {
                     for (other, of_other) in shapes.iter().enumerate() {
@@ -311,6 +314,10 @@ impl Strings {
             }
         }
         self.set_sums(now, free, bridge);
+        self.rocks = std::array::from_fn(|k| match self.felts.get(k) {
+            Some(felt) => felt.rocks(self.forces_n[1 + k], &self.blocks, self.step_s),
+            None => Rocks::default(),
+        });
     }
 
     #[inline(always)]
@@ -342,13 +349,14 @@ impl Strings {
     fn step_all(&mut self) {
         let s_before_n = self.sum_n;
         let pressed = self.forces_n[1..=self.felts.len()].iter().any(|force| *force != 0.0);
-        if !pressed && self.bridge.is_none() {
+        let rocks = self.rocks;
+        if !pressed && self.bridge.is_none() && rocks.iter().all(|rocks| rocks.stiff_n_m == 0.0) {
             self.step_modes(self.forces_n[0]);
             return;
         }
         // What the felts' rocking was before.
         let rocked: [f64; MAX_STRINGS] = std::array::from_fn(|k| match self.felts.get(k) {
-            Some(felt) if self.forces_n[1 + k] > 0.0 => felt.rocking.now(&self.blocks),
+            Some(felt) if rocks[k].stiff_n_m > 0.0 => felt.rocking.now(&self.blocks),
             _ => 0.0,
         });
         // The bridge's mean displacement is linear in the forces, which are all known now.
@@ -366,7 +374,9 @@ impl Strings {
             bridge.row.press(mean_m, &mut self.blocks);
         }
         for (k, felt) in self.felts.iter().enumerate() {
-            felt.rock(self.forces_n[1 + k], rocked[k], self.step_s, &mut self.blocks);
+            if rocks[k].stiff_n_m > 0.0 {
+                felt.rock(&rocks[k], rocked[k], &mut self.blocks);
+            }
         }
         if let (Some(bridge), Some(mean_m)) = (&mut self.bridge, mean_m) {
             let s_n = bridge.sum_n(&self.blocks);
@@ -387,10 +397,19 @@ impl Strings {
         }
     }
 
-    /// What the places other than this displace it by, of this compliance, under the last forces.
-    fn others(&self, point: usize, compliance: &Between) -> f64 {
-        let of = |p: usize| if p == point { 0.0 } else { compliance[point][p] * self.forces_n[p] };
-        (0..POINTS).map(of).sum()
+    /// The felts that rock, by their strings' places among them.
+    fn rocking(&self) -> impl Iterator<Item = (usize, &Rocks)> {
+        self.rocks.iter().enumerate().filter(|(_, rocks)| rocks.stiff_n_m > 0.0)
+    }
+
+    /// By how much a newton at a place rocks a felt in a step, m/N.
+    fn rocked_by(&self, felt: usize, point: usize) -> f64 {
+        let [hammer, own] = self.felts[felt].rocked_by_m_n;
+        match point {
+            0 => hammer,
+            _ if point == 1 + felt => own,
+            _ => 0.0,
+        }
     }
 
     /// Where a mode stands under the forces that are set, m. `bridge_m`: with the bridge there.
@@ -521,16 +540,34 @@ impl Surfaces for Strings {
         }
         let displacement = self.point_now(index);
         if self.statically {
-            let free = self.others(index, &self.static_m_n);
-            return Surface { displacement, free, compliance: self.static_m_n[index][index] };
+            return Surface { displacement, free: 0.0, compliance: self.static_m_n[index][index] };
         }
         let alone = index.checked_sub(1).map_or(self.free_m, |k| self.felts[k].row.free(&self.blocks));
         let bridge = self
             .bridge
             .as_ref()
             .map_or(0.0, |bridge| self.sounds[index] * bridge.mean_m(self.sum_n, bridge.row.free(&self.blocks)));
-        let free = alone + bridge + self.others(index, &self.compliance_m_n);
-        Surface { displacement, free, compliance: self.compliance_m_n[index][index] }
+        let (mut free, mut compliance) = (alone + bridge, self.compliance_m_n[index][index]);
+        for (k, rocks) in self.rocking() {
+            let rocked = self.rocked_by(k, index);
+            free -= rocked * rocks.stiff_n_m * rocks.drift_m;
+            compliance -= rocked * rocks.stiff_n_m * rocked;
+        }
+        Surface { displacement, free, compliance }
+    }
+
+    fn together(&self, compliance: &mut Between, forces: &mut [f64; POINTS]) -> usize {
+        *forces = self.forces_n;
+        *compliance = self.static_m_n;
+        if !self.statically {
+            *compliance = self.compliance_m_n;
+            for (k, rocks) in self.rocking() {
+                let less = self.rocked_by(k, 0) * rocks.stiff_n_m * self.rocked_by(k, 1 + k);
+                compliance[0][1 + k] -= less;
+                compliance[1 + k][0] -= less;
+            }
+        }
+        if self.felts.is_empty() { 0 } else { 1 + self.felts.len() }
     }
 
     fn advance(&mut self, forces: &[f64]) {

@@ -1,0 +1,217 @@
+//! Felts that press one and the same thing within a step, a hammer's and a damper's on a string: their forces are found together.
+//!
+//! With r_i the rate at which felt i would be pressed if nothing displaced its surface, F_i = P_i(r_i - sum_j a_ij F_j), where a = A/h between the zones
+//! is symmetric and positive definite, and the laws P rise. So the forces are where a convex function is least, sum P*_i(F_i) + F a F / 2 - r F, and going
+//! from felt to felt, each time solving the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Zones that yield").
+
+use crate::model::Model;
+use crate::osnsp::System;
+use crate::real::{Mask, Real};
+use crate::settings::Settings;
+use crate::surface::TOGETHER;
+use crate::timing::Timing;
+use crate::workspace::{Contacts, Workspace};
+
+/// Most rounds from felt to felt. A hammer and a damper beside it take ten or so.
+const ROUNDS: u32 = 256;
+
+/// The felts' forces, N, and -dF/d(rate) of each alone, N s/m.
+struct Found<T> {
+    forces: [T; TOGETHER],
+    slopes: [T; TOGETHER],
+}
+
+/// Finds the forces of the zones that take part, at rates that are so much greater than those of the last evaluation, m/s. What they displace
+/// each other by stands with their surfaces afterwards. `None`: nothing displaces anything, and all is as it was.
+fn solve<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    takes_part: impl Fn(&Contacts<T, B, Z>, usize) -> bool,
+    more: impl Fn(&Contacts<T, B, Z>, usize) -> T,
+    contacts: &mut Contacts<T, B, Z>,
+) -> Option<Found<T>> {
+    let (zero, count) = (T::ZERO, contacts.together.count);
+    let part: [bool; TOGETHER] = core::array::from_fn(|i| i < count && takes_part(contacts, contacts.together.zone[i]));
+    let more: [T; TOGETHER] =
+        core::array::from_fn(|i| if part[i] { more(contacts, contacts.together.zone[i]) } else { zero });
+    let press = |contacts: &Contacts<T, B, Z>, i: usize, forces: &[T; TOGETHER]| {
+        let z = contacts.together.zone[i];
+        let shift = contacts.together.others(i, forces) - contacts.together.told[i];
+        contacts.states[z].pressed_at(&model.compiled[z], timing, more[i] - shift, &contacts.surfaces[z])
+    };
+    let (mut forces, mut slopes) = ([zero; TOGETHER], [zero; TOGETHER]);
+    for i in (0..count).filter(|i| part[*i]) {
+        let z = contacts.together.zone[i];
+        [forces[i], slopes[i]] =
+            contacts.states[z].pressed_at(&model.compiled[z], timing, more[i], &contacts.surfaces[z]);
+    }
+    let displaced = |i: usize| zero.lt((contacts.together.others(i, &forces) - contacts.together.told[i]).abs()).any();
+    if !(0..count).any(displaced) {
+        return None;
+    }
+    for _ in 0..ROUNDS {
+        let (mut change, mut largest) = (zero, zero);
+        for i in (0..count).filter(|i| part[*i]) {
+            let before = forces[i];
+            [forces[i], slopes[i]] = press(contacts, i, &forces);
+            change = change.max((forces[i] - before).abs());
+            largest = largest.max(forces[i]);
+        }
+        if change.le(T::from_f64(8.0) * T::EPSILON * largest).all() {
+            break;
+        }
+    }
+    for i in 0..count {
+        let z = contacts.together.zone[i];
+        let told = contacts.together.others(i, &forces);
+        let shift = told - contacts.together.told[i];
+        contacts.together.told[i] = told;
+        contacts.surfaces[z].drift += shift;
+        contacts.surfaces[z].offset += timing.h_theta * shift;
+        contacts.states[z].rate -= shift;
+        contacts.states[z].gap -= timing.h_theta * shift;
+    }
+    Some(Found { forces, slopes })
+}
+
+/// Puts the forces that are found together in the place of those that each felt has found for itself, in the linearised step, too.
+///
+/// With s_i = -dF_i/dr_i of each alone, dF = (diag(1/s) + a)^-1 dr: a row of one zone then acts on another's force.
+#[cold]
+#[inline(never)]
+pub(crate) fn press_together<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    timing: &Timing<T>,
+    near: &[usize],
+    w: &[T; B],
+    contacts: &mut Contacts<T, B, Z>,
+    system: &mut System<T, B, N>,
+) {
+    let (zero, count) = (T::ZERO, contacts.together.count);
+    // A zone that the others press into reach takes part, too; but its slip would have no row yet.
+    let takes_part = |contacts: &Contacts<T, B, Z>, z: usize| {
+        let touched = contacts.touched[..contacts.touched_count].contains(&z);
+        near.contains(&z) && contacts.states[z].in_reach.any() && (touched || !model.compiled[z].slides)
+    };
+    let Some(Found { forces, slopes }) = solve(model, timing, takes_part, |_, _| zero, contacts) else {
+        for i in 0..count {
+            contacts.surfaces[contacts.together.zone[i]].shared = false;
+        }
+        return;
+    };
+    let tangents = tangents(&contacts.together.give, &slopes);
+    let mut rows = [[zero; B]; TOGETHER];
+    for i in 0..count {
+        let z = contacts.together.zone[i];
+        let touched = contacts.touched[..contacts.touched_count].contains(&z);
+        contacts.surfaces[z].shared = zero.lt(forces[i]).any();
+        if !touched && !contacts.surfaces[z].shared {
+            continue;
+        }
+        let (support, contact) = (&model.supports[z], &mut contacts.states[z]);
+        let before = if touched { [contact.force, contact.tangent] } else { [zero; 2] };
+        (contact.force, contact.tangent) = (forces[i], timing.h_theta * tangents[i][i]);
+        let more = [contact.force - before[0], contact.tangent - before[1]];
+        support.add_term(&mut system.a, &mut system.b, &contact.row, more[1], -(timing.step * more[0]), w);
+        support.spread(&contact.row, T::ONE, &mut rows[i]);
+        if !touched {
+            contacts.touch(z);
+        }
+    }
+    for i in 0..count {
+        for j in 0..i {
+            add_pair([&rows[i], &rows[j]], timing.h_theta * tangents[i][j], w, system);
+        }
+    }
+}
+
+/// What the force of one zone owes to another's rate, and the other way round, in the linearised step: A += t (x^T y + y^T x), b += t (x^T y + y^T x) w.
+fn add_pair<T: Real, const B: usize, const N: usize>(
+    [x, y]: [&[T; B]; 2],
+    tangent: T,
+    w: &[T; B],
+    system: &mut System<T, B, N>,
+) {
+    let (mut of_x, mut of_y) = (T::ZERO, T::ZERO);
+    for k in 0..B {
+        of_x = of_x.add_product(x[k], w[k]);
+        of_y = of_y.add_product(y[k], w[k]);
+    }
+    for k in 0..B {
+        system.b[k] += tangent * (x[k] * of_y + y[k] * of_x);
+        system.a.diagonal[k] += T::from_f64(2.0) * tangent * x[k] * y[k];
+        for l in 0..k {
+            system.a.below[k][l] += tangent * (x[k] * y[l] + y[k] * x[l]);
+        }
+    }
+}
+
+/// (diag(1/s) + a)^-1, N s/m, with nothing where s is zero: positive semidefinite.
+fn tangents<T: Real>(give: &[[T; TOGETHER]; TOGETHER], slopes: &[T; TOGETHER]) -> [[T; TOGETHER]; TOGETHER] {
+    let (zero, mut inverse) = (T::ZERO, [[T::ZERO; TOGETHER]; TOGETHER]);
+    // Row by row of (1 + s a) x = s, by elimination; s a has a zero diagonal, and the matrix is that of a positive definite one times s.
+    let mut matrix = [[zero; TOGETHER]; TOGETHER];
+    for i in 0..TOGETHER {
+        for j in 0..TOGETHER {
+            matrix[i][j] = slopes[i] * give[i][j];
+        }
+        matrix[i][i] += T::ONE;
+        inverse[i][i] = slopes[i];
+    }
+    for pivot in 0..TOGETHER {
+        let by = T::ONE / matrix[pivot][pivot];
+        for k in 0..TOGETHER {
+            matrix[pivot][k] = by * matrix[pivot][k];
+            inverse[pivot][k] = by * inverse[pivot][k];
+        }
+        for i in (0..TOGETHER).filter(|i| *i != pivot) {
+            let factor = matrix[i][pivot];
+            for k in 0..TOGETHER {
+                matrix[i][k] = matrix[i][k].sub_product(factor, matrix[pivot][k]);
+                inverse[i][k] = inverse[i][k].sub_product(factor, inverse[pivot][k]);
+            }
+        }
+    }
+    inverse
+}
+
+/// The forces at the velocities that a step has ended with: the same equations, for the zones that were touched.
+#[cold]
+#[inline(never)]
+pub(crate) fn settle<T: Real, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    workspace: &mut Workspace<T, B, Z, N>,
+) {
+    let timing = Timing::new(settings.step, settings.theta);
+    let Workspace { contacts, correction, .. } = workspace;
+    let touched = |contacts: &Contacts<T, B, Z>, z: usize| {
+        contacts.touched[..contacts.touched_count].contains(&z) && contacts.active[z].any()
+    };
+    let more = |contacts: &Contacts<T, B, Z>, z: usize| {
+        timing.theta * model.supports[z].product(&contacts.states[z].row, correction)
+    };
+    solve(model, &timing, touched, more, contacts);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the inverse of diag(1/s) + a, worked out by multiplying back; a felt that does not push has no part in it.
+    #[test]
+    fn the_tangents_are_the_inverse() {
+        let give = [[0.0, 0.3, -0.2, 0.1], [0.3, 0.0, 0.05, 0.0], [-0.2, 0.05, 0.0, 0.02], [0.1, 0.0, 0.02, 0.0]];
+        let slopes = [0.5, 1.2, 2.0, 0.0];
+        let found: [[f64; TOGETHER]; TOGETHER] = tangents(&give, &slopes);
+        for i in 0..3 {
+            for j in 0..3 {
+                let back: f64 = (0..3).map(|k| (if i == k { 1.0 / slopes[i] } else { give[i][k] }) * found[k][j]).sum();
+                assert!((back - f64::from(u8::from(i == j))).abs() < 1e-14, "{i} {j}: {back}");
+                assert!((found[i][j] - found[j][i]).abs() < 1e-15);
+            }
+        }
+        assert_eq!(found[3], [0.0; TOGETHER]);
+        assert!((0..4).all(|i| found[i][3] == 0.0));
+    }
+}
