@@ -7,4 +7,5 @@ pub mod benchmarks;
 pub mod compare;
 pub mod recording;
 pub mod reproduce;
+mod struck;
 pub mod validate;

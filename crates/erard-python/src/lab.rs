@@ -120,7 +120,7 @@ pub fn validate<'py>(
     let own = instrument.inner.clone();
     let validation = {
         let published = &published;
-        watched(py, progress, move |going| hold(&own, published, going), |error| failed(error))?
+        watched(py, progress, move |going| hold(&own, None, published, going), |error| failed(error))?
     };
     let rows = published.rows.iter().zip(&validation.verdicts);
     rows.map(|(row, verdict)| {
@@ -128,8 +128,10 @@ pub fn validate<'py>(
             Verdict::Met { simulated } => ("met", Some(*simulated), None),
             Verdict::Missed { simulated, by } => ("missed", Some(*simulated), Some(*by)),
             Verdict::Absent => ("did not happen", None, None),
-            Verdict::Silent => ("cannot speak to it", None, None),
+            Verdict::Open { simulated } => ("nothing published", Some(*simulated), None),
+            Verdict::Silent | Verdict::Skipped(_) => ("cannot speak to it", None, None),
         };
+        let reason = if let Verdict::Skipped(skipped) = verdict { Some(skipped.reason()) } else { None };
         let one = PyDict::new(py);
         one.set_item("name", &row.name)?;
         one.set_item("quantity", &row.quantity)?;
@@ -142,7 +144,7 @@ pub fn validate<'py>(
         one.set_item("missed_by", by)?;
         one.set_item("source", &row.source)?;
         one.set_item("certainty", certainty(row.certainty))?;
-        one.set_item("likely_reason", if told == "met" { None } else { row.if_missed.as_deref() })?;
+        one.set_item("likely_reason", if told == "met" { None } else { reason.or(row.if_missed.as_deref()) })?;
         Ok(one)
     })
     .collect()

@@ -1,11 +1,12 @@
 //! `erard validate`.
 
 use clap::Args;
+use erard::keyboard::Keyboard;
 use erard_lab::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
 use serde::Serialize;
 use std::io::Write;
 
-use super::options::load_instrument;
+use super::options::{KeyboardKey, load_instrument};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -20,7 +21,8 @@ use erard_figures::figure::{
 const AFTER: &str = "\
 A row is met where the simulated value lies in the published range; where a source gives one number, the range around it is
 ours, and the table (validation/published.toml) says so. Rows on the order of events are played by a hand; what a constant force gives
-stands beside them and does not count. Misses are shown as misses, with the likely reason. Writes
+stands beside them and does not count. Rows on strings are played on an instrument with strings, those of other keys than middle C on its keyboard: the
+built-in one of the instrument's name, or that of FILE:key=40. Misses are shown as misses, with the likely reason. Writes
 validate.json, validate.csv, and the order of events against loudness as SVG and PNG.";
 
 /// Holds an instrument against what has been measured on real pianos.
@@ -41,12 +43,16 @@ impl Validate {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let instrument = load_instrument(&self.instrument)?;
+        let keyboard = match KeyboardKey::asked(&self.instrument)? {
+            Some(one) => Some(one.keyboard),
+            None => Keyboard::builtin(&self.instrument),
+        };
         let published = Published::builtin();
         let mut output = self
             .out
             .prepare("validate", &["validate.json", "validate.csv", "order-of-events.svg", "order-of-events.png"])?;
         let mut progress = Progress::new("validating");
-        let validation = validate(&instrument, &published, &mut |share| progress.tell(share))
+        let validation = validate(&instrument, keyboard.as_ref(), &published, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: self.instrument.clone(), error })?;
         drop(progress);
 
@@ -66,11 +72,12 @@ impl Validate {
         say!();
         print_table(&report.rows);
         say!(
-            "{} of {} rows met, {} missed, {} that the model cannot speak to",
+            "{} of {} rows met, {} missed; {} that the model cannot speak to, {} for which nothing published was found",
             report.met,
-            report.rows.len(),
+            report.met + report.missed,
             report.missed,
-            report.silent
+            report.silent,
+            report.open
         );
         say!();
         say!(
@@ -132,6 +139,7 @@ struct Report<'a> {
     met: usize,
     missed: usize,
     silent: usize,
+    open: usize,
     rows: Vec<RowReport<'a>>,
     blows: Vec<BlowReport>,
     pressed: Vec<BlowReport>,
@@ -161,6 +169,7 @@ impl<'a> Report<'a> {
             met: count(&[MET]),
             missed: count(&[MISSED, ABSENT]),
             silent: count(&[SILENT]),
+            open: count(&[OPEN]),
             blows: validation.blows.iter().map(blow).collect(),
             pressed: validation.pressed.iter().map(blow).collect(),
             rows,
@@ -172,14 +181,17 @@ const MET: &str = "met";
 const MISSED: &str = "missed";
 const ABSENT: &str = "did not happen";
 const SILENT: &str = "cannot speak to it";
+const OPEN: &str = "nothing published";
 
 impl<'a> RowReport<'a> {
     fn new(row: &'a Row, verdict: Verdict, constant_force: Option<f64>, published: &'a Published) -> Self {
+        let skipped = if let Verdict::Skipped(skipped) = verdict { Some(skipped.reason()) } else { None };
         let (verdict, simulated, missed_by) = match verdict {
             Verdict::Met { simulated } => (MET, Some(simulated), None),
             Verdict::Missed { simulated, by } => (MISSED, Some(simulated), Some(by)),
             Verdict::Absent => (ABSENT, None, None),
-            Verdict::Silent => (SILENT, None, None),
+            Verdict::Open { simulated } => (OPEN, Some(simulated), None),
+            Verdict::Silent | Verdict::Skipped(_) => (SILENT, None, None),
         };
         RowReport {
             name: &row.name,
@@ -195,7 +207,7 @@ impl<'a> RowReport<'a> {
             source_title: published.sources.get(&row.source).map_or("", |source| &source.title),
             certainty: row.certainty,
             how: &row.how,
-            likely_reason: if verdict == MET { None } else { row.if_missed.as_deref() },
+            likely_reason: if verdict == MET { None } else { skipped.or(row.if_missed.as_deref()) },
             constant_force,
         }
     }

@@ -1,34 +1,21 @@
 //! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay over a bridge that moves.
 
-use moreau::Settings;
-
 use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use crate::struck::{self, STEP_S, blow};
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
 
 /// The keyboard and the instrument that this is about.
 const NAME: &str = "concert-grand-strings";
-/// Keys: A0, C2, C4, C6, C8; and how far the hammer's force is followed after it met the string, s.
+/// Keys: A0, C2, C4, C6, C8.
 const KEYS: [usize; 5] = [1, 16, 40, 64, 88];
-const FOLLOWED_S: f64 = 10e-3;
 /// Constant forces on the key, N: pp to ff.
 const FORCES: [(&str, f64); 5] = [("pp", 0.8), ("p", 2.0), ("mf", 4.0), ("f", 8.0), ("ff", 18.0)];
 /// Lifts of the pedal's rail, m.
 const LIFTS_MM: [f64; 20] =
     [0.0, 1.0, 1.6, 1.8, 1.9, 1.95, 2.0, 2.02, 2.04, 2.06, 2.08, 2.1, 2.12, 2.15, 2.2, 2.25, 2.3, 2.4, 3.0, 5.0];
-/// Steps, s.
-const STEP_S: f64 = 50e-6;
-
-/// The first blow of a hammer.
-struct Blow {
-    speed_m_s: f64,
-    contact_s: f64,
-    pulses: u32,
-    peak_n: f64,
-    back_m_s: f64,
-}
 
 pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let wrong = |error: String| ReproduceError::Instrument(error);
@@ -46,7 +33,17 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
     };
     let mut table = Table::new(
         "Blows over the compass",
-        &["note", "force, N", "hammer, m/s", "contact, ms", "pulses", "peak, N", "return, m/s", "share"],
+        &[
+            "note",
+            "force, N",
+            "hammer, m/s",
+            "contact, ms",
+            "pulses",
+            "peak, N",
+            "return, m/s",
+            "share",
+            "published contact, ms",
+        ],
     );
     let mut mf = Vec::new();
     let mut peaks = Vec::new();
@@ -69,6 +66,14 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
             };
             let cells =
                 cells.into_iter().chain(std::iter::repeat_n(String::new(), if found.is_some() { 0 } else { 5 }));
+            // For peaks and returns no published number was found, nor for contact at other marks.
+            let published = match (key, loud) {
+                (1, "mf") => "3.7; bass 4 to 5",
+                (40, "mf") => "about 2",
+                (88, "mf") => "about 0.5",
+                _ => "",
+            };
+            let cells = cells.chain([published.to_owned()]);
             table.row([note_name(key), format!("{force_n} ({loud})")].into_iter().chain(cells));
             if let (Some(b), "mf") = (&found, loud) {
                 mf.push((key, b.contact_s * 1e3));
@@ -138,30 +143,7 @@ fn inharmonicity(keyboard: &Keyboard, section: &mut Section) -> Result<(), Repro
 }
 
 fn rest(instrument: &Instrument) -> Result<Action, ReproduceError> {
-    Action::with(instrument, Settings::new(STEP_S)).map_err(|error| ReproduceError::Simulation(error.into()))
-}
-
-/// The first blow under a constant force.
-fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
-    let (mut first, mut blow, mut touching) = (None, None, false);
-    for n in 0..(0.5 / STEP_S) as usize {
-        let reading = action.step(Input::Force(force_n));
-        if let (Some(strike), None) = (action.blow(), first) {
-            first = Some(n);
-            blow = Some(Blow { speed_m_s: strike.speed_m_s, contact_s: 0.0, pulses: 0, peak_n: 0.0, back_m_s: 0.0 });
-        }
-        let (Some(since), Some(blow)) = (first, &mut blow) else { continue };
-        if (n - since) as f64 * STEP_S > FOLLOWED_S {
-            break;
-        }
-        if reading.string_n > 0.0 {
-            blow.pulses += u32::from(!touching);
-            (blow.contact_s, blow.back_m_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_s);
-            blow.peak_n = blow.peak_n.max(reading.string_n);
-        }
-        touching = reading.string_n > 0.0;
-    }
-    blow
+    struck::rest(instrument).map_err(|error| ReproduceError::Simulation(error.into()))
 }
 
 /// Level of the force on the bridge over 20 ms, dB.

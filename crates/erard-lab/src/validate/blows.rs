@@ -37,9 +37,9 @@ const STARTED_M: f64 = 1e-3;
 /// Forces of the curve against loudness, from the softest to the largest.
 const POINTS: usize = 25;
 /// Hammer speeds of the marks, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
-const PP_M_S: f64 = 0.5;
-const FF_M_S: f64 = 5.0;
-const MF_M_S: f64 = 1.99;
+pub(super) const PP_M_S: f64 = 0.5;
+pub(super) const FF_M_S: f64 = 5.0;
+pub(super) const MF_M_S: f64 = 1.99;
 const F_M_S: f64 = 3.15;
 /// The key stroke that a published f has, s.
 const F_STROKE_S: f64 = 0.025;

@@ -6,17 +6,21 @@
 
 mod blows;
 mod published;
+mod strings;
 mod touches;
 mod values;
 
 pub use blows::{Drive, PressedBlow};
 pub(crate) use blows::{Loudness, measure as loudness};
 pub use published::{Published, PublishedError, Row};
-pub use values::NAMES;
+pub use strings::Skipped;
+pub use values::names;
 
 use erard::instrument::Instrument;
+use erard::keyboard::Keyboard;
 use erard_workshop::measure::flex::{key_flex_m_per_n, shank_flex_m_per_n};
 use erard_workshop::measure::{MeasureError, measure};
+use strings::Strung;
 use values::Flex;
 
 /// How a simulated value stands to a published one.
@@ -36,8 +40,15 @@ pub enum Verdict {
     },
     /// It did not happen in the simulation.
     Absent,
+    /// Nothing was published that it could be held against.
+    Open {
+        /// What was simulated, in the row's unit.
+        simulated: f64,
+    },
     /// The model has nothing that could be compared.
     Silent,
+    /// This instrument has nothing that could be compared.
+    Skipped(Skipped),
 }
 
 /// An instrument beside the published measurements.
@@ -56,28 +67,37 @@ pub struct Validation {
 }
 
 /// Share of the work that the technician's sheet takes, and the blows after it.
-const SHEET: f64 = 0.7;
+const SHEET: f64 = 0.6;
 const BLOWS: f64 = 0.2;
+const TOUCHES: f64 = 0.05;
 
-/// Simulates everything that the table asks about. `progress` is told the share that is done and ends the work by returning false.
+/// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are about other keys. `progress` is told the share
+/// that is done and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no error.
 pub fn validate(
     instrument: &Instrument,
+    keyboard: Option<&Keyboard>,
     published: &Published,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Validation, MeasureError> {
     let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
     let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;
-    let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + (1.0 - SHEET - BLOWS) * share))?;
+    let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + TOUCHES * share))?;
+    let before = SHEET + BLOWS + TOUCHES;
+    let strung = Strung::measure(instrument, keyboard, &mut |share| progress(before + (1.0 - before) * share))?;
     let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
     let value = |name: &str| values::value(name, &sheet, &loudness, &touches, &flex);
-    let verdicts = published
-        .rows
-        .iter()
-        .map(|row| row.measure.as_deref().map_or(Verdict::Silent, |m| row.judge(value(m))))
-        .collect();
+    let verdict = |row: &Row| {
+        let Some(name) = row.measure.as_deref() else { return Verdict::Silent };
+        match strung.value(name) {
+            Some(Ok(found)) => row.judge(found),
+            Some(Err(skipped)) => Verdict::Skipped(skipped),
+            None => row.judge(value(name)),
+        }
+    };
+    let verdicts = published.rows.iter().map(verdict).collect();
     let beside = published.rows.iter().map(|row| row.beside.as_deref().and_then(value)).collect();
     Ok(Validation {
         instrument: instrument.name.clone(),

@@ -32,9 +32,9 @@ pub struct Row {
     pub name: String,
     /// What it is, for people.
     pub quantity: String,
-    /// Which simulated value it is compared with, one of [`super::NAMES`]; `None` where the model has none.
+    /// Which simulated value it is compared with, one of [`super::names`]; `None` where the model has none.
     pub measure: Option<String>,
-    /// The same quantity under a constant force, one of [`super::NAMES`]: shown beside the row, and not counted.
+    /// The same quantity under a constant force, one of [`super::names`]: shown beside the row, and not counted.
     pub beside: Option<String>,
     /// Unit of all its numbers; empty for ratios.
     pub unit: String,
@@ -104,9 +104,10 @@ impl Published {
             }
             for (key, name) in [("measure", &row.measure), ("beside", &row.beside)] {
                 if let Some(name) = name
-                    && !values::NAMES.contains(&name.as_str())
+                    && !values::names().any(|known| known == name)
                 {
-                    return wrong(format!("`{key}` is `{name}`; expected one of {}", values::NAMES.join(", ")));
+                    let known: Vec<&str> = values::names().collect();
+                    return wrong(format!("`{key}` is `{name}`; expected one of {}", known.join(", ")));
                 }
             }
             let ordered = row.at_least.is_none_or(|low| row.at_most.is_none_or(|high| low < high));
@@ -114,8 +115,8 @@ impl Published {
             if !ordered || !finite {
                 return wrong("expected finite numbers, `at_least` below `at_most`".into());
             }
-            if row.measure.is_some() && row.at_least.is_none() && row.at_most.is_none() {
-                return wrong("expected `at_least` or `at_most`".into());
+            if row.measure.is_some() && row.is_open() && row.published.is_none() {
+                return wrong("expected `at_least` or `at_most`, or `published` to say that there is none".into());
             }
         }
         Ok(table)
@@ -123,11 +124,18 @@ impl Published {
 }
 
 impl Row {
+    /// No range was published.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.at_least.is_none() && self.at_most.is_none()
+    }
+
     /// How a simulated value stands to this row.
     #[must_use]
     pub fn judge(&self, simulated: Option<f64>) -> Verdict {
         let Some(simulated) = simulated.filter(|x| x.is_finite()) else { return Verdict::Absent };
         match (self.at_least, self.at_most) {
+            (None, None) => Verdict::Open { simulated },
             (Some(low), _) if simulated < low => Verdict::Missed { simulated, by: simulated - low },
             (_, Some(high)) if simulated > high => Verdict::Missed { simulated, by: simulated - high },
             _ => Verdict::Met { simulated },

@@ -11,7 +11,12 @@ const MM_PER_M: f64 = 1e3;
 const KG_N: f64 = 9.81;
 
 /// Every name that a row may ask for.
-pub const NAMES: [&str; 47] = [
+pub fn names() -> impl Iterator<Item = &'static str> {
+    NAMES.into_iter().chain(super::strings::NAMES)
+}
+
+/// The names that are no business of strings.
+const NAMES: [&str; 47] = [
     "down_weight_g",
     "up_weight_g",
     "balance_weight_g",
@@ -70,7 +75,7 @@ pub(super) struct Flex {
     pub shank_m_per_n: Option<f64>,
 }
 
-/// The value of one of [`NAMES`], in the unit that ends it; `None` where it did not come about (or there is no such name).
+/// The value of one of them, in the unit that ends it; `None` where it did not come about (or there is no such name).
 pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &Touches, flex: &Flex) -> Option<f64> {
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
     let of = |blow: &Option<PressedBlow>, get: fn(&PressedBlow) -> Option<f64>| blow.as_ref().and_then(get);
