@@ -1,11 +1,13 @@
 //! The concert grand beside the published measurements: which rows are met, so that a change that loses one shows.
 
 use erard::instrument::Instrument;
-use erard_lab::validate::{NAMES, Published, PublishedError, Row, Verdict, validate};
+use erard::keyboard::Keyboard;
+use erard_lab::validate::{Published, PublishedError, Row, Skipped, Verdict, names, validate};
 
 /// Rows that the shipped grands do not meet; the table says why. Everything else is met.
-const MISSED: [(&str, &[&str]); 2] = [
+const MISSED: [(&str, &[&str]); 3] = [
     ("concert-grand", &["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]),
+    ("concert-grand-strings", &["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]),
     (
         "concert-grand-rigid",
         &["hammer_ahead_f", "hammer_ahead_loudest", "struck_plateau", "hammer_ahead_ff", "key_flex", "shank_flex"],
@@ -13,6 +15,9 @@ const MISSED: [(&str, &[&str]); 2] = [
 ];
 /// Rows that the model cannot speak to.
 const SILENT: [&str; 1] = ["shank_modes"];
+
+/// How the values of rows on strings begin.
+const STRING_ROWS: [&str; 4] = ["contact_", "peak_", "return_", "second_partial_"];
 
 #[test]
 fn the_grands_meet_what_they_met() {
@@ -24,7 +29,8 @@ fn the_grands_meet_what_they_met() {
 fn meets(name: &str, missed: &[&str]) {
     let published = Published::builtin();
     let grand = Instrument::builtin(name).unwrap();
-    let validation = validate(&grand, &published, &mut |_| true).unwrap();
+    let keyboard = Keyboard::builtin(name);
+    let validation = validate(&grand, keyboard.as_ref(), &published, &mut |_| true).unwrap();
     assert_eq!(validation.verdicts.len(), published.rows.len());
     for (row, verdict) in published.rows.iter().zip(&validation.verdicts) {
         println!("{:32} {:14} {} {verdict:?}", row.name, row.range(), row.unit);
@@ -35,6 +41,25 @@ fn meets(name: &str, missed: &[&str]) {
     };
     assert_eq!(those(|v| matches!(v, Verdict::Missed { .. } | Verdict::Absent)), missed, "{name}");
     assert_eq!(those(|v| *v == Verdict::Silent), SILENT);
+    // Rows on strings are asked of an instrument with strings alone; what nothing published was found for is shown there, and is neither met nor missed.
+    let (skipped, open) = (those(|v| matches!(v, Verdict::Skipped(_))), those(|v| matches!(v, Verdict::Open { .. })));
+    let on_strings =
+        |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
+    let of_strings = published.rows.iter().filter(on_strings).map(|row| row.name.as_str());
+    if grand.has_yielding_strings() {
+        assert!(
+            skipped.is_empty()
+                && open
+                    == of_strings.filter(|name| name.contains("peak") || name.contains("return")).collect::<Vec<_>>()
+        );
+        let alone = validate_strings_alone(&grand, &published);
+        assert!(
+            alone.iter().all(|(key, verdict)| (*verdict == Verdict::Skipped(Skipped::NoKeyboard)) == (*key != "c4")),
+            "{alone:?}"
+        );
+    } else {
+        assert!(open.is_empty() && skipped == of_strings.collect::<Vec<_>>(), "{name}");
+    }
     // A miss without a reason is no use to anybody.
     let silent_about =
         published.rows.iter().filter(|row| missed.contains(&row.name.as_str()) && row.if_missed.is_none());
@@ -47,11 +72,26 @@ fn meets(name: &str, missed: &[&str]) {
     }
 }
 
+/// The rows on strings without a keyboard, by the key that they are about.
+fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'static str, Verdict)> {
+    let only =
+        |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
+    let rows: Vec<Row> = published.rows.iter().filter(only).cloned().collect();
+    let keys = rows.iter().map(|row| {
+        let name = row.measure.clone().unwrap();
+        ["a0", "c4", "c6", "c8"].into_iter().find(|key| name.contains(&format!("_{key}"))).unwrap()
+    });
+    let keys: Vec<&str> = keys.collect();
+    let table = Published { rows, ..published.clone() };
+    let found = validate(grand, None, &table, &mut |_| true).unwrap();
+    keys.into_iter().zip(found.verdicts).collect()
+}
+
 /// Every value that can be simulated is asked for, and asked for once; every source is used.
 #[test]
 fn the_table_uses_all_it_has() {
     let published = Published::builtin();
-    for name in NAMES {
+    for name in names() {
         let asks = |row: &&Row| [&row.measure, &row.beside].into_iter().any(|asked| asked.as_deref() == Some(name));
         assert_eq!(published.rows.iter().filter(asks).count(), 1, "{name}");
     }

@@ -1,10 +1,14 @@
 //! How fast a note can be repeated.
 //!
 //! A finger presses the key with a constant force until it is at its punching, stays there for a moment, and lifts off
-//! altogether; the key comes up by itself, as fast as its weights and springs let it. As soon as it is up, at its rest (fully
-//! released) or at half of its dip, the finger presses again. The shorter the finger stays, the higher the rate; the fastest at
-//! which every stroke still sounds, once and not more softly than the softest playing that has been published, is the rate of
+//! altogether; the key comes up by itself, as fast as its weights and springs let it. When it is up, at its rest (fully
+//! released) or at half of its dip, the finger waits for a moment, or not at all, and presses again. The shorter the finger stays and waits, the higher
+//! the rate; the fastest at which every stroke still sounds, once and not more softly than the softest playing that has been published, is the rate of
 //! repetition. So the rate is the action's own, not that of a prescribed motion.
+//!
+//! Why it may wait: a jack that its spring throws back under the knuckle bounces off its rest, and is still on its way when a light key of the treble is
+//! home. Pressed at once it meets the knuckle beside its edge, is kicked out to the end of its window, and the hammer, caught on its way by the check, does not sound, however long the
+//! finger stayed below. Some ten milliseconds later it stands.
 
 use moreau::Settings;
 
@@ -21,9 +25,11 @@ pub const PRESS_N: f64 = 8.0;
 const STROKES: usize = 9;
 /// A blow that is softer does not speak, m/s: published hammer speeds begin at 0.5 m/s (pp).
 const SPEAKS_M_S: f64 = 0.5;
-/// How long the finger stays on the bottom: tried from nothing, in steps of this, to so many, s.
+/// How long the finger stays below and waits above, together: tried from nothing, in steps of this, to so many, s.
 const STAY_STEP_S: f64 = 2e-3;
 const STAYS: usize = 100;
+/// How many of these steps of it the finger waits above.
+const WAITS: [usize; 4] = [0, 3, 6, 9];
 /// So many neighbouring stays must all hold, and the slowest of them counts: no finger keeps time to a step, and a rate that
 /// only one of them reaches is luck.
 const NEIGHBOURS: usize = 3;
@@ -35,8 +41,10 @@ const PATIENCE_S: f64 = 1.0;
 pub struct Repetition {
     /// Blows per second.
     pub rate_hz: f64,
-    /// How long the finger stays on the bottom, s: the shortest stay with which every stroke sounds.
+    /// How long the finger stays on the bottom, s, and how long it waits above: together the shortest with which every stroke sounds.
     pub stay_s: f64,
+    /// See there.
+    pub wait_s: f64,
     /// From bottom until the key is up, s.
     pub return_s: f64,
     /// The softest of the blows, m/s.
@@ -56,14 +64,22 @@ pub fn repetition(
     let Some(bottom) = instrument.roles.key_bottom else {
         return Err(NotAnAction::NoKeyBottom.into());
     };
-    let mut neighbours = Vec::new();
+    let mut neighbours: [Vec<Repetition>; WAITS.len()] = Default::default();
     for n in 0..STAYS {
-        match held(instrument, bottom, up_m, n as f64 * STAY_STEP_S, going)? {
-            Some(repetition) => neighbours.push(repetition),
-            None => neighbours.clear(),
+        let mut best: Option<Repetition> = None;
+        for (wait, neighbours) in WAITS.iter().zip(&mut neighbours) {
+            let Some(stay) = n.checked_sub(*wait) else { continue };
+            match held(instrument, bottom, up_m, [stay, *wait].map(|n| n as f64 * STAY_STEP_S), going)? {
+                Some(repetition) => neighbours.push(repetition),
+                None => neighbours.clear(),
+            }
+            if neighbours.len() == NEIGHBOURS {
+                let slowest = neighbours.drain(..).min_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
+                best = [best, slowest].into_iter().flatten().max_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
+            }
         }
-        if neighbours.len() == NEIGHBOURS {
-            return Ok(neighbours.into_iter().min_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz)));
+        if best.is_some() {
+            return Ok(best);
         }
     }
     Ok(None)
@@ -75,13 +91,14 @@ enum Finger {
     Presses(f64),
     Stays(f64),
     IsOff(f64),
+    Waits(f64),
 }
 
 fn held(
     instrument: &Instrument,
     bottom: usize,
     up_m: f64,
-    stay_s: f64,
+    [stay_s, wait_s]: [f64; 2],
     going: Interrupt<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
     let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
@@ -101,15 +118,21 @@ fn held(
                 Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),
                 Finger::IsOff(since) if travel_m <= up_m => {
                     returns.push(now - since);
-                    presses.push(now);
-                    finger = Finger::Presses(now);
+                    finger = Finger::Waits(now);
                 }
                 Finger::Presses(since) | Finger::IsOff(since) if now - since > PATIENCE_S => stuck = true,
                 _ => {}
             }
+            // It may not wait at all.
+            if let Finger::Waits(since) = finger
+                && now - since >= wait_s
+            {
+                presses.push(now);
+                finger = Finger::Presses(now);
+            }
         }
         step += 1;
-        let force_n = if matches!(finger, Finger::IsOff(_)) { 0.0 } else { PRESS_N };
+        let force_n = if matches!(finger, Finger::IsOff(_) | Finger::Waits(_)) { 0.0 } else { PRESS_N };
         (!stuck && presses.len() <= STROKES).then_some(Input::Force(force_n))
     })?;
     if stuck {
@@ -128,6 +151,7 @@ fn held(
     Ok(Some(Repetition {
         rate_hz: counted / (presses[presses.len() - 1] - presses[1]),
         stay_s,
+        wait_s,
         return_s: returns[1..].iter().sum::<f64>() / counted,
         softest_m_s,
     }))
