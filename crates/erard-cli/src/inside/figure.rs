@@ -59,9 +59,10 @@ pub fn reactions_svg(run: &Run, title: &str, pins: &[PinSeries]) -> String {
     figure_svg(&figure(run, format!("{title}: what the pins carry"), what, panels))
 }
 
-/// Losses of pins and contacts over time, one upon the other.
+/// Losses of pins, contacts and strings over time, one upon the other.
 pub fn losses_svg(run: &Run, title: &str, recorded: &LossRecorder, report: &LossReport) -> String {
-    let rows: Vec<&Vec<f64>> = recorded.pin_rows().iter().chain(recorded.contact_rows()).collect();
+    let parts = recorded.pin_rows().iter().chain(recorded.contact_rows()).map(Vec::as_slice);
+    let rows: Vec<&[f64]> = parts.chain([recorded.string_row()]).collect();
     let mj = |places: &[usize]| -> Vec<f64> {
         (0..run.time_s.len())
             .map(|row| places.iter().filter_map(|&place| rows.get(place)?.get(row)).sum::<f64>() * 1e3)

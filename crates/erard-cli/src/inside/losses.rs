@@ -11,29 +11,29 @@ pub struct LossReport {
     instrument: String,
     /// Sum of all, J.
     pub total_J: f64,
-    /// Pins and contacts.
+    /// Pins, contacts and strings that yield.
     pub losses: Vec<Loss>,
 }
 
-/// One pin or contact.
+/// One pin or contact, or the strings together.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
 pub struct Loss {
     /// The body of a pin, or the zone.
     pub name: String,
-    /// `pin` or `contact`.
+    /// `pin`, `contact` or `strings`.
     pub kind: &'static str,
     /// For people.
     pub label: String,
     /// Of a pin: by dry friction; of a contact: by sliding, J.
     pub dry_J: f64,
-    /// Of a pin: by viscous friction; of a contact: in the felt, J.
+    /// Of a pin: by viscous friction; of a contact: in the felt; of strings: all, J.
     pub viscous_or_felt_J: f64,
     /// Both, J.
     pub loss_J: f64,
     /// Of all losses.
     pub share: f64,
-    /// Its place among the instrument's pins and contacts.
+    /// Its place among the instrument's pins, contacts and strings.
     #[serde(skip)]
     pub place: usize,
 }
@@ -54,7 +54,15 @@ impl LossReport {
             .iter()
             .zip(losses.contacts())
             .map(|(zone, loss)| (zone.name.clone(), "contact", zone.label.clone(), loss.sliding_j, loss.felt_j));
-        let all: Vec<_> = pins.chain(contacts).collect();
+        let label = if instrument.roles.rigid_bridge || instrument.bridge_modes.is_empty() {
+            "strings"
+        } else {
+            "strings and the bridge"
+        };
+        let strings = instrument
+            .has_yielding_strings()
+            .then(|| ("strings".to_owned(), "strings", label.to_owned(), 0.0, losses.strings_j()));
+        let all: Vec<_> = pins.chain(contacts).chain(strings).collect();
         let total: f64 = all.iter().map(|(.., dry, other)| dry + other).sum();
         let mut losses: Vec<Loss> = all
             .into_iter()

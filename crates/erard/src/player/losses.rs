@@ -36,6 +36,14 @@ pub struct Losses {
     motion: Motion,
     pins: Vec<PinLoss>,
     contacts: Vec<ContactLoss>,
+    /// What strings that yield had lost when the books were opened, and since, J.
+    strings_before_j: f64,
+    strings_j: f64,
+}
+
+/// What strings that yield have lost since they were made, J.
+fn lost_in_strings_j(mechanism: &dyn Mechanism) -> f64 {
+    mechanism.surfaces().map_or(0.0, |surfaces| surfaces.lost())
 }
 
 impl Losses {
@@ -47,13 +55,16 @@ impl Losses {
             motion: Motion::still(instrument, mechanism),
             pins: vec![PinLoss::default(); instrument.bodies.len()],
             contacts: vec![ContactLoss::default(); instrument.zones.len()],
+            strings_before_j: lost_in_strings_j(mechanism),
+            strings_j: 0.0,
         }
     }
 
     /// After every step. Does not allocate.
     pub fn look(&mut self, m: &dyn Mechanism) {
         self.motion.look(&self.instrument, m);
-        let Losses { instrument, motion, pins, contacts } = self;
+        self.strings_j = lost_in_strings_j(m) - self.strings_before_j;
+        let Losses { instrument, motion, pins, contacts, .. } = self;
         let h = motion.step_s;
         let relative = |values: &[f64], body: usize| {
             values[body] - instrument.bodies[body].parent.map_or(0.0, |parent| values[parent])
@@ -96,6 +107,12 @@ impl Losses {
     pub fn contacts(&self) -> &[ContactLoss] {
         &self.contacts
     }
+
+    /// What strings that yield have lost so far, in themselves, in a bridge that moves and where a damper's felt is rocked, J; zero where they are rigid.
+    #[must_use]
+    pub fn strings_j(&self) -> f64 {
+        self.strings_j
+    }
 }
 
 /// Mean of |u| over a step in which u runs linearly from u0 to u1.
@@ -108,7 +125,7 @@ fn path([u0, u1]: [f64; 2]) -> f64 {
 pub struct LossRecorder {
     instrument: Instrument,
     losses: Option<Losses>,
-    /// What each pin, and then each contact, had lost at every row, J.
+    /// What each pin, then each contact, and then the strings had lost at every row, J.
     rows: Vec<Vec<f64>>,
 }
 
@@ -119,7 +136,7 @@ impl LossRecorder {
         LossRecorder {
             instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
             losses: None,
-            rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len()],
+            rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len() + 1],
         }
     }
 
@@ -138,14 +155,22 @@ impl LossRecorder {
     /// What each contact had lost at every row, J.
     #[must_use]
     pub fn contact_rows(&self) -> &[Vec<f64>] {
-        &self.rows[self.instrument.bodies.len()..]
+        let first = self.instrument.bodies.len();
+        &self.rows[first..first + self.instrument.zones.len()]
+    }
+
+    /// What strings that yield had lost at every row, J.
+    #[must_use]
+    pub fn string_row(&self) -> &[f64] {
+        self.rows.last().map_or(&[], Vec::as_slice)
     }
 
     fn row(&mut self) {
         let Some(losses) = &self.losses else { return };
         let pins = losses.pins.iter().map(|pin| pin.dry_j + pin.viscous_j);
         let contacts = losses.contacts.iter().map(|contact| contact.felt_j + contact.sliding_j);
-        self.rows.iter_mut().zip(pins.chain(contacts)).for_each(|(row, lost)| row.push(lost));
+        let all = pins.chain(contacts).chain([losses.strings_j]);
+        self.rows.iter_mut().zip(all).for_each(|(row, lost)| row.push(lost));
     }
 }
 
