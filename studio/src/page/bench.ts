@@ -17,8 +17,9 @@ class Hand {
   private now: Waiting | null = null;
   private id = 0;
 
-  constructor(private readonly module: WebAssembly.Module, private readonly next: () => Waiting | undefined) {
-    this.start();
+  /** @param early whether it starts at once, and not with its first task: the page's beginning waits for one hand only. */
+  constructor(private readonly module: WebAssembly.Module, private readonly next: () => Waiting | undefined, early: boolean) {
+    if (early) this.start();
   }
 
   private start(): void {
@@ -50,6 +51,7 @@ class Hand {
   }
 
   go(): void {
+    if (!this.worker) this.start();
     if (!this.ready || this.now) return;
     const next = this.next();
     if (!next) return;
@@ -73,9 +75,9 @@ export class Bench {
   private readonly slowHands: Hand[];
 
   constructor(module: WebAssembly.Module) {
-    this.quickHand = new Hand(module, () => this.quick.shift());
+    this.quickHand = new Hand(module, () => this.quick.shift(), true);
     const hands = Math.min(Math.max((navigator.hardwareConcurrency || 2) - 1, 1), 3);
-    this.slowHands = Array.from({ length: hands }, () => new Hand(module, () => this.slow.shift()));
+    this.slowHands = Array.from({ length: hands }, () => new Hand(module, () => this.slow.shift(), false));
   }
 
   /** Asks for something; what belongs to a group takes its time, and can be dropped. */

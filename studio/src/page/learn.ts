@@ -90,7 +90,7 @@ const SCENES: Scene[] = [
   {
     title: "What aftertouch is",
     text: [
-      "When the jack has escaped, the key has about one more millimetre to go before its front punching. That is the aftertouch: it makes sure that the jack gets out of the way even in a soft blow.",
+      "When the jack has escaped, the key has about one more millimetre to go before its front punching: the aftertouch, which makes sure that the jack gets out of the way even in a soft blow.",
       "A thicker punching takes it away. The jack is then not clear of the knuckle when the hammer comes back, and a soft blow sounds twice.",
     ],
     a: GRAND,

@@ -182,12 +182,44 @@ export const outlinesIn = (group, moving) => [.../** @type {NodeListOf<SVGGeomet
   soft: SOFT.findIndex((finish) => element.getAttribute("fill") === `url(#${finish})`), drawn: element.getAttribute("d") ?? "", points: null, corners: [], dented: false,
 }));
 
+/** Points of a path of lines and quadratic curves, no farther apart than FINE, y up. What the browser says of a path (getPointAtLength) takes seconds for a whole action.
+ * @type {(drawn: string) => number[][]} */
+const pointsAlong = (drawn) => {
+  const words = drawn.match(/[A-Z]|-?[0-9.]+(?:e-?[0-9]+)?/g) ?? [];
+  /** @type {number[][]} */
+  const points = [];
+  let at = 0, here = [0, 0];
+  const next = () => [Number(words[at++]), -Number(words[at++])];
+  const put = (/** @type {number[]} */ p) => {
+    const last = points[points.length - 1];
+    if (!last || p[0] !== last[0] || p[1] !== last[1]) points.push(p);
+  };
+  const far = (/** @type {number[]} */ a, /** @type {number[]} */ b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
+  const along = (/** @type {number[]} */ over, /** @type {number[]} */ to) => {
+    const from = here, count = Math.max(1, Math.ceil((far(from, over) + far(over, to)) / FINE));
+    for (let k = 1; k <= count; k++) {
+      const t = k / count, u = 1 - t;
+      put([0, 1].map((axis) => u * u * from[axis] + 2 * u * t * over[axis] + t * t * to[axis]));
+    }
+    here = to;
+  };
+  const straight = (/** @type {number[]} */ to) => along([(here[0] + to[0]) / 2, (here[1] + to[1]) / 2], to);
+  while (at < words.length) {
+    const command = words[at++];
+    if (command === "M") put(here = next());
+    else if (command === "L") straight(next());
+    else if (command === "Q") along(next(), next());
+    else if (points.length) straight(points[0]);
+  }
+  // It is closed: its end is its beginning.
+  if (points.length > 1 && far(points[0], points[points.length - 1]) < 1e-9) points.pop();
+  return points;
+};
+
 /** An outline's points, in its frame. @type {(outline: Outline) => number[][]} */
 const pointsOf = (outline) => {
   if (!outline.points) {
-    const { element } = outline, length = element.getTotalLength(), count = Math.max(8, Math.ceil(length / FINE));
-    const points = Array.from({ length: count }, (_, k) => element.getPointAtLength((k * length) / count)).map(({ x, y }) => [x, -y]);
-    outline.points = points;
+    const points = outline.points = pointsAlong(outline.drawn), count = points.length;
     outline.corners = points.filter(([x, y], k) => {
       const [a, b] = points[(k + count - 1) % count], [c, d] = points[(k + 1) % count];
       return Math.abs((c - a) * (y - b) - (d - b) * (x - a)) > STRAIGHT * Math.hypot(c - a, d - b);
