@@ -1,6 +1,9 @@
 //! Derivatives of motions with dry friction against what is worked out by hand: where sliding turns round, comes to stick, and sets off something else.
 
-use moreau::{Body, Description, Dual, Input, Model, Real, Settings, Spring, State, Stretch, Tangent, Workspace, step};
+use moreau::{
+    Body, Curve, Description, Dual, Exponent, Felt, GROUND, Input, Loss, Model, Real, Scalar, Settings, Spring, State,
+    Stretch, Tangent, Workspace, Zone, step,
+};
 
 type D2 = Dual<2>;
 
@@ -152,6 +155,102 @@ fn one_that_sticks_may_set_off_another() {
         assert!((v.value - together * (end - stop)).abs() < 1e-3, "{v:?}");
         for k in 0..2 {
             assert!((v.slope[k] - truth[k]).abs() < 1e-3 * truth[k].abs(), "{v:?} {truth:?}");
+        }
+    }
+}
+
+/// Two masses that know nothing of each other turn round 3e-9 s apart, which is less than the steps that look for either: both derivatives jump.
+#[test]
+fn two_that_turn_round_together_both_jump() {
+    let (force, dry, v0) = (24.0, 1.0, 1.0);
+    let body = Body { dry: constant(dry), ..Body::inert() };
+    let spring = |body| Spring { body, torque: constant(-force), stiffness: Dual::ZERO, reference: Dual::ZERO };
+    let expected = (force - dry) / (force + dry);
+    for (h, apart) in [(1e-3, 3e-9), (3.1e-4, 3e-9), (1e-3, 4e-8), (1e-3, 1e-6)] {
+        let second = v0 + apart * (force + dry);
+        let velocity = [along(v0, 0), along(second, 1)];
+        let (state, all) = run::<2, 2>(&[body, body], &[spring(0), spring(1)], velocity, h, (0.1 / h) as usize);
+        assert_eq!((all.switches, all.unresolved), (2, 0), "{h} {apart}");
+        for k in 0..2 {
+            let slope = state.velocity[k].slope;
+            assert!((slope[k] - expected).abs() < 1e-4 && slope[1 - k].abs() < 1e-6, "{h} {apart} {slope:?}");
+        }
+    }
+}
+
+/// Of two bodies that touch.
+type Touching<T> = ([Body<T>; 2], [Spring<T>; 2], [Zone<T>; 1]);
+
+/// A hanging table under a felted arm that presses on it: where the table is thrown against a steady torque, and slides back under the arm. The contact turns
+/// with both, and the arm still swings on its felt, so that the row of the slip is never the same for two steps.
+fn table<T: Scalar>(friction: T) -> Touching<T> {
+    let t = T::from_f64;
+    let table = Body { inertia: t(1.0), ..Body::inert() };
+    let arm = Body { inertia: t(0.05), pivot: [t(-0.5), t(1.3)], ..Body::inert() };
+    let steady = |body, torque| Spring { body, torque: t(torque), stiffness: T::ZERO, reference: T::ZERO };
+    let felt = Felt { stiffness: t(4e5), exponent: Exponent::Two, loss: Loss::Quadratic(T::ZERO) };
+    let surface = Curve::Line { point: [T::ZERO, t(1.0)], normal: [T::ZERO, t(1.0)] };
+    let zone = Zone {
+        disc_body: 1,
+        center: [t(0.5), t(-0.1)],
+        radius: t(0.2),
+        curve_body: 0,
+        curve: surface,
+        felt,
+        friction: Some(friction),
+    };
+    ([Body { parent: GROUND, ..table }, Body { parent: GROUND, ..arm }], [steady(0, 3.0), steady(1, -2.0)], [zone])
+}
+
+/// The derivative is that of wide differences, and the same for every length of step: a step across the reversal that ends at rest, as four of five do here,
+/// is no stick.
+#[test]
+fn a_reversal_in_a_contact_that_turns_is_no_stick() {
+    const END: f64 = 0.4;
+    let thrown = |v0: f64, friction: f64, h: f64| {
+        let (bodies, springs, zones) = table::<f64>(friction);
+        let description = Description { bodies: &bodies, springs: &springs, zones: &zones, ..Description::default() };
+        let model: Model<f64, 2, 1> = description.compile().unwrap();
+        let mut state = State::at_rest([0.0; 2]);
+        state.velocity = [-v0, 0.0];
+        let mut workspace = Workspace::<f64, 2, 1, 3>::for_model(&model).unwrap();
+        for _ in 0..(END / h).round() as usize {
+            step(&model, &Settings::new(h), &Input::Free, &mut state, &mut workspace);
+        }
+        state.velocity[0]
+    };
+    let (v0, mu, h) = (1.0, 0.5, 2e-5);
+    let [by_speed, by_friction] = [
+        (thrown(v0 + 0.01, mu, h) - thrown(v0 - 0.01, mu, h)) / 0.02,
+        (thrown(v0, mu + 0.005, h) - thrown(v0, mu - 0.005, h)) / 0.01,
+    ];
+    // It came back.
+    assert!(thrown(v0, mu, h) > 0.1);
+    let (bodies, springs, zones) = table::<D2>(along(mu, 1));
+    let (plain_bodies, plain_springs, plain_zones) = table::<f64>(mu);
+    for part in 0..24 {
+        let h = END / (400.0 + 37.0 * f64::from(part));
+        let description = Description { bodies: &bodies, springs: &springs, zones: &zones, ..Description::default() };
+        let plain = Description {
+            bodies: &plain_bodies,
+            springs: &plain_springs,
+            zones: &plain_zones,
+            ..Description::default()
+        };
+        let mut tangent: Tangent<2, 1, 3, 2> =
+            Tangent::new(description.compile().unwrap(), plain.compile().unwrap(), [Dual::ZERO; 2]).unwrap();
+        tangent.state.velocity[0] = Dual { value: -v0, slope: [-1.0, 0.0] };
+        let mut all = Stretch::default();
+        for _ in 0..(END / h).round() as usize {
+            all = all.and(tangent.step(&Settings::new(h), &mut |_, _, _| Input::Free));
+        }
+        let slope = tangent.state.velocity[0].slope;
+        assert!(!all.failed && all.switches > 0, "{h} {all:?}");
+        for (found, truth) in slope.into_iter().zip([by_speed, by_friction]) {
+            assert!(
+                (found - truth).abs() < 0.02 * truth.abs(),
+                "{h}: {slope:?}, differences {by_speed} {by_friction} {all:?}"
+            );
         }
     }
 }

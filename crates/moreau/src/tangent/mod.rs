@@ -2,6 +2,7 @@
 //!
 //! Steps are taken in [`Dual`] numbers, and end where a law that slips comes to stick or turns round. There the derivatives jump by the saltation matrix.
 
+mod crossing;
 mod switch;
 
 use crate::description::ModelError;
@@ -12,7 +13,8 @@ use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, State};
 use crate::step::{Outcome, step_apart};
 use crate::workspace::Workspace;
-use switch::{Before, Change, Law, LetGo, Slips};
+use crossing::Crossing;
+use switch::{Before, Change, LetGo, Slips};
 
 /// The instant of a switch is found to this part of the step. Derivatives err by about as much; rounding forbids far less.
 const RESOLUTION: f64 = 1e-5;
@@ -20,8 +22,10 @@ const RESOLUTION: f64 = 1e-5;
 const SHORTEST: f64 = 1e-8;
 /// Bisections of a step, at most.
 const BISECTIONS: u32 = 60;
-/// A step over a switch is doubled at most so often until the switch lies in it.
-const DOUBLINGS: u32 = 12;
+/// A switch is crossed from no farther away than this part of the step: a long step and a few short ones do not put it at quite the same instant.
+const NEAR: f64 = 2e-4;
+/// The part of the way to a switch that a step toward it leaves, and the least that it leaves, as a part of the step.
+const CLOSER: [f64; 2] = [0.02, 4.0 * RESOLUTION];
 /// Newton iterations of a step, at most: the derivatives converge linearly, by the part of the Jacobian that the step leaves out.
 const ITERATIONS: u32 = 16;
 
@@ -220,18 +224,18 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             let drive = input(done, low, site);
             return (low, self.go(settings, low, &drive));
         }
+        if low > NEAR * h {
+            let at = low - (CLOSER[0] * low).max(CLOSER[1] * h);
+            let drive = input(done, at, site);
+            return (at, self.go(settings, at, &drive));
+        }
         let small = (RESOLUTION * h).min(0.1 * low);
         if small < 0.1 * SHORTEST * h {
             let across = (2.0 * high).max(SHORTEST * h).min(left);
             let drive = input(done, across, site);
             return (across, Stretch { unresolved: 1, ..self.go(settings, across, &drive) });
         }
-        let mut all = Stretch::default();
-        let mut at = (low - 4.0 * small).max(0.0);
-        if at > 0.0 {
-            let drive = input(done, at, site);
-            all = all.and(self.go(settings, at, &drive));
-        }
+        let (mut all, mut at) = (Stretch::default(), 0.0);
         // Two small steps up to the switch tell the slips and accelerations before it.
         let (mut velocity, mut slips) = ([[0.0; B]; 2], [const { Slips::none() }; 2]);
         for k in 0..2 {
@@ -242,17 +246,15 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             velocity[k] = self.state.velocity.map(|v| v.value);
             at += small;
         }
-        let Some(Crossing { law, rate, length, after }) = self.cross(settings, done + at, &slips, small, input) else {
+        let crossing = self.cross(settings, done + at, &slips, [small, 2.0 * high], input);
+        let Some(Crossing { law, rate, length, after, together }) = crossing else {
             return (at, all.and(Stretch { unresolved: 1, ..Stretch::default() }));
         };
-        // Two more tell the accelerations after it.
-        let (site, now) = (self.site(), done + at + length);
-        let first = self.probe_from(&after, length, settings, small, &input(now, small, site));
-        let second = self.probe_from(&first, small, settings, small, &input(now + small, small, site));
+        let (first, second, ahead) = self.beyond(settings, done + at, &after, [length, small], law, input);
         let slip = slips[1].slip(law);
         for i in 0..B {
             let acceleration = (velocity[1][i] - velocity[0][i]) / small;
-            let thereafter = (second.velocity[i] - first.velocity[i]) / small;
+            let thereafter = (second.velocity[i] - first.velocity[i]) / ahead;
             // The saltation matrix: I + (f_after - f_before) grad(u) / (du/dt before).
             let jump = (thereafter - acceleration) / rate;
             let (v, q) = (&mut self.state.velocity[i], &mut self.state.angle[i]);
@@ -261,39 +263,13 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
                 v.slope[d] += jump * slip.slope[d];
             }
         }
-        self.take_over(&after);
-        self.last = length;
-        (at + length, all.and(Stretch { switches: 1, ..Stretch::default() }))
-    }
-
-    /// The step over the switch that is just ahead, in plain numbers.
-    fn cross(
-        &mut self,
-        settings: &Settings<f64>,
-        from: f64,
-        slips: &[Slips<B, Z, D>; 2],
-        small: f64,
-        input: &mut Driven<'_, D>,
-    ) -> Option<Crossing<B, Z>> {
-        let (before, mut length) = (Before::of(&self.plain, &plain(&self.state)), 2.0 * small);
-        for _ in 0..DOUBLINGS {
-            let drive = input(from, length, self.site());
-            let after = self.probe(settings, length, &drive);
-            let laws = before.changes(&self.plain, &self.probe, &after).filter_map(Change::switch);
-            // Of several that switch within the step, the one that comes first.
-            let first = laws
-                .map(|law| {
-                    let [u0, u1] = [slips[0].slip(law).value, slips[1].slip(law).value];
-                    (law, u1, (u1 - u0) / small)
-                })
-                .filter(|(_, u, rate)| u * rate < 0.0)
-                .min_by(|a, b| (a.1 / a.2).abs().total_cmp(&(b.1 / b.2).abs()));
-            if let Some((law, _, rate)) = first {
-                return Some(Crossing { law, rate, length, after });
-            }
-            length *= 2.0;
-        }
-        None
+        // A step across a reversal may end at rest, and only the next one slips again. That is no stick: a dual step from there would ask for du = 0.
+        let [rests, goes] = [&after, &second].map(|state| law.side(&self.plain, state));
+        let (end, length, last) =
+            if rests == 0.0 && goes != 0.0 { (second, length + 2.0 * ahead, ahead) } else { (after, length, length) };
+        self.take_over(&end);
+        self.last = last;
+        (at + length, all.and(Stretch { switches: 1, unresolved: together, ..Stretch::default() }))
     }
 
     /// Goes on from a plain state; what depends on the directions is kept.
@@ -314,16 +290,6 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         }
         set(&mut state.rigid_force, after.rigid_force);
     }
-}
-
-/// A step over a switch.
-struct Crossing<const B: usize, const Z: usize> {
-    law: Law,
-    /// How fast the law's slip changes before it.
-    rate: f64,
-    /// Length of the step, s.
-    length: f64,
-    after: State<f64, B, Z>,
 }
 
 /// The state without what depends on the directions.

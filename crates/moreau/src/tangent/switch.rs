@@ -20,6 +20,17 @@ pub(super) enum Law {
     Zone(usize),
 }
 
+impl Law {
+    /// Which way it slips after a step: 0 where it sticks.
+    pub fn side<const B: usize, const Z: usize>(self, model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> f64 {
+        match self {
+            Law::Pivot(i) => side(model.tree.relative(&state.velocity)[i]),
+            // The remembered side is the force's.
+            Law::Zone(z) => -state.side[z],
+        }
+    }
+}
+
 /// What becomes of a law in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
