@@ -30,6 +30,20 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("study", &[&["study", "--vary", "force=0.1,5", "--duration", "0.1"]]),
+    (
+        "study-sensitivities",
+        &[
+            &[
+                "study",
+                "--sensitivities",
+                "--of",
+                "hammer_speed_m_per_s,up_weight_g",
+                "--by",
+                "let_off,body.hammer.mass",
+            ],
+            &["study", "--sensitivities", "--of", "let_off_s", "--by", "force,body.key.mass", "--force-step", "5"],
+        ],
+    ),
     ("measure", &[&["measure"]]),
     ("keyboard", &[&["keyboard", "--every", "60"]]),
     ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out", "regulated.toml", "--force"]]),
@@ -176,7 +190,10 @@ fn every_command_answers_by_its_schema() {
             let mut schema = infer(&answers.iter().collect::<Vec<_>>(), "");
             let own = schema.as_object_mut().unwrap();
             own.insert("$schema".into(), "http://json-schema.org/draft-07/schema#".into());
-            own.insert("title".into(), format!("erard {} --json", name.replace("-list", " --list")).into());
+            own.insert(
+                "title".into(),
+                format!("erard {} --json", name.replace("-list", " --list").replace("-sens", " --sens")).into(),
+            );
             std::fs::write(home(name), serde_json::to_string_pretty(&schema).unwrap() + "\n").unwrap();
         }
         let Ok(text) = std::fs::read_to_string(home(name)) else {

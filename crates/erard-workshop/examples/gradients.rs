@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{:22} {:14} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9}",
         "", "stroke", "step", "rows", "agree", "local", "jumps", "median"
     );
+    let mut total = [0; 3];
     for name in &names {
         let instrument = Instrument::builtin(name)?;
         for (nuance, touch) in NUANCES.into_iter().flat_map(|n| [(n, Touch::Pressed), (n, Touch::Struck)]) {
@@ -37,16 +38,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| erard::Input::Free));
                 let by = Variable::all(&instrument);
                 match sensitivities(&instrument, by, of, &inputs, &setup, threads(), &mut |_| true) {
-                    Ok(all) => tell(name, &stroke.title, step, &all),
+                    Ok(all) => {
+                        let counts = tell(name, &stroke.title, step, &all);
+                        total = core::array::from_fn(|k| total[k] + counts[k]);
+                    }
                     Err(error) => println!("{name:22} {:14} {:7.1} {error}", stroke.title, step * 1e6),
                 }
             }
         }
     }
+    let [agree, local, jumps] = total;
+    let rows = agree + local + jumps;
+    let share = 100.0 * f64::from(agree) / f64::from(rows.max(1));
+    println!("{rows} rows: {agree} agree ({share:.1} %), {local} local, {jumps} jumps");
     Ok(())
 }
 
-fn tell(name: &str, stroke: &str, step: f64, all: &Sensitivities) {
+/// Says it of one stroke; how many rows agree, are local, jump.
+fn tell(name: &str, stroke: &str, step: f64, all: &Sensitivities) -> [u32; 3] {
     // What is too small to be seen by differences is not held against them.
     let matters = |row: &&Sensitivity| {
         all.of[row.of].method == Method::Gradient
@@ -81,4 +90,5 @@ fn tell(name: &str, stroke: &str, step: f64, all: &Sensitivities) {
             by.per
         );
     }
+    [Mark::None, Mark::Local, Mark::Jumps].map(|mark| marked(mark) as u32)
 }

@@ -1,6 +1,6 @@
 //! One mechanism and the derivatives of its motion.
 
-use moreau::{Driven, Dual, Model, Pose, Settings, Stretch, Tangent, TangentError, TrackedPoint};
+use moreau::{Driven, Dual, Model, Pose, Real, Settings, Stretch, Tangent, TangentError, TrackedPoint};
 
 use crate::{OwnedDescription, Size};
 
@@ -17,6 +17,8 @@ pub trait Tangents: Send {
     fn stop(&mut self);
     /// World coordinate of the driven point along the drive's direction, m.
     fn site_position(&self) -> Number;
+    /// Force of an elastic drive whose driver is at this position (m, as [`Self::site_position`]) and has this velocity, m/s; N, and 0 where it does not touch.
+    fn push(&self, position: Number, velocity: Number) -> Number;
     /// Compression of a zone, m; negative apart.
     fn gap(&self, zone: usize) -> Number;
     /// A point of a body, m, in the world, and its velocity, m/s.
@@ -70,6 +72,14 @@ impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated
 
     fn site_position(&self) -> Number {
         self.tangent.site()
+    }
+
+    fn push(&self, position: Number, velocity: Number) -> Number {
+        let Some(site) = self.tangent.model.site() else { return Number::ZERO };
+        let [[x, y], [vx, vy]] = self.motion(site.body, site.point);
+        let along = |p: [Number; 2]| p[0] * site.direction[0] + p[1] * site.direction[1];
+        let force = site.stiffness * (position - along([x, y])) + site.damping * (velocity - along([vx, vy]));
+        force.max(Number::ZERO)
     }
 
     fn gap(&self, zone: usize) -> Number {

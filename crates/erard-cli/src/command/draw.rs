@@ -1,7 +1,7 @@
 //! `erard draw`.
 
 use clap::{Args, ValueEnum};
-use erard::player::ReactionRecorder;
+use erard::player::{Inside, ReactionRecorder};
 use erard::run::{Events, Run};
 use erard::simulation::Setup;
 use moreau::Settings;
@@ -11,7 +11,6 @@ use super::out::OutOptions;
 use super::press::play_observed;
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::inside::Inside;
 use crate::say;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_svg};
 use erard_figures::figure::png_from_svg;

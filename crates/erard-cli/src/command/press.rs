@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::player::{Hand, LossRecorder, Observer, ReactionRecorder};
+use erard::player::{Hand, Inside, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::simulation::{Setup, simulate_hand, simulate_observed};
 use erard::strings::{Pedal, RATE_HZ, Sound, sound};
@@ -15,7 +15,7 @@ use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::inside::{self, Inside, LossReport, losses_svg, reactions_svg};
+use crate::inside::{self, LossReport, losses_svg, reactions_svg};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;

@@ -41,45 +41,19 @@ pub struct Loss {
 impl LossReport {
     /// Of a run.
     pub fn new(instrument: &Instrument, losses: &Losses) -> Self {
-        let pins = instrument.bodies.iter().zip(losses.pins()).map(|(body, loss)| {
-            let label = if body.is_bend {
-                format!("bending of the {}", body.name)
-            } else {
-                format!("pin of the {}", body.name)
-            };
-            (body.name.clone(), "pin", label, loss.dry_j, loss.viscous_j)
-        });
-        let contacts = instrument
-            .zones
-            .iter()
-            .zip(losses.contacts())
-            .map(|(zone, loss)| (zone.name.clone(), "contact", zone.label.clone(), loss.sliding_j, loss.felt_j));
-        let label = if instrument.roles.rigid_bridge || instrument.bridge_modes.is_empty() {
-            "strings"
-        } else {
-            "strings and the bridge"
+        let all = losses.by_size();
+        let total: f64 = all.iter().map(erard::player::Loss::all_j).sum();
+        let of = |loss: erard::player::Loss| Loss {
+            dry_J: loss.dry_j,
+            viscous_or_felt_J: loss.viscous_or_felt_j,
+            loss_J: loss.all_j(),
+            share: if total > 0.0 { loss.all_j() / total } else { 0.0 },
+            name: loss.name,
+            kind: loss.kind,
+            label: loss.label,
+            place: loss.place,
         };
-        let strings = instrument
-            .has_yielding_strings()
-            .then(|| ("strings".to_owned(), "strings", label.to_owned(), 0.0, losses.strings_j()));
-        let all: Vec<_> = pins.chain(contacts).chain(strings).collect();
-        let total: f64 = all.iter().map(|(.., dry, other)| dry + other).sum();
-        let mut losses: Vec<Loss> = all
-            .into_iter()
-            .enumerate()
-            .map(|(place, (name, kind, label, dry, other))| Loss {
-                name,
-                kind,
-                label,
-                dry_J: dry,
-                viscous_or_felt_J: other,
-                loss_J: dry + other,
-                share: if total > 0.0 { (dry + other) / total } else { 0.0 },
-                place,
-            })
-            .collect();
-        losses.sort_by(|a, b| b.loss_J.total_cmp(&a.loss_J));
-        LossReport { instrument: instrument.name.clone(), total_J: total, losses }
+        LossReport { instrument: instrument.name.clone(), total_J: total, losses: all.into_iter().map(of).collect() }
     }
 
     /// The table.

@@ -6,37 +6,7 @@ mod losses;
 pub use figure::{losses_svg, reactions_svg};
 pub use losses::LossReport;
 
-use erard::mechanism::Mechanism;
-use erard::player::{LossRecorder, Observer, PinSeries, ReactionRecorder};
-
-/// What looks on.
-#[derive(Debug, Default)]
-pub struct Inside {
-    /// Pins and accelerations.
-    pub reactions: Option<ReactionRecorder>,
-    /// Losses.
-    pub losses: Option<LossRecorder>,
-}
-
-impl Observer for Inside {
-    fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
-        if let Some(reactions) = &mut self.reactions {
-            reactions.begin(time_s, mechanism);
-        }
-        if let Some(losses) = &mut self.losses {
-            losses.begin(time_s, mechanism);
-        }
-    }
-
-    fn step(&mut self, time_s: f64, row: bool, mechanism: &dyn Mechanism) {
-        if let Some(reactions) = &mut self.reactions {
-            reactions.step(time_s, row, mechanism);
-        }
-        if let Some(losses) = &mut self.losses {
-            losses.step(time_s, row, mechanism);
-        }
-    }
-}
+use erard::player::PinSeries;
 
 /// Name and values of the columns of pins and accelerations.
 pub fn columns(pins: &[PinSeries]) -> Vec<(String, &[f64])> {

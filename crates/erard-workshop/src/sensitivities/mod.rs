@@ -6,22 +6,22 @@
 //! jumps nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
 
 mod differences;
+mod passes;
 mod variable;
 
+pub use passes::{Gradient, Sampled, ValueAndSlopes, gradient};
 pub use variable::{Variable, VariableError};
 
-use erard::gradient::{DIRECTIONS, Direction, Followed, GradientError, Number, QUANTITIES, STACK_BYTES, follow};
+use erard::gradient::{DIRECTIONS, GradientError, Number, QUANTITIES};
 use erard::instrument::Instrument;
 use erard::simulation::{Setup, SimulationError};
-use moreau::Settings;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 use thiserror::Error;
 
-use crate::cores::{self, Ending, Interrupt, do_all, job};
+use crate::cores::{self, Ending};
 use crate::measure::MeasureError;
 use crate::study::Stroke;
 use differences::{Differences, Window};
+use passes::{Passes, passes};
 
 /// A quantity that is differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -215,8 +215,8 @@ pub fn sensitivities<'a>(
     let total: f64 = parts.iter().sum();
     let mut tell =
         |part: usize, share: f64| progress((parts[..part].iter().sum::<f64>() + share * parts[part]) / total);
-    let passes = match followed {
-        true => gradients(instrument, &by, stroke, setup, threads, &mut |share| tell(0, share))?,
+    let found = match followed {
+        true => passes(instrument, &by, stroke, setup, &SHARES, None, threads, &mut |share| tell(0, share))?,
         false => Passes::default(),
     };
     let variables = by.clone();
@@ -230,14 +230,14 @@ pub fn sensitivities<'a>(
         true => heavy.weigh(threads, &mut |share| tell(2, share))?,
         false => Vec::new(),
     };
-    let mut all = Sensitivities { values: vec![None; of.len()], of, by, rows: Vec::new(), switches: passes.switches };
+    let mut all = Sensitivities { values: vec![None; of.len()], of, by, rows: Vec::new(), switches: found.switches };
     for (k, quantity) in all.of.iter().enumerate() {
         let mut rows = Vec::new();
         let gradient = QUANTITIES.iter().find(|(key, _)| *key == quantity.key);
         for (i, variable) in all.by.iter().enumerate() {
-            let found = match gradient {
+            let row = match gradient {
                 Some((_, get)) => {
-                    let pass = |which: usize| passes.one(which, i).and_then(|f| get(&f.instants));
+                    let pass = |which: usize| found.one(which, i).and_then(|f| get(&f.instants));
                     let [Some(a), Some(b), Some(c)] = [pass(0), pass(1), pass(2)] else { continue };
                     all.values[k] = Some(c.value);
                     let differences = window.of_events(&played, i, quantity.key);
@@ -253,7 +253,7 @@ pub fn sensitivities<'a>(
                     (found.slope, found.error, Some([found.slope, found.error]), mark)
                 }
             };
-            let (derivative, error, differences, mark) = found;
+            let (derivative, error, differences, mark) = row;
             rows.push(Sensitivity { of: k, by: i, derivative, error, differences, mark });
         }
         let size = |row: &Sensitivity| (row.derivative * all.by[row.by].usual).abs();
@@ -279,7 +279,7 @@ fn judged(
         Mark::None
     } else if found.jumps() {
         Mark::Jumps
-    } else if apart > SAME * slope.abs().max(found.slope.abs()) + 3.0 * error {
+    } else if apart > SAME * slope.abs().max(found.slope.abs()) + 3.0 * error + found.error {
         Mark::Local
     } else {
         Mark::None
@@ -289,81 +289,11 @@ fn judged(
 
 /// A usual change of a number that changes a quantity by less than this share of it does not matter.
 const NEGLIGIBLE: f64 = 1e-5;
-/// Derivative and differences are the same where they differ by less than this share.
+/// Derivative and differences are the same where they differ by less than this share, beyond what either errs by.
 const SAME: f64 = 0.1;
 
 /// Steps of the press that is differentiated, as shares of the stroke's own.
 pub const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
-
-/// Gradients with every step.
-#[derive(Default)]
-struct Passes {
-    /// Of every eight numbers, one after the other.
-    each: [Vec<Followed>; 3],
-    switches: [u32; 2],
-}
-
-impl Passes {
-    fn one(&self, which: usize, variable: usize) -> Option<&Followed> {
-        self.each[which].get(variable / DIRECTIONS)
-    }
-}
-
-fn gradients<'a>(
-    instrument: &Instrument,
-    by: &[Variable],
-    stroke: &(dyn Fn() -> Stroke<'a> + Sync),
-    setup: &Setup,
-    threads: usize,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Passes, SensitivityError> {
-    let directions: Vec<_> = by.iter().map(|one| one.direction.clone()).collect();
-    let groups: Vec<&[Direction]> = directions.chunks(DIRECTIONS).collect();
-    let mut found: Vec<Option<Followed>> = vec![None; SHARES.len() * groups.len()];
-    let work = found.iter_mut().enumerate().map(|(k, place)| {
-        let (group, step) = (groups[k / SHARES.len()], setup.settings.step * SHARES[k % SHARES.len()]);
-        let setup = Setup { settings: Settings { step, ..setup.settings }, ..*setup };
-        job(place, move |going| -> Result<Followed, SensitivityError> {
-            let followed = on_a_deep_stack(going, &|going| {
-                let drive = stroke();
-                follow(instrument, group, drive.as_ref(), &setup, erard::equilibrium::STEP_S, None, going)
-            });
-            Ok(followed?)
-        })
-    });
-    do_all(work.collect(), threads, progress)?;
-    let mut passes = Passes::default();
-    for (k, one) in found.into_iter().enumerate() {
-        let one = one.ok_or(SimulationError::Interrupted)?;
-        if k == SHARES.len() - 1 {
-            passes.switches = [one.switches, one.unresolved];
-        }
-        passes.each[k % SHARES.len()].push(one);
-    }
-    Ok(passes)
-}
-
-/// How often the caller is asked whether to go on.
-const ASK_EVERY: Duration = Duration::from_millis(2);
-
-/// Does work on a thread with a deep stack; on the caller's own where no thread can be had. The caller's thread asks on whether to go on.
-fn on_a_deep_stack<T: Send>(going: Interrupt<'_>, work: &(dyn Fn(Interrupt<'_>) -> T + Sync)) -> T {
-    let stop = AtomicBool::new(false);
-    let found = std::thread::scope(|scope| {
-        let deep = std::thread::Builder::new()
-            .stack_size(STACK_BYTES)
-            .spawn_scoped(scope, || work(&|| !stop.load(Ordering::Relaxed)))
-            .ok()?;
-        while !deep.is_finished() {
-            if !going() {
-                stop.store(true, Ordering::Relaxed);
-            }
-            std::thread::park_timeout(ASK_EVERY);
-        }
-        Some(deep.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-    });
-    found.unwrap_or_else(|| work(going))
-}
 
 /// Threads, unless told otherwise.
 pub fn threads() -> usize {

@@ -39,6 +39,7 @@ enum Target {
     Parameter(Parameter, f64),
     Number { text: String, path: String, which: usize, value: f64 },
     Force,
+    Between,
 }
 
 /// Why nothing can be differentiated by a number.
@@ -99,6 +100,25 @@ impl Variable {
         Self::number(text, name).unwrap_or_else(|| {
             let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
             Err(VariableError::Unknown { name: name.to_owned(), known: known.join(", ") })
+        })
+    }
+
+    /// Whatever two instruments differ in, the second one being so many units `apart` from the first.
+    ///
+    /// # Errors
+    /// [`VariableError::Stuck`], where they are not made of the same things.
+    pub fn between(name: &str, low: &Instrument, high: &Instrument, apart: f64) -> Result<Variable, VariableError> {
+        let direction = Direction::between(low, high, apart)
+            .map_err(|error| VariableError::Stuck { name: name.to_owned(), why: error.to_string() })?;
+        Ok(Variable {
+            name: name.to_owned(),
+            per: unit_of(name),
+            value: None,
+            usual: apart,
+            window: apart,
+            weighing: apart,
+            direction,
+            target: Target::Between,
         })
     }
 
@@ -171,6 +191,15 @@ impl Variable {
         Some(made)
     }
 
+    /// How many of its units ([`Variable::per`]) a bare number is: what `study --vary` takes for a parameter (a turn in m, rad or N m; a factor), the number itself
+    /// of the file, and 1 N.
+    pub fn per_bare_number(&self) -> f64 {
+        match &self.target {
+            Target::Parameter(_, per_si) => *per_si,
+            Target::Number { .. } | Target::Force | Target::Between => 1.0,
+        }
+    }
+
     /// The number that elasticities take it for, in its unit; `None` where a share of it means nothing.
     pub fn relative(&self) -> Option<f64> {
         self.value.filter(|value| *value != 0.0 && self.per != "mm" && self.per != "deg")
@@ -190,6 +219,7 @@ impl Variable {
                 parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + si } else { si }).then_some(varied)
             }
             Target::Force => Some(instrument.clone()),
+            Target::Between => None,
             number => read(number, by).ok(),
         }
     }

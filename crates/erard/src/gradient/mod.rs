@@ -129,8 +129,9 @@ impl Direction {
 pub struct Followed {
     /// Instants and speeds; slopes in the order of the directions.
     pub instants: Instants,
-    /// Key travel and rise of the strike point, m, after every step that was asked for, from the start on; until the end of the setup's duration then.
-    pub samples: Vec<[Number; 2]>,
+    /// Key travel and rise of the strike point, m, and the finger's force, N, after every step that was asked for, from the start on; until the end of the
+    /// setup's duration then. Under a rigid drive the force is the one that its motion takes, and is not known here: NaN.
+    pub samples: Vec<[Number; 3]>,
     /// Switches at which derivatives jumped.
     pub switches: u32,
     /// Switches so close upon another that they were taken as they came: derivatives may be off.
@@ -192,7 +193,12 @@ pub fn follow(
     let h = settings.step;
     let mut watch = DualWatch::new(instrument, &rest, mechanism.as_ref());
     watch.look(setup.start_s, mechanism.as_ref());
-    let mut samples: Vec<[Number; 2]> = sample_every.map(|_| watch.travels(mechanism.as_ref())).into_iter().collect();
+    let sample = |watch: &DualWatch, mechanism: &dyn Tangents, time_s: f64| {
+        let [key_m, hammer_m] = watch.travels(mechanism);
+        [key_m, hammer_m, rest.force(drive, time_s, mechanism)]
+    };
+    let first = sample_every.map(|_| sample(&watch, mechanism.as_ref(), setup.start_s));
+    let mut samples: Vec<[Number; 3]> = first.into_iter().collect();
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) && !going() {
             return Err(SimulationError::Interrupted.into());
@@ -204,9 +210,10 @@ pub fn follow(
         if did.failed {
             return Err(SimulationError::NonFinite { time_s: t0 }.into());
         }
-        watch.look(setup.start_s + (n + 1) as f64 * h, mechanism.as_ref());
+        let now = setup.start_s + (n + 1) as f64 * h;
+        watch.look(now, mechanism.as_ref());
         match sample_every {
-            Some(every) if (n + 1).is_multiple_of(every) => samples.push(watch.travels(mechanism.as_ref())),
+            Some(every) if (n + 1).is_multiple_of(every) => samples.push(sample(&watch, mechanism.as_ref(), now)),
             None if watch.has_seen_all() => break,
             _ => {}
         }
@@ -233,6 +240,18 @@ struct Places {
 }
 
 impl Places {
+    /// The finger's force at an instant, N.
+    fn force(&self, drive: &Drive<'_>, t: f64, mechanism: &dyn Tangents) -> Number {
+        match drive(t) {
+            player::Input::Free => Number::ZERO,
+            player::Input::Force(force_n) => Number { value: force_n, slope: self.force },
+            player::Input::Motion { position_m, velocity_m_s } => {
+                mechanism.push(self.site + Number::constant(position_m), Number::constant(velocity_m_s))
+            }
+            player::Input::Rigid { .. } => Number::constant(f64::NAN),
+        }
+    }
+
     /// The engine's input, as [`player::course::Rest::input`] gives it.
     fn input(&self, drive: &Drive<'_>, t0: f64, h: f64, theta: f64, correction_s: f64, at: Number) -> Input<Number> {
         match drive(t0 + theta * h) {

@@ -28,6 +28,31 @@ pub struct ContactLoss {
     pub sliding_j: f64,
 }
 
+/// What a pin, a contact or the strings have lost, with its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loss {
+    /// The body of a pin, or the zone.
+    pub name: String,
+    /// `pin`, `contact` or `strings`.
+    pub kind: &'static str,
+    /// For people.
+    pub label: String,
+    /// Of a pin: by dry friction; of a contact: by sliding, J.
+    pub dry_j: f64,
+    /// Of a pin: by viscous friction; of a contact: in the felt; of strings: all, J.
+    pub viscous_or_felt_j: f64,
+    /// Its place among the instrument's pins and contacts.
+    pub place: usize,
+}
+
+impl Loss {
+    /// Both, J.
+    #[must_use]
+    pub fn all_j(&self) -> f64 {
+        self.dry_j + self.viscous_or_felt_j
+    }
+}
+
 /// An observer that books losses: told where an action begins, then of every step, of whatever length (of both halves of each, where the error is
 /// controlled).
 #[derive(Debug, Clone)]
@@ -112,6 +137,45 @@ impl Losses {
     #[must_use]
     pub fn strings_j(&self) -> f64 {
         self.strings_j
+    }
+
+    /// Pins, contacts and strings that yield, the largest loss first.
+    #[must_use]
+    pub fn by_size(&self) -> Vec<Loss> {
+        let Instrument { bodies, zones, .. } = &self.instrument;
+        let pins = bodies.iter().zip(&self.pins).map(|(body, loss)| Loss {
+            name: body.name.clone(),
+            kind: "pin",
+            label: format!("{} of the {}", if body.is_bend { "bending" } else { "pin" }, body.name),
+            dry_j: loss.dry_j,
+            viscous_or_felt_j: loss.viscous_j,
+            place: 0,
+        });
+        let contacts = zones.iter().zip(&self.contacts).map(|(zone, loss)| Loss {
+            name: zone.name.clone(),
+            kind: "contact",
+            label: zone.label.clone(),
+            dry_j: loss.sliding_j,
+            viscous_or_felt_j: loss.felt_j,
+            place: 0,
+        });
+        let label = if self.instrument.roles.rigid_bridge || self.instrument.bridge_modes.is_empty() {
+            "strings"
+        } else {
+            "strings and the bridge"
+        };
+        let strings = self.instrument.has_yielding_strings().then(|| Loss {
+            name: "strings".to_owned(),
+            kind: "strings",
+            label: label.to_owned(),
+            dry_j: 0.0,
+            viscous_or_felt_j: self.strings_j,
+            place: 0,
+        });
+        let all = pins.chain(contacts).chain(strings);
+        let mut all: Vec<Loss> = all.enumerate().map(|(place, loss)| Loss { place, ..loss }).collect();
+        all.sort_by(|a, b| b.all_j().total_cmp(&a.all_j()));
+        all
     }
 }
 

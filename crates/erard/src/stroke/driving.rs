@@ -91,6 +91,9 @@ pub struct Stroke {
     force_n: f64,
 }
 
+/// A recording begins with a force where its first is larger, N.
+const PRESSED_N: f64 = 0.05;
+
 impl Stroke {
     /// A constant force from the start on, N.
     pub fn constant(title: String, force_n: f64) -> Self {
@@ -154,6 +157,10 @@ impl Stroke {
             (Prescribed::Motion, PositionOf::Key) if series.force.is_none() => Some(
                 "no force was recorded, so that the fingertip's position is not known: the key's stands for it (--position fingertip if it is \
                  the fingertip's; --drive rigid plays the key's)",
+            ),
+            (Prescribed::Motion, PositionOf::Key) if series.begins_with_n() > PRESSED_N => Some(
+                "it begins with a force: a fingertip that begins in touch has pressed the key down before the run starts, so that this is not the \
+                 recorded stroke from its rest again (--drive force or --drive rigid gives that)",
             ),
             (Prescribed::Rigid, PositionOf::Fingertip) if series.force.is_none() => {
                 return Err(DrivingError::NoKeyPosition { title });
@@ -246,6 +253,11 @@ mod tests {
         assert_eq!(of(&path, PositionOf::Key, None).unwrap().0.drive, Prescribed::Rigid);
         assert_eq!(of(&path, PositionOf::Fingertip, None).unwrap().0.drive, Prescribed::Motion);
         assert!(of(&path, PositionOf::Key, Some(Prescribed::Motion)).unwrap().1.is_some());
+        // A fingertip that begins with a force has pressed the key down before.
+        let (_, note) = of(&both, PositionOf::Key, Some(Prescribed::Motion)).unwrap();
+        assert!(note.unwrap().contains("begins with a force"), "{note:?}");
+        let free = read("time_s,force_N,position_m\n0,0,0\n1,2,0.01\n");
+        assert_eq!(of(&free, PositionOf::Key, Some(Prescribed::Motion)).unwrap().1, None);
         let error = of(&path, PositionOf::Key, Some(Prescribed::Force)).unwrap_err().to_string();
         assert!(error.contains("`force_N`"), "{error}");
         assert!(matches!(

@@ -85,6 +85,11 @@ impl Series {
             .unwrap_or(0.0)
     }
 
+    /// The force with which it begins, N; 0 where none was recorded.
+    fn begins_with_n(&self) -> f64 {
+        self.force.as_ref().map_or(0.0, |force| force.at(self.start_s(), &mut Cursor::default()))
+    }
+
     /// The stroke's last instant, s.
     pub fn end_s(&self) -> f64 {
         let last = self.driving().map(|times| times[times.len() - 1]);
