@@ -25,6 +25,8 @@ from erard import distributed
 
 DURATION_S = 0.12
 FORCES = 40
+#: How long the workers are watched before they work, s.
+IDLE_S = 5.0
 
 
 def grid(strokes: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
@@ -55,13 +57,20 @@ def native(command: str, strokes: int) -> tuple[int, float, float]:
 
 def clustered(strokes: int, workers: int, folder: str) -> tuple[int, float, float, Any]:
     """The same over a LocalCluster: strokes, wall s, processor s of the workers, the parts."""
+    import dask
     from distributed import Client, LocalCluster
 
     axes, forces = grid(strokes)
     start = time.perf_counter()
-    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0", silence_logs=40) as cluster, Client(cluster) as client:
+    quiet = dask.config.set(distributed.QUIET)
+    with quiet, LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0", silence_logs=40) as cluster, Client(cluster) as client:
         client.run(erard.load, "concert-grand")
         print(f"cluster: {workers} processes, started in {time.perf_counter() - start:.1f} s", flush=True)
+        # What Dask takes of a core whether it works or not counts by the clock: on a machine that does other work, too, it counts for more.
+        before, start = sum(client.run(spent).values()), time.perf_counter()
+        time.sleep(IDLE_S)
+        upkeep = (sum(client.run(spent).values()) - before) / (time.perf_counter() - start)
+        print(f"upkeep: {100 * upkeep / workers:.1f} % of a core for each worker that waits", flush=True)
         before, start = sum(client.run(spent).values()), time.perf_counter()
         parts = distributed.study(erard.load("concert-grand"), folder, axes, force=list(forces), duration=DURATION_S, client=client)
         wall, busy = time.perf_counter() - start, sum(client.run(spent).values()) - before

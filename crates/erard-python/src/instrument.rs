@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use erard::asked::Asked;
-use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenance};
+use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenance, numbers_at};
 use erard::keyboard::Keyboard;
 use erard::stroke::NUANCES;
 use erard_workshop::kinematics::LinkageFile;
@@ -123,6 +123,23 @@ impl Instrument {
     fn varied(&self, changes: Vec<(String, Value)>) -> PyResult<Self> {
         let all = self.changes.iter().cloned().chain(changes).collect();
         Self::made(self.text.clone(), self.file_name.clone(), all)
+    }
+
+    /// A number of the file by its path (`zone.string.disc.center_mm.x`), in the file's own unit: as it was last set, or as it stands in the text. None
+    /// where there is no such number, or where it was changed by a text.
+    fn number_at(&self, path: &str) -> Option<f64> {
+        match self.changes.iter().rev().find(|(name, _)| name == path) {
+            Some((_, Value::Number(number))) => return Some(*number),
+            Some((_, Value::Text(_))) => return None,
+            None => {}
+        }
+        let place = |text: &str, path: &str, which: usize, of: usize| {
+            numbers_at(text, path).filter(|numbers| numbers.len() == of).map(|numbers| numbers[which])
+        };
+        place(&self.text, path, 0, 1).or_else(|| {
+            let (path, axis) = path.rsplit_once('.')?;
+            place(&self.text, path, ["x", "y"].iter().position(|known| *known == axis)?, 2)
+        })
     }
 
     fn equals(&self, other: &Self) -> bool {

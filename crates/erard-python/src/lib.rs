@@ -5,6 +5,7 @@
 mod action;
 mod bench;
 mod fault;
+mod gradient;
 mod instrument;
 mod lab;
 mod many;
@@ -22,6 +23,8 @@ mod _erard {
     use super::action::{Action, Reading};
     #[pymodule_export]
     use super::bench::{draw, keyboard, kinematics, measure, measure_lines, regulate};
+    #[pymodule_export]
+    use super::gradient::gradient;
     #[pymodule_export]
     use super::instrument::{Instrument, builtin};
     #[pymodule_export]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use erard::one_dof::reduce;
-use erard::player::ReactionRecorder;
+use erard::player::{Inside, Loss, LossRecorder, ReactionRecorder};
 use erard::run::{BodySeries, Events, Run, Strike, ZoneSeries, column_unit};
 use erard::simulation::{Setup, simulate, simulate_observed};
 use erard::trust::Warning;
@@ -34,7 +34,7 @@ pub fn unit(name: &str) -> &'static str {
 /// Plays a stroke on the action or on its one-degree-of-freedom model: columns by name in their order, those of the pins last, and what else there is
 /// to know.
 #[pyfunction]
-#[pyo3(signature = (instrument, stroke, steps, model, duration, record_every, tolerance, reactions, progress))]
+#[pyo3(signature = (instrument, stroke, steps, model, duration, record_every, tolerance, reactions, losses, progress))]
 #[allow(clippy::too_many_arguments)]
 pub fn press<'py>(
     py: Python<'py>,
@@ -46,6 +46,7 @@ pub fn press<'py>(
     record_every: Option<u64>,
     tolerance: Option<f64>,
     reactions: bool,
+    losses: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
     let inner = &stroke.inner;
@@ -59,7 +60,10 @@ pub fn press<'py>(
         }
     };
     let stroke = inner.clone();
-    let mut pins = reactions.then(|| ReactionRecorder::new(&own));
+    let mut inside = Inside {
+        reactions: reactions.then(|| ReactionRecorder::new(&own)),
+        losses: losses.then(|| LossRecorder::new(&own)),
+    };
     // A stroke that cannot drive this instrument says so before it is played.
     stroke.inputs(&own.finger).map(drop).map_err(fault::wrong)?;
     let run = watched(
@@ -68,15 +72,32 @@ pub fn press<'py>(
         |going| {
             // Made here: a drive keeps a cursor, which is not shared between threads.
             let inputs = stroke.inputs(&own.finger).map_err(|_| erard::SimulationError::NoKey)?;
-            match &mut pins {
-                Some(pins) => simulate_observed(&own, inputs.as_ref(), &setup, pins, going),
-                None => simulate(&own, inputs.as_ref(), &setup, going),
+            if reactions || losses {
+                simulate_observed(&own, inputs.as_ref(), &setup, &mut inside, going)
+            } else {
+                simulate(&own, inputs.as_ref(), &setup, going)
             }
         },
         fault::simulation,
     )?;
     let (columns, about) = parts(py, run)?;
-    for pin in pins.map(ReactionRecorder::into_series).unwrap_or_default() {
+    if let Some(losses) = inside.losses.as_ref().and_then(LossRecorder::losses) {
+        let all = losses.by_size();
+        let total: f64 = all.iter().map(Loss::all_j).sum();
+        let rows = all.into_iter().map(|loss| {
+            let row = PyDict::new(py);
+            row.set_item("name", &loss.name)?;
+            row.set_item("kind", loss.kind)?;
+            row.set_item("label", &loss.label)?;
+            row.set_item("dry_J", loss.dry_j)?;
+            row.set_item("viscous_or_felt_J", loss.viscous_or_felt_j)?;
+            row.set_item("loss_J", loss.all_j())?;
+            row.set_item("share", if total > 0.0 { loss.all_j() / total } else { 0.0 })?;
+            Ok(row)
+        });
+        about.set_item("losses", rows.collect::<PyResult<Vec<_>>>()?)?;
+    }
+    for pin in inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default() {
         columns.set_item(format!("{}_rad_per_s2", pin.name), array(py, pin.acceleration_rad_s2))?;
         columns.set_item(format!("{}_pin_x_N", pin.name), array(py, pin.pin_x_n))?;
         columns.set_item(format!("{}_pin_y_N", pin.name), array(py, pin.pin_y_n))?;

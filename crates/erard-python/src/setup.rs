@@ -49,6 +49,18 @@ impl Steps {
         Ok(Settings { theta: self.theta, solver, friction, ..Settings::new(self.step) })
     }
 
+    /// Whether derivatives can be had so.
+    pub fn for_derivatives(&self) -> PyResult<()> {
+        if self.friction == "set-valued" {
+            return Ok(());
+        }
+        let found = &self.friction;
+        Err(wrong_argument(
+            "friction",
+            format!("found `{found}`; derivatives are those of `set-valued` friction, which truly sticks"),
+        ))
+    }
+
     /// A run from an instant on.
     pub fn setup(&self, start_s: f64, duration_s: f64) -> PyResult<Setup> {
         Ok(Setup { settings: self.settings()?, start_s, ..Setup::new(duration_s) })

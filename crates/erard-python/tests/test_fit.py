@@ -49,6 +49,28 @@ def test_the_truth_is_found_within_its_errors(found: erard.Fit) -> None:
     assert len(found.plot().axes) == 8
 
 
+def test_derivatives_of_the_model_find_the_same(rigid: erard.Instrument, found: erard.Fit) -> None:
+    """In place of differences: the same place within a fifth of its errors, and the same errors."""
+    data = [recorded(rigid.vary(TRUE), seed, stroke) for seed, stroke in enumerate(["p", "f"])]
+    exact = erard.fit(rigid, data, vary=list(TRUE), bounds=BOUNDS, sigma=NOISE, jacobian="gradient")
+    assert exact.differentiated > 0 == found.differentiated and "with derivatives" in str(exact)
+    for name in TRUE:
+        assert abs(exact.x[name] - found.x[name]) < 0.2 * found.std[name], (name, exact.x[name], found.x[name], found.std[name])
+        assert exact.std[name] == pytest.approx(found.std[name], rel=0.2), name
+
+
+def test_both_jacobians_are_one(rigid: erard.Instrument) -> None:
+    """Column by column, delays included, at a place where no fit has been."""
+    late = recorded(rigid.vary(TRUE), late_s=0.3e-3)
+    fitted = erard.fit(rigid, late, vary=list(TRUE), bounds=BOUNDS, sigma=NOISE, delay=True, restarts=0)
+    problem, point = fitted._problem, fitted._point
+    problem.weights = problem.until_the_blow(point)
+    exact, differences = problem.by_gradient(point), problem.by_differences(point, 1e-3)
+    problem.weights = 1.0
+    for own, other in zip(exact.T, differences.T, strict=True):
+        assert np.linalg.norm(own - other) < 0.05 * np.linalg.norm(other)
+
+
 def test_fits_pickle_and_compare(found: erard.Fit) -> None:
     again = pickle.loads(pickle.dumps(found))
     assert again == found and str(again) == str(found) and again.channels == found.channels
@@ -113,6 +135,7 @@ def test_a_motion_drives_and_the_force_is_fitted(rigid: erard.Instrument) -> Non
         ({"vary": ["let_off"], "start": {"drop": 0.0}}, "not varied"),
         ({"vary": ["let_off"], "start": {"let_off": 1.0}}, "its bounds"),
         ({"vary": ["let_off"], "loss": "square"}, "soft_l1"),
+        ({"vary": ["let_off"], "jacobian": "exact"}, "differences or gradient"),
         ({"vary": ["let_off"], "most": 0}, "a whole number"),
     ],
 )
@@ -132,6 +155,22 @@ def test_the_posterior_agrees(rigid: erard.Instrument) -> None:
     low, high = drawn.interval()["body.hammer.mass"]
     assert low < drawn.mean["body.hammer.mass"] < high
     assert np.array_equal(drawn.samples, erard.sample(fitted, walkers=8, length=40, burn=20, seed=3).samples)
+
+
+def test_two_samplers_agree(rigid: erard.Instrument) -> None:
+    """Walkers without derivatives, and Hamiltonian steps with them."""
+    pytest.importorskip("emcee")
+    pytest.importorskip("nutpie")
+    early = {name: values[:200] for name, values in recorded(rigid).items()}
+    fitted = erard.fit(rigid, early, vary=["body.hammer.mass"], sigma={**NOISE, "force_N": 0.0}, bounds={"body.hammer.mass": (0.5, 2)})
+    walked = erard.sample(fitted, walkers=8, length=60, burn=30)
+    drawn = erard.sample(fitted, sampler="nuts", walkers=1, length=80, burn=60)
+    assert drawn.samples.shape == (80, 1)
+    name = "body.hammer.mass"
+    assert drawn.mean[name] == pytest.approx(walked.mean[name], abs=fitted.std[name])
+    assert drawn.std[name] == pytest.approx(walked.std[name], rel=0.5)
+    with pytest.raises(erard.InputError, match="emcee or nuts"):
+        erard.sample(fitted, sampler="gibbs")
 
 
 def test_the_posterior_heeds_the_noise_of_what_drives(rigid: erard.Instrument) -> None:

@@ -19,6 +19,7 @@ LONG = {
     "play": "erard.Action(grand).play(many)",
     "rollout": "erard.rollout(grand, force=np.full((4000, 1001), 5.0), dt=1e-3, progress=False)",
     "study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 4000), force=5.0, progress=False)",
+    "gradient": "erard.gradient(grand, force=5.0, progress=False)",
     "measured study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 12), force=5.0, duration=0.02, measure=['repetition_rate_hz', 'double_strike_m_s'], progress=False)",
     "measure": "grand.measure(progress=False)",
     "regulate": "far_off.regulate(dip='11 mm', blow='43 mm', let_off='3 mm', drop='2.5 mm', check='20 mm', norms=True, follow=True, progress=False)",
@@ -82,6 +83,7 @@ def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument
         grand, grand.parameters["let_off"], run, erard.Recording(run), action, action.reading, action.play([5.0] * 3), grand.draw(),
         grand.measure(only=["dip_mm"]), grand.kinematics(), grand.compare(run, drives=["force"], models=["action"]), erard.keyboard(keys=[40]),
         erard.rollout(grand, force=[[5.0, 5.0]], dt=1e-3), erard.study(grand, let_off=[0.0], force=5.0, duration=0.05),
+        erard.gradient(grand, ["let_off"], force=5.0, duration=0.05, error=False),
     ]  # fmt: skip
     for thing in things:
         again = pickle.loads(pickle.dumps(thing))
@@ -89,7 +91,7 @@ def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument
         assert " object at 0x" not in repr(thing), thing
     action.step(5.0)
     assert pickle.loads(pickle.dumps(things[4])) != erard.Action(grand)
-    for wrong in (erard.Action, erard.validate, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.compare(x, run)):
+    for wrong in (erard.Action, erard.validate, erard.gradient, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.compare(x, run)):
         with pytest.raises(erard.InputError, match="erard.load"):
             wrong("concert-grand")
 

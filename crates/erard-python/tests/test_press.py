@@ -1,6 +1,7 @@
 """One press: what comes out, how it is read, that it is the command's own."""
 
 import io
+import json
 import os
 import pickle
 import shutil
@@ -115,7 +116,9 @@ def test_the_key_that_was_recorded_is_the_key_that_is_driven(name: str) -> None:
         again = own.press(stroke=swelling, drive=drive, duration=0.12)
         assert again.hammer_speed == pytest.approx(swelling.hammer_speed, rel=1e-4), drive
         assert again.events["hammer_contact"] == pytest.approx(swelling.events["hammer_contact"], abs=1e-5), drive
-    assert own.press(stroke=sudden, drive="motion", duration=0.12)["key_m"][0] > 5e-5
+    late = own.press(stroke=sudden, drive="motion", duration=0.12)
+    assert late["key_m"][0] > 5e-5 and "begins with a force" in late.notes[0]
+    assert not own.press(stroke=swelling, drive="motion", duration=0.12).notes
 
 
 WRONG = [
@@ -184,6 +187,21 @@ def test_the_other_model_and_the_pins(grand: erard.Instrument, run: erard.Run) -
     assert any("no force was recorded" in note for note in alone.notes) and not run.notes
 
 
+def test_losses_by_pin_and_contact(grand: erard.Instrument, run: erard.Run) -> None:
+    """They are those of the ledger, part by part, and asking for them changes no bit."""
+    lost = grand.press(force=5.0, duration=0.2, losses=True)
+    assert lost == run and run.losses is None and lost.losses is not None
+    rows = lost.losses
+    assert {(row["kind"], row["name"]) for row in rows} == {("pin", name) for name in grand.bodies} | {("contact", name) for name in grand.zones}
+    assert [row["loss_J"] for row in rows] == sorted((row["loss_J"] for row in rows), reverse=True)
+    assert sum(row["share"] for row in rows) == pytest.approx(1.0)
+    energy, pins, contacts = lost.energy, [r for r in rows if r["kind"] == "pin"], [r for r in rows if r["kind"] == "contact"]
+    assert energy is not None and lost.energy == run.energy
+    for name, own, key in (("pivot_dry_J", pins, "dry_J"), ("pivot_viscous_J", pins, "viscous_or_felt_J"), ("coulomb_J", contacts, "dry_J"), ("felt_J", contacts, "viscous_or_felt_J")):  # fmt: skip
+        assert sum(row[key] for row in own) == pytest.approx(energy[name], rel=1e-6, abs=1e-9), name
+    assert pickle.loads(pickle.dumps(lost)).losses == rows
+
+
 def test_figures(run: erard.Run, grand: erard.Instrument, tmp_path: Path) -> None:
     assert run.svg().startswith("<svg") and "let-off" in run.svg() and run.svg() in run._repr_html_()
     pytest.importorskip("matplotlib").use("Agg")
@@ -204,9 +222,11 @@ def test_the_command_gives_the_same_bits(grand: erard.Instrument, tmp_path: Path
     command = shutil.which(os.environ["ERARD"])
     assert command
     out = tmp_path / "out"
-    arguments = [command, "press", "--force-step", "5", "--duration", "0.1", "--reactions", "--out", str(out)]
+    arguments = [command, "press", "--force-step", "5", "--duration", "0.1", "--reactions", "--losses", "--out", str(out)]
     subprocess.run(arguments, check=True, capture_output=True)
-    run = grand.press(force=5.0, duration=0.1, reactions=True)
+    lost = json.loads((out / "losses.json").read_text())["losses"]
+    run = grand.press(force=5.0, duration=0.1, reactions=True, losses=True)
+    assert run.losses == lost
     table = np.genfromtxt(io.StringIO((out / "run.csv").read_text()), delimiter=",", names=True)
     assert list(table.dtype.names) == run.columns
     for name in run.columns:

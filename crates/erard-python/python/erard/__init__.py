@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from ._action import Action
 from ._common import unit_of
 from ._errors import InputError, MissingFileError, SimulationError
+from ._gradient import Gradient, gradient
 from ._instrument import (
     Comparison,
     Drawing,
@@ -47,6 +48,7 @@ __all__ = [
     "Comparison",
     "Drawing",
     "Fit",
+    "Gradient",
     "InputError",
     "Instrument",
     "Keyboard",
@@ -66,6 +68,7 @@ __all__ = [
     "dataset",
     "distributed",
     "fit",
+    "gradient",
     "keyboard",
     "kinematics",
     "load",

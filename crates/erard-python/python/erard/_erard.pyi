@@ -14,6 +14,7 @@ __all__ = [
     "compare",
     "draw",
     "figure",
+    "gradient",
     "keyboard",
     "kinematics",
     "measure",
@@ -50,6 +51,7 @@ class Instrument:
     def screws(self) -> list[tuple[str, str]]: ...
     def quantities(self) -> list[dict[str, Any]]: ...
     def varied(self, changes: list[Change]) -> Instrument: ...
+    def number_at(self, path: str) -> float | None: ...
     def equals(self, other: Instrument) -> bool: ...
 
 @final
@@ -145,8 +147,19 @@ def press(
     record_every: int | None,
     tolerance: float | None,
     reactions: bool,
+    losses: bool,
     progress: Progress,
 ) -> tuple[dict[str, Floats], dict[str, Any]]: ...
+def gradient(
+    instrument: Instrument,
+    by: list[tuple[str, tuple[Instrument, Instrument, float] | None]],
+    stroke: Stroke,
+    duration: float | None,
+    steps: Steps,
+    every: int | None,
+    threads: int | None,
+    progress: Progress,
+) -> dict[str, Any]: ...
 def figure(columns: dict[str, Floats], about: dict[str, Any], title: str) -> str: ...
 def rollout(
     instruments: list[Instrument], kind: str, values: Floats, dt: float, steps: Steps, work: Work, progress: Progress

@@ -42,6 +42,8 @@ AFTER_THE_BLOW_S = 2e-3
 SPLINE_ENDS = 10
 #: Steps of the differences, as shares of a factor or of the way that a screw may go: the middle one is used, all are compared.
 DIFFERENCES = (4e-3, 1e-3, 2.5e-4)
+#: How the Jacobian of the last steps is found.
+JACOBIANS = ("differences", "gradient")
 #: What `scipy.optimize.least_squares` makes of squares.
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 #: The step at first: long enough to look past what jumps.
@@ -187,7 +189,9 @@ class _Problem:
         self.channels = [(i, name) for i, one in enumerate(data) for name in one.columns]
         self.delays = len(self.channels) if delay else 0
         self.sigma = np.array([COLUMNS[name] for _, name in self.channels])
-        self.evaluations = 0
+        self.evaluations, self.differentiated = 0, 0
+        #: Whether the Jacobian of fine steps comes from derivatives of the model itself.
+        self.exact = False
         self._kept: tuple[bytes, Array] | None = None
         #: Rows that count; at first those up to the blow.
         self.weights: Array | float = 1.0
@@ -281,6 +285,40 @@ class _Problem:
         return left
 
     def jacobian(self, point: Array, share: float = DIFFERENCES[1]) -> Array:
+        """By derivatives of the model where they are asked for and the step is the usual one, else by differences."""
+        return self.by_gradient(point) if self.exact and share == DIFFERENCES[1] else self.by_differences(point, share)
+
+    def by_gradient(self, point: Array) -> Array:
+        """Each recording once in numbers that carry derivatives, eight parameters at a time."""
+        instrument = self.instrument.vary({one.parameter.name: one.outer(p) for one, p in zip(self.free, point, strict=False)})
+        by: list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]] = [(name, None) for name in self.names]
+        played = []
+        for one in self.data:
+            played.append(
+                _erard.gradient(instrument._inner, by, one.stroke, one.duration_s, one.steps, one.every, self.threads, None)
+            )
+            self.differentiated += 1
+            if self.tell is not None:
+                self.tell(1)
+        # Of a factor the logarithm counts, and the extension's factors begin at this instrument's: d/dlog is d/dfactor.
+        scales = np.array([one.scale for one in self.free])
+        blocks = []
+        for channel, (i, name) in enumerate(self.channels):
+            one, delay_s = self.data[i], self._delay_s(point, channel)
+            times = one.time_s
+            curves = [played[i]["columns"][name], *played[i]["column_slopes"][name]]
+            moved = [np.interp(times - delay_s, times, curve[: len(times)]) for curve in curves]
+            block = np.zeros((one.rows, len(point)))
+            block[:, : len(self.free)] = (np.array(moved[1:]).T * scales)[one.compared]
+            if self.delays:
+                # 1e-3 s are what a delay is counted in.
+                block[:, len(self.free) + channel] = -1e-3 * np.gradient(moved[0], times)[one.compared]
+            blocks.append(block / self.sigma[channel])
+        weights = self.weights if isinstance(self.weights, float) else self.weights[:, None]
+        found: Array = np.nan_to_num(np.concatenate(blocks) * weights)
+        return found
+
+    def by_differences(self, point: Array, share: float) -> Array:
         """By central differences, all of them side by side in lanes."""
         count = len(self.free)
         by = np.array([share if one.parameter.is_factor else share * one.width for one in self.free])
@@ -340,7 +378,8 @@ class Fit:
         Such directions in words.
     jacobian_agreement : float
         How far the Jacobian by differences depends on their step: the largest relative change of a column from one step to one sixteen times
-        as long. Where it is large, the recordings jump with the parameters, and the errors are to be doubted.
+        as long; with `jacobian="gradient"` from the derivatives to differences in the longer step. Where it is large, the recordings jump with the
+        parameters, and the errors are to be doubted.
     """
 
     def __init__(
@@ -380,7 +419,7 @@ class Fit:
         self.noise = {problem_title(problem, k): float(sigma) for k, sigma in enumerate(problem.sigma)}
         delays = enumerate(point[count:])
         self.delays = {problem_title(problem, k): 1e-3 * float(delay) for k, delay in delays}
-        self.evaluations = problem.evaluations
+        self.evaluations, self.differentiated = problem.evaluations, problem.differentiated
 
     @property
     def instrument(self) -> Instrument:
@@ -462,9 +501,10 @@ class Fit:
         return found
 
     def __str__(self) -> str:
+        with_derivatives = f" and {self.differentiated} with derivatives" if self.differentiated else ""
         lines = [
             f"Fit of {self._problem.instrument.name} to {len(self._problem.data)} recordings, {len(self.residuals)} samples",
-            f"  {self.message}; {self.evaluations} strokes played",
+            f"  {self.message}; {self.evaluations} strokes played{with_derivatives}",
             f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
         ]
         rows = [("", "value", "as vary takes it", "bounds"), *self.rows()]
@@ -543,6 +583,7 @@ def fit(
     bounds: Mapping[str, tuple[float, float]] | None = None,
     start: Mapping[str, float] | None = None,
     loss: str = "linear",
+    jacobian: str = "differences",
     restarts: int = 5,
     most: int = 50,
     threads: int | None = None,
@@ -579,6 +620,10 @@ def fit(
         Where to begin, as `vary` takes it.
     loss : {"linear", "soft_l1", "huber", "cauchy"}
         "linear" is plain least squares; the others heed outliers less. The covariance is that of plain least squares.
+    jacobian : {"differences", "gradient"}
+        Where the derivatives of the last steps and of the covariance come from: central differences, or the model's own (`gradient`), which need no
+        step but cost more. The first steps, which are to look past what jumps, are differences in any case.
+        Both find the same; a Jacobian of the model's own derivatives takes about six times as long, for differences are played side by side in lanes.
     restarts : int
         How often the fit may begin again elsewhere, until two have ended alike with no more left over than noise: where friction sticks and felts
         open, sums of squares have more than one minimum.
@@ -617,7 +662,7 @@ def fit(
     """
     with counter(progress, "fit", "strokes") as tell:
         return _fit(
-            instrument_of(instrument), recordings, vary, drive, columns, sigma, delay, bounds, start, loss, restarts, most, threads,
+            instrument_of(instrument), recordings, vary, drive, columns, sigma, delay, bounds, start, loss, jacobian, restarts, most, threads,
             tell, steps(how),
         )  # fmt: skip
 
@@ -633,6 +678,7 @@ def _fit(
     bounds: Mapping[str, tuple[float, float]] | None,
     start: Mapping[str, float] | None,
     loss: str,
+    jacobian: str,
     restarts: int,
     most: int,
     threads: int | None,
@@ -643,6 +689,8 @@ def _fit(
 
     if loss not in LOSSES:
         raise InputError(f"loss: found {loss!r}, expected {', '.join(LOSSES)}", key="loss", found=str(loss))
+    if jacobian not in JACOBIANS:
+        raise InputError(f"jacobian: found {jacobian!r}, expected {' or '.join(JACOBIANS)}", key="jacobian", found=str(jacobian))
     restarts, most = whole("restarts", restarts, 0), whole("most", most)
     sources: list[Any] = list(recordings) if isinstance(recordings, (list, tuple)) else [recordings]
     if not sources:
@@ -674,6 +722,13 @@ def _fit(
     begin = np.clip(np.array(first + [0.0] * problem.delays), low + margin, high - margin)
     if np.all(problem.residuals(begin) == 1e6):
         raise SimulationError("the instrument cannot be played where the fit starts")
+    if jacobian == "gradient":
+        if any(data[i].stroke.drive == "rigid" and name == "force_N" for i, name in problem.channels):
+            told_why = "force_N has no derivatives under a rigid drive, whose force is what its motion takes"
+            raise InputError(f"jacobian: {told_why}; expected differences", key="jacobian", found=jacobian)
+        # What has no derivatives says so before the work begins.
+        problem.by_gradient(begin)
+        problem.exact = True
 
     def solve(point: Array, share: float, loss: str, most: int) -> tuple[Array, float, str]:
         problem._kept = None
@@ -712,9 +767,10 @@ def _fit(
             break
     _, point, message, disturbed = best  # type: ignore[misc]
     problem._kept = None
-    by_step = [problem.jacobian(point, share) for share in DIFFERENCES]
+    found, wide = problem.jacobian(point), problem.by_differences(point, DIFFERENCES[0])
+    other = found if problem.exact else problem.by_differences(point, DIFFERENCES[2])
     problem.tell = None
-    return Fit(problem, point, by_step[1], _agreement(by_step[0], by_step[2]), disturbed, message)
+    return Fit(problem, point, found, _agreement(wide, other), disturbed, message)
 
 
 def _noise(problem: _Problem, point: Array, told: Sequence[float | None]) -> bool:
@@ -785,9 +841,16 @@ class Posterior:
 
 
 def sample(
-    found: Fit, *, walkers: int = 32, length: int = 200, burn: int = 100, seed: int = 0, progress: bool | None = None
+    found: Fit,
+    *,
+    sampler: str = "emcee",
+    walkers: int | None = None,
+    length: int = 200,
+    burn: int = 100,
+    seed: int = 0,
+    progress: bool | None = None,
 ) -> Posterior:
-    """Samples the posterior of a fit with emcee: Gaussian noise as the fit found it, within its bounds all alike (logarithms of factors).
+    """Samples the posterior of a fit: Gaussian noise as the fit found it, within its bounds all alike (logarithms of factors).
 
     Noise of what drives and misfit beyond all noise widen it as they widen the errors of the fit: the likelihood is that of the sensors' noise, its
     curvature at the best point adjusted (Chandler and Bate, Biometrika 94, 2007).
@@ -795,8 +858,12 @@ def sample(
     Parameters
     ----------
     found : Fit
-    walkers : int
-        At least twice as many as there are parameters; half of them are played side by side in lanes.
+    sampler : {"emcee", "nuts"}
+        emcee's walkers need no derivatives, and are played side by side in lanes. "nuts" is Hamiltonian sampling by nutpie (`pip install erard[nuts]`) with the
+        model's own derivatives; each of its steps costs some ten presses with derivatives, one after the other, so that it is slower but for many
+        parameters that depend on each other.
+    walkers : int, optional
+        Of emcee at least twice as many as there are parameters (default 32), half of them side by side; of "nuts" chains, one after the other (default 2).
     length, burn : int
         Steps of every walker that are kept, and that are thrown away before.
     seed : int
@@ -807,14 +874,16 @@ def sample(
     -------
     Posterior
     """
-    import emcee
-
     if not isinstance(found, Fit):
         raise InputError(f"found: found {type(found).__name__}, expected what erard.fit found", key="found")
+    if sampler not in ("emcee", "nuts"):
+        raise InputError(f"sampler: found {sampler!r}, expected emcee or nuts", key="sampler", found=str(sampler))
+    if walkers is None:
+        walkers = 32 if sampler == "emcee" else 2
     walkers, length, burn = whole("walkers", walkers), whole("length", length), whole("burn", burn, 0)
     problem = found._problem
     count = len(problem.free) + problem.delays
-    if walkers < 2 * count:
+    if sampler == "emcee" and walkers < 2 * count:
         raise InputError(f"walkers: found {walkers}, expected {2 * count} or more", key="walkers", found=str(walkers))
     low = np.array([one.inner(one.low) for one in problem.free] + [-20.0] * problem.delays)
     high = np.array([one.inner(one.high) for one in problem.free] + [20.0] * problem.delays)
@@ -823,6 +892,26 @@ def sample(
     sizes = np.sqrt(np.diag(found._sensors_cov))
     sensors, everything = (np.linalg.cholesky(cov / np.outer(sizes, sizes)) for cov in (found._sensors_cov, found._inner_cov))
     nearer = sizes[:, None] * (sensors @ np.linalg.inv(everything)) / sizes
+
+    rng = np.random.default_rng(seed)
+    spread = np.sqrt(np.clip(np.diag(found._inner_cov), 0.0, ((high - low) / 6) ** 2))
+    first = np.clip(found._point + spread * rng.standard_normal((walkers, count)), low + 1e-9, high - 1e-9)
+    with counter(progress, "sample", "strokes") as problem.tell:
+        try:
+            draw = _by_emcee if sampler == "emcee" else _by_nuts
+            chain, acceptance = draw(found, first, nearer, low, high, length, burn, seed)
+        finally:
+            problem.tell = None
+    outer = np.column_stack([[one.outer(p) for p in chain[:, k]] for k, one in enumerate(problem.free)])
+    return Posterior(problem.names, outer, acceptance)
+
+
+def _by_emcee(
+    found: Fit, first: Array, nearer: Array, low: Array, high: Array, length: int, burn: int, seed: int
+) -> tuple[Array, float]:
+    import emcee
+
+    problem = found._problem
 
     def log_probability(points: Array) -> Array:
         inside = np.all((points > low) & (points < high), axis=1)
@@ -836,14 +925,46 @@ def sample(
         found_log[inside] = np.where(np.isfinite(chi2), -0.5 * chi2, -np.inf)
         return found_log
 
-    rng = np.random.default_rng(seed)
-    spread = np.sqrt(np.clip(np.diag(found._inner_cov), 0.0, ((high - low) / 6) ** 2))
-    first = np.clip(found._point + spread * rng.standard_normal((walkers, count)), low + 1e-9, high - 1e-9)
+    walkers, count = first.shape
     sampler = emcee.EnsembleSampler(walkers, count, log_probability, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    with counter(progress, "sample", "strokes") as problem.tell:
-        sampler.run_mcmc(first, burn + length)
-    problem.tell = None
-    chain = sampler.get_chain(discard=burn, flat=True)
-    outer = np.column_stack([[one.outer(p) for p in chain[:, k]] for k, one in enumerate(problem.free)])
-    return Posterior(problem.names, outer, float(np.mean(sampler.acceptance_fraction)))
+    sampler.run_mcmc(first, burn + length)
+    return sampler.get_chain(discard=burn, flat=True), float(np.mean(sampler.acceptance_fraction))
+
+
+def _by_nuts(
+    found: Fit, first: Array, nearer: Array, low: Array, high: Array, length: int, burn: int, seed: int
+) -> tuple[Array, float]:
+    """The no-U-turn sampler over the logits of where the parameters stand between their bounds."""
+    import nutpie
+    from nutpie.compiled_pyfunc import from_pyfunc
+
+    problem, width = found._problem, high - low
+    chains, count = first.shape
+
+    def place(z: Array) -> Array:
+        return low + width / (1.0 + np.exp(-z))
+
+    def make_logp() -> Callable[[Array], tuple[float, Array]]:
+        def logp(z: Array) -> tuple[float, Array]:
+            share = np.clip(1.0 / (1.0 + np.exp(-z)), 1e-12, 1.0 - 1e-12)
+            slope = width * share * (1.0 - share)
+            kept = found._point + nearer @ (place(z) - found._point)
+            kept = np.clip(kept, low + 1e-9 * width, high - 1e-9 * width)
+            left = problem.residuals(kept)
+            by_place = -(left @ problem.by_gradient(kept)) @ nearer
+            return -0.5 * float(left @ left) + float(np.sum(np.log(slope))), by_place * slope + 1.0 - 2.0 * share
+
+        return logp
+
+    def make_expand(*_: Any) -> Callable[[Array], dict[str, Array]]:
+        return lambda z: {"inner": place(z)}
+
+    starts = iter(np.log((first - low) / (high - first)))
+    model = from_pyfunc(
+        count, make_logp, make_expand, [np.dtype(np.float64)], [(count,)], ["inner"],
+        make_initial_point_fn=lambda _: next(starts, np.log((found._point - low) / (high - found._point))),
+    )  # fmt: skip
+    trace = nutpie.sample(model, draws=length, tune=burn, chains=chains, cores=1, seed=seed, save_warmup=False, progress_bar=False)
+    chain: Array = np.asarray(trace.posterior["inner"]).reshape(-1, count)
+    return chain, float(np.mean(np.asarray(trace.sample_stats["mean_tree_accept"])))

@@ -208,6 +208,7 @@ class Instrument:
         record_every: int | None = None,
         tolerance: float | None = None,
         reactions: bool = False,
+        losses: bool = False,
         progress: bool | None = None,
         **how: Unpack[Stepping],
     ) -> Run:
@@ -229,7 +230,7 @@ class Instrument:
             Where the key's front itself is, m down from rest.
         drive : {"force", "motion", "rigid"}, optional
             What a recording prescribes; by default its force where it has one. Under "motion" a fingertip moves as key and force tell; one that begins
-            with a force is in touch already, and has pressed the key down before the run starts.
+            with a force is in touch already, and has pressed the key down before the run starts, which `Run.notes` says then.
         model : {"action", "one-dof"}
             The whole action, or its model with one degree of freedom.
         duration : float, optional
@@ -241,6 +242,8 @@ class Instrument:
         reactions : bool
             Also record what the pins carry and how the parts accelerate: columns `NAME_rad_per_s2`, `NAME_pin_x_N` (force of the pin on the body
             toward the back of the piano) and `NAME_pin_y_N` (upward).
+        losses : bool
+            Also book where the energy goes, by pin and by contact: `Run.losses`.
         progress : bool, optional
             A progress bar; by default on a terminal or in a notebook, if it takes more than a second.
         **how
@@ -266,7 +269,7 @@ class Instrument:
         accuracy = None if tolerance is None else number("tolerance", tolerance)
         with bar(progress, "press") as tell:
             columns, about = _erard.press(
-                self._inner, made, steps(how), model, duration, every, accuracy, reactions, tell
+                self._inner, made, steps(how), model, duration, every, accuracy, reactions, losses, tell
             )
         return Run(columns, {**about, "notes": [made.note] if made.note else []}, made.title)
 

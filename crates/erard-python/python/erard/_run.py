@@ -87,6 +87,16 @@ class Run(Table):
         return None if own is None else types.MappingProxyType(own)
 
     @property
+    def losses(self) -> list[dict[str, Any]] | None:
+        """Where the energy went by pin and by contact, the largest loss first, if `press(losses=True)` asked for it; J.
+
+        The rows are those of the command's losses.json: `name` (the body of a pin, or the contact), `kind` ("pin" or "contact"), `label`, `dry_J` (dry
+        friction, sliding), `viscous_or_felt_J`, `loss_J` (both) and `share` (of all).
+        """
+        own: list[dict[str, Any]] | None = self._about.get("losses")
+        return own
+
+    @property
     def work(self) -> Mapping[str, int]:
         """Steps taken, those that did not converge, and Newton iterations."""
         return {name: self._about[name] for name in ("steps", "unconverged_steps", "newton_iterations")}

@@ -1,0 +1,280 @@
+"""One press and its derivatives: what its speeds, instants and columns change by with the numbers of the instrument."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+
+from . import _erard
+from ._common import Stepping, bar, names_of, number, quantity, read_only, steps, whole
+from ._errors import InputError
+from ._instrument import Instrument, instrument_of, stroke_of
+
+if TYPE_CHECKING:
+    import pandas
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._instrument import Force
+    from ._recording import RecordingLike
+
+#: What is differentiated, by the names that a study's columns have.
+QUANTITIES = (
+    "hammer_speed_m_per_s",
+    "let_off_s",
+    "hammer_contact_s",
+    "key_bottom_s",
+    "key_bottom_after_blow_s",
+    "free_flight_s",
+    "key_start_s",
+    "toe_contact_s",
+    "key_start_to_hammer_s",
+)
+#: Columns that have derivatives.
+COLUMNS = ("key_m", "hammer_head_m", "force_N")
+#: The step of the second press, by which errors are told, as a share of the first one's.
+SHORTER = 0.8
+#: Half the way over which the map from a number of the file to the mechanism's numbers is differenced, as a share of it, and at least.
+HALF, LEAST = 1e-4, 1e-9
+
+
+class Gradient(Mapping[str, Mapping[str, float]]):
+    """What a press changes by with the numbers of its instrument, to first order: a mapping of quantities, each a mapping of numbers.
+
+    Attributes
+    ----------
+    of, by : list of str
+        Quantities, and what they are differentiated by.
+    value : dict of str to float
+        The quantities' own values; nan for what did not happen.
+    jacobian : ndarray of shape (Q, P)
+        Derivatives of the quantities (rows) by the numbers (columns), in SI units per bare number as `Instrument.vary` takes it: per metre of a screw's
+        turn, per factor of a parameter (the derivative for one percent is a hundredth of it), per unit of the file of a number of the file, per N.
+    error : ndarray of shape (Q, P) or None
+        How far the derivatives of steps that are a fifth shorter differ from them; `None` where that was not asked for.
+    time_s : ndarray of shape (T,)
+        Instants of the columns' samples; empty without columns.
+    columns : dict of str to ndarray of shape (T,)
+        What was sampled.
+    column_jacobian : dict of str to ndarray of shape (T, P)
+        Derivatives of the samples.
+    switches, unresolved : int
+        At how many switches of friction derivatives jumped, and how many could not be told from another one.
+
+    Examples
+    --------
+    >>> import erard
+    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], force=5.0)
+    >>> g["hammer_speed_m_per_s"]["let_off"] == float(g.jacobian[0, 1])
+    True
+    """
+
+    def __init__(
+        self,
+        of: list[str],
+        by: list[str],
+        value: dict[str, float],
+        jacobian: NDArray[np.float64],
+        error: NDArray[np.float64] | None,
+        time_s: NDArray[np.float64],
+        columns: dict[str, NDArray[np.float64]],
+        column_jacobian: dict[str, NDArray[np.float64]],
+        switches: tuple[int, int],
+        title: str,
+    ) -> None:
+        self.of, self.by, self.value, self.jacobian, self.error = of, by, value, read_only(jacobian), error
+        self.time_s, self.columns, self.column_jacobian = read_only(time_s), columns, column_jacobian
+        for array in (*columns.values(), *column_jacobian.values(), *(() if error is None else (error,))):
+            read_only(array)
+        self.switches, self.unresolved = switches
+        self.title = title
+
+    def __getitem__(self, key: str) -> Mapping[str, float]:
+        if key not in self.of:
+            raise KeyError(f"{key!r}: expected one of {', '.join(self.of)}")
+        return dict(zip(self.by, map(float, self.jacobian[self.of.index(key)]), strict=True))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.of)
+
+    def __len__(self) -> int:
+        return len(self.of)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The derivatives as a table, a row for each quantity.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        import pandas as pd
+
+        return pd.DataFrame(np.array(self.jacobian), index=pd.Index(self.of), columns=pd.Index(self.by))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Gradient):
+            return NotImplemented
+        same = self.of == other.of and self.by == other.by and np.array_equal(self.jacobian, other.jacobian, equal_nan=True)
+        if not same or set(self.column_jacobian) != set(other.column_jacobian):
+            return False
+        return all(np.array_equal(slopes, other.column_jacobian[name]) for name, slopes in self.column_jacobian.items())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        rows = [("", "value", *self.by)]
+        for k, name in enumerate(self.of):
+            errors = [None] * len(self.by) if self.error is None else list(self.error[k])
+            cells = [
+                quantity(float(slope), "") + ("" if error is None else f" +- {error:.1g}")
+                for slope, error in zip(self.jacobian[k], errors, strict=True)
+            ]
+            rows.append((name, quantity(self.value[name], ""), *cells))
+        return rows
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        wide = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)).rstrip() for row in rows]
+        unresolved = f", {self.unresolved} of them not told apart" if self.unresolved else ""
+        return "\n".join([f"<erard.Gradient of {self.title}: {self.switches} switches of friction{unresolved}", *lines, ">"])
+
+    def _repr_html_(self) -> str:
+        cells = (f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in self._rows())
+        return f"<table><caption>{html.escape(self.title)}</caption>{''.join(cells)}</table>"
+
+
+def variables(instrument: Instrument, by: Sequence[str]) -> list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]]:
+    """What the extension differentiates by: names that it knows, and instruments on both sides of any other number of the file."""
+    known = instrument.parameters
+    found: list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]] = []
+    for name in by:
+        if name in known or name == "force":
+            found.append((name, None))
+            continue
+        value = instrument._inner.number_at(name)
+        if value is None:
+            instrument.vary({name: 1.0})  # It says what there is.
+            raise InputError(f"by: {name} has no number to begin with; expected one that the file gives, or that was set to a bare number", key="by", found=name)
+        half = max(HALF * abs(value), LEAST)
+        low, high = (instrument.vary({name: value + sign * half})._inner for sign in (-1.0, 1.0))
+        found.append((name, (low, high, 2.0 * half)))
+    return found
+
+
+def gradient(
+    instrument: Instrument,
+    by: Sequence[str] | None = None,
+    *,
+    of: Sequence[str] | None = None,
+    columns: Sequence[str] = (),
+    record_every: int = 20,
+    force: Force | None = None,
+    dt: float | None = None,
+    stroke: str | RecordingLike | None = None,
+    touch: str = "pressed",
+    motion: ArrayLike | None = None,
+    rigid: ArrayLike | None = None,
+    drive: str | None = None,
+    duration: float | None = None,
+    error: bool = True,
+    threads: int | None = None,
+    progress: bool | None = None,
+    **how: Unpack[Stepping],
+) -> Gradient:
+    """Presses the key once and says what its speeds, instants and columns change by with the numbers of the instrument.
+
+    The press is played in numbers that carry their derivatives, eight at a time. What is differentiated is the motion with friction that truly sticks, from
+    the pose as drawn over the rest on; where sliding comes to rest or turns round derivatives jump, and the steps end there (the book, "Which numbers
+    matter").
+
+    Parameters
+    ----------
+    instrument : Instrument
+    by : sequence of str, optional
+        Screws and parameters by their names, any number of the file by its path, and "force" of a constant force; by default all of
+        `Instrument.parameters`.
+    of : sequence of str, optional
+        Quantities, by the names of a study's columns, such as "hammer_speed_m_per_s", "let_off_s", "key_start_to_hammer_s"; by default all that happen.
+    columns : sequence of str
+        Columns that are differentiated sample by sample: "key_m", "hammer_head_m", "force_N" (not of a rigid drive).
+    record_every : int
+        Steps between two samples of the columns.
+    force, dt, stroke, touch, motion, rigid, drive, duration
+        What the player does, as in `Instrument.press`.
+    error : bool
+        Play it again in steps that are a fifth shorter, and tell how far the derivatives differ.
+    threads : int, optional
+        By default as many as there are cores.
+    progress : bool, optional
+        A progress bar.
+    **how
+        How to step: `step` (s; 25e-6 unless told otherwise), `theta`, `solver`.
+
+    Returns
+    -------
+    Gradient
+
+    Raises
+    ------
+    InputError
+        Where a name is wrong, and where something of the instrument has no derivatives: friction that grows at rest, felts with a set-valued loss,
+        strings that yield, friction="tanh".
+
+    Examples
+    --------
+    >>> import erard
+    >>> grand = erard.load("concert-grand-rigid")
+    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], force=5.0, columns=["key_m"])
+    >>> g["hammer_speed_m_per_s"]["force"] > 0 > g["let_off_s"]["force"]
+    True
+    >>> g.column_jacobian["key_m"].shape == (len(g.time_s), 2)
+    True
+    """
+    instrument = instrument_of(instrument)
+    names = list(instrument.parameters) if by is None else names_of("by", by)
+    if len(set(names)) != len(names):
+        raise InputError("by: expected names, each once", key="by")
+    if "force" in names and (force is None or np.ndim(force) != 0):
+        raise InputError("by: `force` is what a constant force is differentiated by; expected force=, a number", key="by", found="force")
+    asked, sampled = names_of("of", of), names_of("columns", columns)
+    for key, given, known in (("of", asked, QUANTITIES), ("columns", sampled, COLUMNS)):
+        if unknown := [name for name in given if name not in known]:
+            raise InputError(f"{key}: found {unknown[0]!r}, expected {', '.join(known)}", key=key, found=unknown[0])
+    own = steps({"step": 25e-6, **how})
+    every = whole("record_every", record_every)
+    made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive)
+    if made.drive == "rigid" and "force_N" in sampled:
+        raise InputError("columns: force_N has no derivatives under a rigid drive, whose force is what its motion takes", key="columns", found="force_N")
+    length = None if duration is None else number("duration", duration)
+    sides = variables(instrument, names)
+    with bar(progress, "gradient") as tell:
+
+        def share(begin: float, part: float) -> Any:
+            return None if tell is None else lambda done: tell(begin + part * done)
+
+        first = 0.55 if error else 1.0
+        found = _erard.gradient(
+            instrument._inner, sides, made, length, own, every if sampled else None, threads, share(0.0, first)
+        )
+        again = None
+        if error:
+            shorter = {**own, "step": SHORTER * own["step"]}
+            again = _erard.gradient(instrument._inner, sides, made, length, shorter, None, threads, share(first, 1.0 - first))  # type: ignore[arg-type]
+    told = asked or [name for name in QUANTITIES if found["values"][name] is not None]
+    rows = [found["slopes"][name] for name in told]
+    jacobian = np.array(rows, dtype=np.float64).reshape(len(told), len(names))
+    apart = None
+    if again is not None:
+        apart = np.abs(np.array([again["slopes"][name] for name in told]).reshape(jacobian.shape) - jacobian)
+    value = {name: float("nan") if found["values"][name] is None else float(found["values"][name]) for name in told}
+    count = len(next(iter(found["columns"].values()), ()))
+    time_s = made.start_s + own["step"] * every * np.arange(count, dtype=np.float64)
+    return Gradient(
+        told, names, value, jacobian, apart, time_s,
+        {name: found["columns"][name] for name in sampled},
+        {name: np.ascontiguousarray(found["column_slopes"][name].T) for name in sampled},
+        (found["switches"][0], found["switches"][1]), f"{instrument.name}, {made.title}",
+    )  # fmt: skip

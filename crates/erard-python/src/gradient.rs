@@ -1,0 +1,97 @@
+//! One press and its derivatives.
+
+use erard::gradient::GradientError;
+use erard::simulation::Setup;
+use erard_workshop::cores;
+use erard_workshop::sensitivities::{SensitivityError, Variable, gradient as find};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::fault::{self, wrong_argument};
+use crate::instrument::Instrument;
+use crate::press::array;
+use crate::setup::Steps;
+use crate::stroke::Stroke;
+use crate::watch::watched;
+
+/// What lies on both sides of a number that has no other name than its path: two instruments, and how far apart they are.
+type Sides<'py> = (Bound<'py, Instrument>, Bound<'py, Instrument>, f64);
+
+/// A press and its derivatives, per bare number, by parameters, by `force`, and by what lies between two instruments: `values` and `slopes` of every
+/// quantity, `columns` and `column_slopes` (one row for each variable) where `every` says after how many steps they are sampled, `switches`.
+#[pyfunction]
+#[pyo3(signature = (instrument, by, stroke, duration, steps, every, threads, progress))]
+#[allow(clippy::too_many_arguments)]
+pub fn gradient<'py>(
+    py: Python<'py>,
+    instrument: &Instrument,
+    by: Vec<(String, Option<Sides<'py>>)>,
+    stroke: &Stroke,
+    duration: Option<f64>,
+    steps: Steps,
+    every: Option<u64>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    steps.for_derivatives()?;
+    let inner = stroke.inner.clone();
+    let setup = steps.setup(inner.start_s, duration.unwrap_or(inner.duration_s))?;
+    let setup = Setup { ledger: false, ..setup };
+    let own = instrument.inner.clone();
+    let variable = |(name, sides): (String, Option<Sides<'py>>)| {
+        let made = match sides {
+            Some((low, high, apart)) => Variable::between(&name, &low.get().inner, &high.get().inner, apart),
+            None => Variable::named(&own, "", &name),
+        };
+        made.map_err(|error| wrong_argument("by", error))
+    };
+    let by: Vec<Variable> = by.into_iter().map(variable).collect::<PyResult<_>>()?;
+    let count = by.len();
+    // A stroke that cannot drive this instrument says so before it is played.
+    inner.inputs(&own.finger).map(drop).map_err(fault::wrong)?;
+    let threads = match threads {
+        Some(0) => return Err(wrong_argument("threads", "found 0, expected a number of threads, from 1")),
+        Some(threads) => threads,
+        None => cores::count(),
+    };
+    let found = watched(
+        py,
+        progress,
+        |going| {
+            let drive = || inner.inputs(&own.finger).unwrap_or_else(|_| Box::new(|_| erard::Input::Free));
+            find(&own, by, &drive, &setup, every, threads, going)
+        },
+        told,
+    )?;
+    let all = PyDict::new(py);
+    let (values, slopes) = (PyDict::new(py), PyDict::new(py));
+    for (key, one) in found.of {
+        let (value, slope) = one.map_or((None, vec![f64::NAN; count]), |(value, slope)| (Some(value), slope));
+        values.set_item(key, value)?;
+        slopes.set_item(key, array(py, slope))?;
+    }
+    let (columns, column_slopes) = (PyDict::new(py), PyDict::new(py));
+    for one in found.sampled {
+        let slopes = PyArray2::from_vec2(py, &one.slopes).map_err(fault::failed)?;
+        column_slopes.set_item(one.name, slopes)?;
+        columns.set_item(one.name, array(py, one.values))?;
+    }
+    all.set_item("values", values)?;
+    all.set_item("slopes", slopes)?;
+    all.set_item("columns", columns)?;
+    all.set_item("column_slopes", column_slopes)?;
+    all.set_item("switches", found.switches.to_vec())?;
+    Ok(all)
+}
+
+fn told(error: &SensitivityError) -> PyErr {
+    match error {
+        SensitivityError::Simulation(error) | SensitivityError::Gradient(GradientError::Simulation(error)) => {
+            fault::simulation(error)
+        }
+        SensitivityError::Gradient(GradientError::NoRest) => fault::failed(error),
+        SensitivityError::Gradient(error) => fault::wrong(error),
+        SensitivityError::Measure(error) => fault::measure(error),
+    }
+}
