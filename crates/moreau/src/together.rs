@@ -32,6 +32,14 @@ fn solve<T: Real, const B: usize, const Z: usize>(
 ) -> Option<Found<T>> {
     let (zero, count) = (T::ZERO, contacts.together.count);
     let part: [bool; TOGETHER] = core::array::from_fn(|i| i < count && takes_part(contacts, contacts.together.zone[i]));
+    // Dampers on strings that do not feel each other, say.
+    let alone = |i: usize| {
+        let tied = (0..count).any(|j| part[j] && zero.lt(contacts.together.give[i][j].abs()).any());
+        !tied && !zero.lt(contacts.together.told[i].abs()).any()
+    };
+    if (0..count).all(|i| !part[i] || alone(i)) {
+        return None;
+    }
     let more: [T; TOGETHER] =
         core::array::from_fn(|i| if part[i] { more(contacts, contacts.together.zone[i]) } else { zero });
     let press = |contacts: &Contacts<T, B, Z>, i: usize, forces: &[T; TOGETHER]| {
