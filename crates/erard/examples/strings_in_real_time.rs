@@ -43,6 +43,31 @@ fn ringing_s(instrument: &Instrument) -> [f64; 2] {
     [fresh, go(STEPS, 0.0)]
 }
 
+/// Ten fingers, each of which stays on its key and presses it three times a second, forte, in turn; three strings a key. Seconds for a second, and for the
+/// worst millisecond.
+fn ten_notes(keyboard: &Keyboard) -> [f64; 2] {
+    let pressed = [40, 42, 44, 45, 47, 49, 51, 52, 54, 56];
+    let keys = Keys::at_rest(&keyboard.instruments().expect("it reads"), Settings::new(STEP_S));
+    let mut keys = keys.expect("they rest");
+    let (started, mut worst, seconds) = (Instant::now(), 0.0_f64, 3);
+    for ms in 0..seconds * 1000 {
+        for (finger, key) in pressed.into_iter().enumerate() {
+            // Down for two thirds of the time.
+            match (ms + 33 * finger) % 333 {
+                0 => keys.drive(key, Input::Force(9.0)),
+                222 => keys.drive(key, Input::Free),
+                _ => {}
+            }
+        }
+        let block = Instant::now();
+        for _ in 0..20 {
+            black_box(keys.step());
+        }
+        worst = worst.max(block.elapsed().as_secs_f64());
+    }
+    [started.elapsed().as_secs_f64() / seconds as f64, worst]
+}
+
 fn main() {
     let strung = Instrument::builtin("concert-grand-strings").expect("built in");
     let (rigid, yielding) = (step_s(&strung.with_rigid_string()), step_s(&strung));
@@ -51,6 +76,11 @@ fn main() {
     let [fresh, late] = ringing_s(&strung);
     println!("strings alone, 1 s after a blow {:.3} us, 30 s after it {:.3} us", 1e6 * fresh, 1e6 * late);
     let keyboard = Keyboard::builtin("concert-grand-strings").expect("built in");
+    let [load, worst] = ten_notes(&keyboard);
+    println!(
+        "ten fingers that stay on their keys and repeat them, thirty strings: {load:.2} s for a second; worst millisecond {:.2} ms",
+        1e3 * worst
+    );
     let keys = Keys::at_rest(&keyboard.instruments().expect("it reads"), Settings::new(STEP_S)).expect("they rest");
     let mut tremolo = Tremolo::new(keys, 10);
     let (mut worst, mut awake, seconds) = (0.0_f64, 0, 3);
