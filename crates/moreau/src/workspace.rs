@@ -70,8 +70,11 @@ pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
 impl<T: Real, const B: usize, const Z: usize> Contacts<T, B, Z> {
     /// A zone that nobody has seen touched is: in its place among the others.
     pub fn touch(&mut self, zone: usize) {
-        let place = self.touched[..self.touched_count].iter().position(|&z| z > zone).unwrap_or(self.touched_count);
-        self.touched.copy_within(place..self.touched_count, place + 1);
+        let mut place = self.touched_count;
+        while place > 0 && self.touched[place - 1] > zone {
+            self.touched[place] = self.touched[place - 1];
+            place -= 1;
+        }
         self.touched[place] = zone;
         self.touched_count += 1;
         self.active[zone] = T::Mask::splat(true);
