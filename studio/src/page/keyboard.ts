@@ -16,6 +16,8 @@ const MIDDLE_C = 40;
 const SOFT_N = 1.2, HARD_N = 18;
 /** What the drawing counts as a full dip and a full blow, m. */
 const DIP_M = 0.0105, BLOW_M = 0.048;
+/** How far a finger that drags a key may go above and below the key's rest, m: at the bottom it presses with some 30 N, as fingers do. */
+const HIGHEST_M = 0.005, DEEPEST_M = 0.0115;
 const KEYS = 88;
 
 type Frame = Extract<FromKeys, { kind: "frame" }>;
@@ -32,7 +34,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   let finger_m: number | null = null;
   let scene: Scene | null = null, asked = 0, drawn = 0;
   const picture = new Picture(inside, "The chosen key's action", {
-    press: (down_m) => (finger_m = down_m === null ? null : Math.min(Math.max(down_m, -0.005), 0.05)),
+    press: (down_m) => (finger_m = down_m === null ? null : Math.min(Math.max(down_m, -HIGHEST_M), DEEPEST_M)),
     point: () => {}, choose: () => {}, way: () => null, take: () => null,
   });
   let worker: Worker | null = null;
