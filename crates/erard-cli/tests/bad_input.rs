@@ -128,6 +128,12 @@ fn options() {
     ] {
         says(&folder.bad(&["press", option, value]), &[option]);
     }
+    for lift in ["-7mm", "7", "11mm", "nan mm", "0s=0mm,later=7mm", ""] {
+        says(
+            &folder.bad(&["press", "--instrument", "concert-grand-strings", "--pedal", lift]),
+            &["--pedal", "expected millimetres"],
+        );
+    }
     says(&folder.bad(&["press", "--force-step", "2", "--stroke", "mf"]), &["--force-step", "--stroke"]);
     says(&folder.bad(&["draw", "--at", "-1"]), &["--at"]);
     says(&folder.bad(&["draw", "--at", "lunch"]), &["--at", "let-off"]);

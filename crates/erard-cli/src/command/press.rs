@@ -64,7 +64,7 @@ pub struct Press {
     wav: Option<String>,
     /// Hold the sustain pedal down so that its rail is lifted so far (7mm), or move it: instants on the stroke's clock with lifts, straight lines between them
     /// (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
-    #[arg(long, value_name = "LIFT", default_value = "0mm", hide_default_value = true)]
+    #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
     pedal: Pedal,
     /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle leads it along
     /// the stroke's motion; the force at the key is then what comes of it [default: 200]
