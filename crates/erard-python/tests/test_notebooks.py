@@ -13,6 +13,7 @@ def test_notebook(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     jupytext = pytest.importorskip("jupytext")
     nbclient = pytest.importorskip("nbclient")
     monkeypatch.setenv("ERARD_STROKES", "1000")
+    monkeypatch.setenv("ERARD_RECORDINGS", os.fspath(Path(__file__).parents[3] / "recordings"))
     monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
     notebook = jupytext.read(path)
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": os.fspath(tmp_path)}}).execute()
@@ -20,5 +21,5 @@ def test_notebook(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert cells and all(cell.execution_count for cell in cells)
 
 
-def test_all_six_are_there() -> None:
-    assert [path.stem[0] for path in NOTEBOOKS] == list("123456")
+def test_all_seven_are_there() -> None:
+    assert [path.stem[0] for path in NOTEBOOKS] == list("1234567")
