@@ -71,7 +71,21 @@ fn losses_add_up() {
     let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
     let parts = losses["losses"].as_array().unwrap();
     let of = |name: &str| parts.iter().find(|one| one["name"] == name).unwrap()["loss_J"].as_f64().unwrap();
-    assert!(of("strings") > 1e-4 && of("damper_left") > 1e-5);
+    assert!(of("strings") > 1e-4 && of("damper_left") > 1e-5 && of("rocking") > 0.0);
+    assert!(!parts.iter().any(|one| one["name"] == "bridge"));
+    let together = of("strings") + of("rocking");
+    // What a bridge that moves takes stands by itself, and most of it was the strings' before.
+    let moves = erard::instrument::Instrument::builtin_text("concert-grand-strings")
+        .unwrap()
+        .replace("rigid_bridge = true", "rigid_bridge = false");
+    std::fs::write(folder.0.join("moves.toml"), moves).unwrap();
+    folder.good(&["press", "--stroke", "mf", "--losses", "--instrument", "moves.toml", "--out", "press", "--force"]);
+    adds_up(&folder);
+    let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
+    let parts = losses["losses"].as_array().unwrap();
+    let of = |name: &str| parts.iter().find(|one| one["name"] == name).unwrap()["loss_J"].as_f64().unwrap();
+    println!("{} {} {} of {together} J", of("strings"), of("bridge"), of("rocking"));
+    assert!(of("bridge") > 0.1 * of("strings") && of("rocking") > 0.0);
 }
 
 fn adds_up(folder: &Folder) {

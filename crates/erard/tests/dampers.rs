@@ -105,40 +105,90 @@ fn swing(m: &mut dyn Mechanism, speeds_m_s: &[f64]) {
     surfaces.restore(&numbers);
 }
 
-/// The modes' equations with the same felt as ordinary differential equations, by the classical Runge-Kutta method in steps of 1 us: the string's energy, J, at
-/// some instants, s. Nothing of the engine is in it.
-fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64]) -> Vec<f64> {
+/// Where the energy of a string, of the bridge's modes it ends on, and of the felt on it is at an instant, J.
+struct Books {
+    /// In string and bridge.
+    energy: f64,
+    /// Taken by the string's own damping, by the bridge's, and by the felt as it is rocked.
+    taken: [f64; 3],
+}
+
+/// The modes' equations with the same felt, and with the bridge's modes where there are any, as ordinary differential equations, by the classical Runge-Kutta method in steps of 1 us, at
+/// some instants, s. What dashpots take are further unknowns. Nothing of the engine is in it.
+fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64]) -> Vec<Books> {
     const MODES: usize = 53;
     let string = &instrument.strings[0];
-    let DamperFelt { middle_m, length_m, .. } = string.damper.unwrap();
     let (k, b) = (6.667e6, 2.667e7);
-    let mass = 0.5 * string.mass_kg_m * string.length_m;
-    let f0 = (string.tension_n / string.mass_kg_m).sqrt() / (2.0 * string.length_m);
-    let inharmonicity = PI * PI * string.bending_n_m2 / (string.tension_n * string.length_m * string.length_m);
-    let omega: Vec<f64> =
-        (1..=MODES).map(|n| n as f64).map(|n| 2.0 * PI * n * f0 * (1.0 + inharmonicity * n * n).sqrt()).collect();
-    let place = |x: f64| -> Vec<f64> { (1..=MODES).map(|n| (n as f64 * PI * x / string.length_m).sin()).collect() };
-    let (before, behind) = (place(middle_m - length_m / 12_f64.sqrt()), place(middle_m + length_m / 12_f64.sqrt()));
+    let (tension, length) = (string.tension_n, string.length_m);
+    let mass = 0.5 * string.mass_kg_m * length;
+    let f0 = (tension / string.mass_kg_m).sqrt() / (2.0 * length);
+    let inharmonicity = PI * PI * string.bending_n_m2 / (tension * length * length);
+    let numbers: Vec<f64> = (1..=MODES).map(|n| n as f64).collect();
+    let omega: Vec<f64> = numbers.iter().map(|n| 2.0 * PI * n * f0 * (1.0 + inharmonicity * n * n).sqrt()).collect();
+    let sigma: Vec<f64> = omega.iter().map(|w| string.loss_per_s + string.loss_s * w * w).collect();
+    let place = |x: f64| -> Vec<f64> { numbers.iter().map(|n| (n * PI * x / length).sin()).collect() };
     // The damper lies above, the hammer below: what moves the string up moves it into the damper.
-    let mean: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| -0.5 * (a + b)).collect();
-    let rocks: Vec<f64> = before.iter().zip(&behind).map(|(a, b)| 0.5 * (b - a)).collect();
-    let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let rate = |y: &[f64]| -> Vec<f64> {
-        let (q, v) = y.split_at(MODES);
-        let g = 0.115e-3 - sum(&mean, q);
-        let (mut force, mut rocking) = (0.0, 0.0);
-        if g > 0.0 {
-            force = (k * g * g - b * g * g * sum(&mean, v)).max(0.0);
-            rocking = -b * (force / k) * sum(&rocks, v);
+    let (mean, rocks): (Vec<f64>, Vec<f64>) = match string.damper {
+        Some(DamperFelt { middle_m, length_m, .. }) => {
+            let ends = [middle_m - length_m / 12_f64.sqrt(), middle_m + length_m / 12_f64.sqrt()].map(place);
+            (0..MODES).map(|i| (-0.5 * (ends[0][i] + ends[1][i]), 0.5 * (ends[1][i] - ends[0][i]))).unzip()
         }
+        None => (vec![0.0; MODES], vec![0.0; MODES]),
+    };
+    let modes: Vec<[f64; 3]> = instrument
+        .bridge_modes
+        .iter()
+        .map(|mode| {
+            let w = 2.0 * PI * mode.frequency_hz;
+            [mode.mass_kg, w, mode.loss_factor * w]
+        })
+        .collect();
+    let pulls: Vec<f64> = numbers
+        .iter()
+        .map(|n| {
+            let sign = if n % 2.0 == 0.0 { -1.0 } else { 1.0 };
+            if modes.is_empty() { 0.0 } else { sign * tension * (1.0 + inharmonicity * n * n) * n * PI / length }
+        })
+        .collect();
+    let hold = tension / length + (0..MODES).map(|i| pulls[i] * pulls[i] / (mass * omega[i] * omega[i])).sum::<f64>();
+    let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let parts = [MODES, MODES, modes.len(), modes.len()];
+    let split = |y: &[f64]| -> [Vec<f64>; 4] {
+        let mut from = 0;
+        parts.map(|count| {
+            from += count;
+            y[from - count..from].to_vec()
+        })
+    };
+    let rate = |y: &[f64]| -> Vec<f64> {
+        let [q, v, r, u] = split(y);
+        let displaced: f64 = r.iter().sum();
+        let on_bridge = sum(&pulls, &q) - hold * displaced;
+        let g = 0.115e-3 - sum(&mean, &q);
+        let (mut force, mut dashpot) = (0.0, 0.0);
+        if g > 0.0 && string.damper.is_some() {
+            force = (k * g * g - b * g * g * sum(&mean, &v)).max(0.0);
+            dashpot = b * (force / k);
+        }
+        let rocked = sum(&rocks, &v);
         let pull = |i: usize| {
-            (mean[i] * force + rocks[i] * rocking) / mass
-                - 2.0 * (0.5 + 6.25e-9 * omega[i] * omega[i]) * v[i]
+            (mean[i] * force - rocks[i] * dashpot * rocked + pulls[i] * displaced) / mass
+                - 2.0 * sigma[i] * v[i]
                 - omega[i] * omega[i] * q[i]
         };
-        v.iter().copied().chain((0..MODES).map(pull)).collect()
+        let push = |i: usize| {
+            let [m, w, loss] = modes[i];
+            on_bridge / m - loss * u[i] - w * w * r[i]
+        };
+        let own: f64 = (0..MODES).map(|i| 2.0 * mass * sigma[i] * v[i] * v[i]).sum();
+        let bridge: f64 = (0..modes.len()).map(|i| modes[i][0] * modes[i][2] * u[i] * u[i]).sum();
+        let accelerations = (0..MODES).map(pull);
+        let further = (0..modes.len()).map(push);
+        let taken = [own, bridge, dashpot * rocked * rocked];
+        v.iter().copied().chain(accelerations).chain(u.iter().copied()).chain(further).chain(taken).collect()
     };
-    let mut y = vec![0.0; 2 * MODES];
+    let all = parts.iter().sum::<usize>();
+    let mut y = vec![0.0; all + 3];
     y[MODES..MODES + speeds_m_s.len()].copy_from_slice(speeds_m_s);
     let (h, mut now, mut found) = (1e-6, 0_u64, Vec::new());
     for instant in instants_s {
@@ -154,8 +204,13 @@ fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64
             }
             now += 1;
         }
-        let energy = |i: usize| 0.5 * mass * (y[MODES + i] * y[MODES + i] + omega[i] * omega[i] * y[i] * y[i]);
-        found.push((0..MODES).map(energy).sum());
+        let [q, v, r, u] = split(&y);
+        let displaced: f64 = r.iter().sum();
+        let string = |i: usize| 0.5 * mass * (v[i] * v[i] + omega[i] * omega[i] * q[i] * q[i]);
+        let bridge = |i: usize| 0.5 * modes[i][0] * (u[i] * u[i] + modes[i][1] * modes[i][1] * r[i] * r[i]);
+        let between = (0.5 * hold * displaced - sum(&pulls, &q)) * displaced;
+        let energy = (0..MODES).map(string).sum::<f64>() + (0..modes.len()).map(bridge).sum::<f64>() + between;
+        found.push(Books { energy, taken: [y[all], y[all + 1], y[all + 2]] });
     }
     found
 }
@@ -168,7 +223,8 @@ fn a_damped_string_is_the_one_of_an_independent_solution() {
     for speed in [0.02, 1.0] {
         // Partials one and six: the sixth has a node under the damper's middle.
         let speeds = [speed, 0.0, 0.0, 0.0, 0.0, 0.3 * speed];
-        let exact = by_runge_kutta(&instrument, &speeds, &instants);
+        let exact: Vec<f64> =
+            by_runge_kutta(&instrument, &speeds, &instants).iter().map(|books| books.energy).collect();
         let errors = [50e-6, 25e-6, 12.5e-6].map(|h| {
             let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
             swing(m.as_mut(), &speeds);
@@ -356,6 +412,93 @@ fn the_books_close_over_a_blow_under_the_damper() {
         assert!(ledger.residual_relative() < 1e-4 && ledger.smallest_term >= 0.0, "{:e}", ledger.residual_relative());
         assert!(both > 10 && run.work.unconverged_steps == 0);
     }
+}
+
+/// One string under a damper's felt that rocks, on a bridge that moves: `mass_kg` a mode, less than a soundboard's so that it matters.
+fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
+    let mut instrument = damped(1.0);
+    let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg, frequency_hz, loss_factor: 0.02 };
+    instrument.bridge_modes = [112.0, 256.0, 612.0, 1571.0].map(mode).to_vec();
+    instrument
+}
+
+/// Dampers that rock on strings whose bridge moves are solved together with it: the books close as they do over a bridge that stands still.
+#[test]
+fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
+    for mass_kg in [5.0, 0.2] {
+        let instrument = damped_on_a_bridge(mass_kg);
+        for h in [10e-6, 50e-6] {
+            let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
+            // Partials one and six: the sixth has a node under the damper's middle.
+            swing(m.as_mut(), &[0.3, 0.0, 0.0, 0.0, 0.0, 0.3]);
+            let mut ledger = m.open_ledger();
+            let before = m.surfaces().unwrap().energy();
+            let (mut lost, mut least) = (0.0, 0.0_f64);
+            for _ in 0..(0.1 / h) as usize {
+                m.step(&moreau::Input::Free);
+                m.book(&mut ledger);
+                least = least.min(ledger.surface - lost);
+                lost = ledger.surface;
+            }
+            m.take_stock(&mut ledger);
+            let (residual, left) = (ledger.residual() / before, m.surfaces().unwrap().energy() / before);
+            println!(
+                "{mass_kg} kg, {h:e}: residual {residual:.1e} of the energy, of which {left:.3} is left; least {:.1e}",
+                least / before
+            );
+            assert!(residual.abs() < 1e-8 && least > -1e-12 * before, "{residual:e} {least:e}");
+        }
+    }
+}
+
+/// What strings, bridge and rocked felts have lost, J, in the engine after a time, and what they have lost together.
+fn lost(instrument: &Instrument, h: f64, speeds_m_s: &[f64], time_s: f64) -> ([f64; 3], f64) {
+    let mut m = mechanism(instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
+    swing(m.as_mut(), speeds_m_s);
+    let (start, before) = (strings(m.as_ref()).losses(), m.surfaces().unwrap().lost());
+    for _ in 0..(time_s / h).round() as usize {
+        m.step(&moreau::Input::Free);
+    }
+    let found = strings(m.as_ref()).losses() - start;
+    ([found.strings_j, found.bridge_j, found.rocking_j], m.surfaces().unwrap().lost() - before)
+}
+
+/// What is lost is lost where the dashpots are: that of the string, of the bridge and of the felt as it is rocked, each to what an independent solution's dashpots take; where only one of them has
+/// any, it takes all. Together they are what the ledger books.
+#[test]
+fn each_dashpot_takes_what_it_takes() {
+    let speeds = [0.3, 0.0, 0.0, 0.0, 0.0, 0.3];
+    for (mass_kg, damped) in [(5.0, true), (0.5, true), (0.5, false)] {
+        let mut instrument = damped_on_a_bridge(mass_kg);
+        if !damped {
+            instrument.strings[0].damper = None;
+            instrument.zones.truncate(1);
+        }
+        let exact = by_runge_kutta(&instrument, &speeds, &[0.06]).remove(0).taken;
+        let errors = [50e-6, 12.5e-6].map(|h| {
+            let (found, all) = lost(&instrument, h, &speeds, 0.06);
+            println!("{mass_kg} kg, damped {damped}, {h:e}: {found:?} J, exact {exact:?}");
+            assert!((found.iter().sum::<f64>() / all - 1.0).abs() < 1e-9, "{found:?} {all}");
+            let errors = found.iter().zip(&exact).filter(|(_, exact)| **exact > 0.0).map(|(a, b)| (a / b - 1.0).abs());
+            errors.fold(0.0, f64::max)
+        });
+        println!("{errors:?}");
+        // Second order: a sixteenth.
+        assert!(errors[0] < 0.06 && errors[1] < errors[0] / 12.0, "{errors:?}");
+    }
+    let undamped = |loss_per_s: f64, loss_factor: f64| {
+        let mut instrument = damped_on_a_bridge(0.5);
+        instrument.strings[0].damper = None;
+        instrument.zones.truncate(1);
+        (instrument.strings[0].loss_per_s, instrument.strings[0].loss_s) = (loss_per_s, 0.0);
+        instrument.bridge_modes.iter_mut().for_each(|mode| mode.loss_factor = loss_factor);
+        let (found, all) = lost(&instrument, 50e-6, &speeds, 0.5);
+        found.map(|lost| lost / all)
+    };
+    let (bridge, string) = (undamped(0.0, 0.02), undamped(2.0, 0.0));
+    println!("a string without losses {bridge:?}, a bridge without losses {string:?}");
+    assert!(bridge[0].abs() < 1e-10 && (bridge[1] - 1.0).abs() < 1e-10 && bridge[2] == 0.0);
+    assert!((string[0] - 1.0).abs() < 1e-10 && string[1].abs() < 1e-10 && string[2] == 0.0);
 }
 
 /// Where nothing damps its keys, the keyboard has no dampers; a bridge and dampers that lie nowhere are told.

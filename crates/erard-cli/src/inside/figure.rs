@@ -61,8 +61,8 @@ pub fn reactions_svg(run: &Run, title: &str, pins: &[PinSeries]) -> String {
 
 /// Losses of pins, contacts and strings over time, one upon the other.
 pub fn losses_svg(run: &Run, title: &str, recorded: &LossRecorder, report: &LossReport) -> String {
-    let parts = recorded.pin_rows().iter().chain(recorded.contact_rows()).map(Vec::as_slice);
-    let rows: Vec<&[f64]> = parts.chain([recorded.string_row()]).collect();
+    let parts = recorded.pin_rows().iter().chain(recorded.contact_rows()).chain(recorded.string_rows());
+    let rows: Vec<&[f64]> = parts.map(Vec::as_slice).collect();
     let mj = |places: &[usize]| -> Vec<f64> {
         (0..run.time_s.len())
             .map(|row| places.iter().filter_map(|&place| rows.get(place)?.get(row)).sum::<f64>() * 1e3)

@@ -15,19 +15,19 @@ pub struct LossReport {
     pub losses: Vec<Loss>,
 }
 
-/// One pin or contact, or the strings together.
+/// One pin or contact, or what yields under the contacts: the strings, their bridge, dampers' felts where they are rocked.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
 pub struct Loss {
-    /// The body of a pin, or the zone.
+    /// The body of a pin, or the zone; of what yields `strings`, `bridge` or `rocking`.
     pub name: String,
-    /// `pin`, `contact` or `strings`.
+    /// `pin`, `contact` or, of all that yields under the contacts, `strings`.
     pub kind: &'static str,
     /// For people.
     pub label: String,
     /// Of a pin: by dry friction; of a contact: by sliding, J.
     pub dry_J: f64,
-    /// Of a pin: by viscous friction; of a contact: in the felt; of strings: all, J.
+    /// Of a pin: by viscous friction; of a contact: in the felt; of strings, bridge and rocked felts: all, J.
     pub viscous_or_felt_J: f64,
     /// Both, J.
     pub loss_J: f64,

@@ -8,6 +8,7 @@ use super::course::Observer;
 use super::motion::{Motion, dot, sub};
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
+use crate::strings::{StringLosses, Strings};
 use moreau::FrictionLaw;
 
 /// What one pin has lost, J.
@@ -31,15 +32,15 @@ pub struct ContactLoss {
 /// What a pin, a contact or the strings have lost, with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loss {
-    /// The body of a pin, or the zone.
+    /// The body of a pin, or the zone; of what yields `strings`, `bridge` or `rocking`.
     pub name: String,
-    /// `pin`, `contact` or `strings`.
+    /// `pin`, `contact` or, of all that yields under the contacts, `strings`.
     pub kind: &'static str,
     /// For people.
     pub label: String,
     /// Of a pin: by dry friction; of a contact: by sliding, J.
     pub dry_j: f64,
-    /// Of a pin: by viscous friction; of a contact: in the felt; of strings: all, J.
+    /// Of a pin: by viscous friction; of a contact: in the felt; of strings, bridge and rocked felts: all, J.
     pub viscous_or_felt_j: f64,
     /// Its place among the instrument's pins and contacts.
     pub place: usize,
@@ -62,13 +63,15 @@ pub struct Losses {
     pins: Vec<PinLoss>,
     contacts: Vec<ContactLoss>,
     /// What strings that yield had lost when the books were opened, and since, J.
-    strings_before_j: f64,
-    strings_j: f64,
+    strings_before: StringLosses,
+    strings: StringLosses,
+    /// See [`Strings::bears`].
+    bears: [bool; 2],
 }
 
-/// What strings that yield have lost since they were made, J.
-fn lost_in_strings_j(mechanism: &dyn Mechanism) -> f64 {
-    mechanism.surfaces().map_or(0.0, |surfaces| surfaces.lost())
+/// What strings that yield have lost since they were made.
+fn lost_in_strings(mechanism: &dyn Mechanism) -> StringLosses {
+    Strings::under(mechanism).map_or(StringLosses::default(), Strings::losses)
 }
 
 impl Losses {
@@ -80,15 +83,16 @@ impl Losses {
             motion: Motion::still(instrument, mechanism),
             pins: vec![PinLoss::default(); instrument.bodies.len()],
             contacts: vec![ContactLoss::default(); instrument.zones.len()],
-            strings_before_j: lost_in_strings_j(mechanism),
-            strings_j: 0.0,
+            strings_before: lost_in_strings(mechanism),
+            strings: StringLosses::default(),
+            bears: Strings::under(mechanism).map_or([false; 2], Strings::bears),
         }
     }
 
     /// After every step. Does not allocate.
     pub fn look(&mut self, m: &dyn Mechanism) {
         self.motion.look(&self.instrument, m);
-        self.strings_j = lost_in_strings_j(m) - self.strings_before_j;
+        self.strings = lost_in_strings(m) - self.strings_before;
         let Losses { instrument, motion, pins, contacts, .. } = self;
         let h = motion.step_s;
         let relative = |values: &[f64], body: usize| {
@@ -133,10 +137,16 @@ impl Losses {
         &self.contacts
     }
 
-    /// What strings that yield have lost so far, in themselves, in a bridge that moves and where a damper's felt is rocked, J; zero where they are rigid.
+    /// What strings that yield have lost so far: in themselves, in a bridge that moves, and where a damper's felt is rocked; zero where they are rigid.
+    #[must_use]
+    pub fn strings(&self) -> StringLosses {
+        self.strings
+    }
+
+    /// The same, all together, J.
     #[must_use]
     pub fn strings_j(&self) -> f64 {
-        self.strings_j
+        self.strings.all_j()
     }
 
     /// Pins, contacts and strings that yield, the largest loss first.
@@ -159,21 +169,24 @@ impl Losses {
             viscous_or_felt_j: loss.felt_j,
             place: 0,
         });
-        let label = if self.instrument.roles.rigid_bridge || self.instrument.bridge_modes.is_empty() {
-            "strings"
-        } else {
-            "strings and the bridge"
-        };
-        let strings = self.instrument.has_yielding_strings().then(|| Loss {
-            name: "strings".to_owned(),
-            kind: "strings",
-            label: label.to_owned(),
-            dry_j: 0.0,
-            viscous_or_felt_j: self.strings_j,
-            place: 0,
+        let [on_bridge, damped] = self.bears;
+        let yielding = [
+            ("strings", "strings", self.strings.strings_j, self.instrument.has_yielding_strings()),
+            ("bridge", "bridge", self.strings.bridge_j, on_bridge),
+            ("rocking", "dampers' felts, rocked", self.strings.rocking_j, damped),
+        ];
+        let yielding = yielding.into_iter().map(|(name, label, lost_j, is_there)| {
+            is_there.then(|| Loss {
+                name: name.to_owned(),
+                kind: "strings",
+                label: label.to_owned(),
+                dry_j: 0.0,
+                viscous_or_felt_j: lost_j,
+                place: 0,
+            })
         });
-        let all = pins.chain(contacts).chain(strings);
-        let mut all: Vec<Loss> = all.enumerate().map(|(place, loss)| Loss { place, ..loss }).collect();
+        let all = pins.chain(contacts).map(Some).chain(yielding).enumerate();
+        let mut all: Vec<Loss> = all.filter_map(|(place, loss)| loss.map(|loss| Loss { place, ..loss })).collect();
         all.sort_by(|a, b| b.all_j().total_cmp(&a.all_j()));
         all
     }
@@ -189,9 +202,12 @@ fn path([u0, u1]: [f64; 2]) -> f64 {
 pub struct LossRecorder {
     instrument: Instrument,
     losses: Option<Losses>,
-    /// What each pin, then each contact, and then the strings had lost at every row, J.
+    /// What each pin, then each contact, and then strings, bridge and rocked felts had lost at every row, J.
     rows: Vec<Vec<f64>>,
 }
+
+/// Strings, bridge, rocked felts.
+const YIELDING: usize = 3;
 
 impl LossRecorder {
     /// Of an instrument's pins and contacts.
@@ -200,7 +216,7 @@ impl LossRecorder {
         LossRecorder {
             instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
             losses: None,
-            rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len() + 1],
+            rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len() + YIELDING],
         }
     }
 
@@ -223,17 +239,17 @@ impl LossRecorder {
         &self.rows[first..first + self.instrument.zones.len()]
     }
 
-    /// What strings that yield had lost at every row, J.
+    /// What strings that yield had lost at every row, then the bridge, then rocked felts, J.
     #[must_use]
-    pub fn string_row(&self) -> &[f64] {
-        self.rows.last().map_or(&[], Vec::as_slice)
+    pub fn string_rows(&self) -> &[Vec<f64>] {
+        &self.rows[self.rows.len() - YIELDING..]
     }
 
     fn row(&mut self) {
         let Some(losses) = &self.losses else { return };
         let pins = losses.pins.iter().map(|pin| pin.dry_j + pin.viscous_j);
         let contacts = losses.contacts.iter().map(|contact| contact.felt_j + contact.sliding_j);
-        let all = pins.chain(contacts).chain([losses.strings_j]);
+        let all = pins.chain(contacts).chain(losses.strings.kinds_j());
         self.rows.iter_mut().zip(all).for_each(|(row, lost)| row.push(lost));
     }
 }

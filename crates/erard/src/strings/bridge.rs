@@ -86,14 +86,16 @@ impl Bridge {
         (self.displacement_m() + free + 0.5 * self.gives_m_n * (s_n + s_free_n)) / self.divisor()
     }
 
-    /// Its modes' step under the mean force, N.
-    pub fn advance(&mut self, force_n: f64) {
+    /// Its modes' step under the mean force, N; what this has done to them, J.
+    pub fn advance(&mut self, force_n: f64) -> f64 {
+        let before_m = self.displacement_m();
         for mode in &mut self.modes {
             let [qq, qv, vq, vv] = mode.step;
             let rests = force_n / mode.stiffness_n_m;
             let (r, v) = (mode.r - rests, mode.v);
             (mode.r, mode.v) = (rests + qq * r + qv * v, vq * r + vv * v);
         }
+        force_n * (self.displacement_m() - before_m)
     }
 
     /// The mean force of a step in which S and w have gone so far, N.
@@ -113,11 +115,16 @@ impl Bridge {
         }
     }
 
-    /// Energy of its modes and of K, without w S, J.
+    /// Energy of its modes, J.
+    pub fn own_energy_j(&self) -> f64 {
+        let own = |mode: &Own| 0.5 * (mode.mass_kg * mode.v * mode.v + mode.stiffness_n_m * mode.r * mode.r);
+        self.modes.iter().map(own).sum()
+    }
+
+    /// The same and that of K, without w S, J.
     pub fn energy_j(&self) -> f64 {
         let w = self.displacement_m();
-        let own = |mode: &Own| 0.5 * (mode.mass_kg * mode.v * mode.v + mode.stiffness_n_m * mode.r * mode.r);
-        self.modes.iter().map(own).sum::<f64>() + 0.5 * self.stiffness_n_m * w * w
+        self.own_energy_j() + 0.5 * self.stiffness_n_m * w * w
     }
 
     /// What vibrates about where it stands under a force, J.

@@ -9,9 +9,12 @@
 //! the step, f = -c (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's stiffness adds to that is left out.)
 //! It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and so the places give way to these by a little less: by A_pr k A_rq with
 //! k = (c/h)/(1 + (c/h) A_r), and they are moved by -A_pr k (r - r0) if nothing presses them.
+//!
+//! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of its strings: k is then the matrix (C^-1 + A)^-1 with C the
+//! dashpots c/h on its diagonal, and A what a newton that rocks one felt rocks another by.
 
 use super::rows::{Block, Row};
-use crate::instrument::{self, Curve, Instrument, PianoString};
+use crate::instrument::{self, Curve, Instrument, MAX_STRINGS, PianoString};
 
 /// Partials that a static compliance counts: the felt's length makes it converge soon.
 const STATIC_PARTIALS: u32 = 400;
@@ -34,6 +37,8 @@ pub(super) struct Felt {
     /// A of the rocking, m/N; and how far in a step a newton on the hammer and on the felt itself rocks it, and the other way round, m/N.
     rocks_m_n: f64,
     pub rocked_by_m_n: [f64; 2],
+    /// What a newton that rocks it adds to S in a step.
+    pub rocking_sounds: f64,
 }
 
 /// Those of an instrument.
@@ -51,6 +56,7 @@ pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
             rocking: Row::default(),
             rocks_m_n: 0.0,
             rocked_by_m_n: [0.0; 2],
+            rocking_sounds: 0.0,
         })
     };
     instrument.strings.iter().enumerate().filter_map(of).collect()
@@ -70,7 +76,7 @@ impl Felt {
     /// Its string has these blocks.
     pub fn lay(&mut self, first: usize, blocks: usize) {
         (self.row, self.rocking) = (Row::new(first, blocks), Row::new(first, blocks));
-        (self.rocks_m_n, self.rocked_by_m_n) = (0.0, [0.0; 2]);
+        (self.rocks_m_n, self.rocked_by_m_n, self.rocking_sounds) = (0.0, [0.0; 2], 0.0);
     }
 
     /// A mode's displacement of the felt, away from it, and of its rocking, per metre.
@@ -96,6 +102,7 @@ impl Felt {
         self.rocks_m_n += half * rocks;
         self.rocked_by_m_n[0] += hammer * rocks;
         self.rocked_by_m_n[1] += mean * rocks;
+        self.rocking_sounds += string.bridge_n_m(n) * rocks;
         mean
     }
 
@@ -128,21 +135,65 @@ impl Felt {
             return Rocks::default();
         }
         let stiff_n_m = per_s / (1.0 + per_s * self.rocks_m_n);
-        Rocks { stiff_n_m, drift_m: self.rocking.free(blocks) - self.rocking.now(blocks) }
+        Rocks { per_s, stiff_n_m, drift_m: self.rocking.free(blocks) - self.rocking.now(blocks) }
     }
 
-    /// After a step under the other forces: what the rocking has taken meanwhile. `before_m`: where it was.
-    pub fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) {
+    /// After a step under the other forces: what the rocking has taken meanwhile, J. `before_m`: where it was.
+    pub fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) -> f64 {
         let force_n = -rocks.stiff_n_m * (self.rocking.now(blocks) - before_m);
         self.rocking.press(force_n, blocks);
+        force_n * force_n / rocks.per_s
+    }
+
+    /// By how much a newton that rocks it rocks it in a step, m/N.
+    pub fn rocks_m_n(&self) -> f64 {
+        self.rocks_m_n
     }
 }
 
 /// The rocking of a felt in a step. All zero: it is not pressed.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Rocks {
+    /// c/h, N/m.
+    pub per_s: f64,
     /// (c/h) / (1 + (c/h) A_r): its force per metre by which it would rock if its dashpot did nothing, N/m.
     pub stiff_n_m: f64,
     /// By how much it rocks if nothing presses it, m.
     pub drift_m: f64,
+}
+
+/// A number for every two felts that rock.
+pub(super) type Across = [[f64; MAX_STRINGS]; MAX_STRINGS];
+
+/// How felts that rock hang together where the bridge moves, (C^-1 + A)^-1, N/m: what a metre by which one would rock makes another's dashpot push. `per_newton` is the bridge's.
+pub(super) fn across(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_newton: f64) -> Across {
+    let mut inverse = Across::default();
+    // Gauss and Jordan's elimination of [C^-1 + A | 1], among those that rock: symmetric and positive, so that no pivot is missing.
+    let mut rows = [[0.0; 2 * MAX_STRINGS]; MAX_STRINGS];
+    let rocks: [bool; MAX_STRINGS] = std::array::from_fn(|k| {
+        let is_rocked = rocks[k].per_s > 0.0;
+        if is_rocked {
+            for (l, felt) in felts.iter().enumerate() {
+                rows[k][l] = felts[k].rocking_sounds * per_newton * felt.rocking_sounds;
+            }
+            rows[k][k] += 1.0 / rocks[k].per_s + felts[k].rocks_m_n();
+            rows[k][MAX_STRINGS + k] = 1.0;
+        }
+        is_rocked
+    });
+    for k in (0..MAX_STRINGS).filter(|k| rocks[*k]) {
+        let pivot = rows[k][k];
+        rows[k].iter_mut().for_each(|number| *number /= pivot);
+        let own = rows[k];
+        for (_, row) in rows.iter_mut().enumerate().filter(|(l, _)| *l != k && rocks[*l]) {
+            let factor = row[k];
+            row.iter_mut().zip(own).for_each(|(number, own)| *number -= factor * own);
+        }
+    }
+    for k in (0..MAX_STRINGS).filter(|k| rocks[*k]) {
+        for l in (0..MAX_STRINGS).filter(|l| rocks[*l]) {
+            inverse[k][l] = rows[k][MAX_STRINGS + l];
+        }
+    }
+    inverse
 }

@@ -29,9 +29,9 @@
 //! sum u_i / N and F_i = F / N, whose work is the same, sum F_i du_i = F du. Strings of one note differ by less than a cent, so that within a blow they move together.
 //! They do not feel each other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them (`pedal.rs`).
 //!
-//! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Each felt is told where it would be if the others
-//! went on pressing as in the step before. What the books then lack, of either sign, goes with A12 dF1 dF2, dF being the forces' change in a step: 5e-4 of the work at 50 us and 5e-5 at 10 us where
-//! hammer and damper rattle on the same string for a second (`tests/dampers.rs`). Alone on its string, as it is in play, a felt's books close exactly.
+//! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Their forces are found together
+//! ([`moreau_sizes::Surfaces::together`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
+//! books close exactly (`tests/dampers.rs`).
 
 mod bridge;
 mod damping;
@@ -64,6 +64,42 @@ pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
     let dampers = instrument.strings.iter().filter_map(|one| one.damper).map(|felt| (felt.zone, DAMPER_EXCURSION_M));
     let pedal = instrument.roles.pedal.map(|zone| (zone, PEDAL_MOST_M));
     [(string, EXCURSION_M)].into_iter().chain(dampers).chain(pedal).collect()
+}
+
+/// What the strings of a note have lost, J. Their sum is what the ledger books as the surfaces' loss.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StringLosses {
+    /// By the strings' own damping.
+    pub strings_j: f64,
+    /// By the damping of a bridge that moves: what the strings have done to it, less what is still in its modes.
+    pub bridge_j: f64,
+    /// In dampers' felts that are rocked; what these lose as they are compressed is the loss of their contacts.
+    pub rocking_j: f64,
+}
+
+impl StringLosses {
+    /// All together, J.
+    #[must_use]
+    pub fn all_j(&self) -> f64 {
+        self.kinds_j().iter().sum()
+    }
+
+    /// Strings, bridge, rocked felts, J.
+    pub(crate) fn kinds_j(&self) -> [f64; 3] {
+        [self.strings_j, self.bridge_j, self.rocking_j]
+    }
+}
+
+impl std::ops::Sub for StringLosses {
+    type Output = Self;
+
+    fn sub(self, before: Self) -> Self {
+        StringLosses {
+            strings_j: self.strings_j - before.strings_j,
+            bridge_j: self.bridge_j - before.bridge_j,
+            rocking_j: self.rocking_j - before.rocking_j,
+        }
+    }
 }
 
 impl Instrument {

@@ -6,8 +6,9 @@ use std::any::Any;
 use moreau::Surface;
 use moreau_sizes::{Mechanism, Surfaces};
 
+use super::StringLosses;
 use super::bridge::Bridge;
-use super::damping::{self, Felt, Rocks};
+use super::damping::{self, Across, Felt, Rocks, across};
 use super::pedal::Rail;
 use super::rows::{Block, Row, WIDE, added, transition};
 use super::tuning::REACH_HZ;
@@ -54,6 +55,9 @@ pub struct Strings {
     felts: Vec<Felt>,
     /// What these do beside their forces in the next step.
     rocks: [Rocks; MAX_STRINGS],
+    /// Where the bridge moves: how these hang together, and its mean displacement in the next step if nothing presses the strings, m.
+    across: Across,
+    drifts_m: f64,
     rail: Option<Rail>,
     /// Where it moves.
     bridge: Option<Bridge>,
@@ -78,6 +82,9 @@ pub struct Strings {
     /// What has been done to the strings so far, and what the pedal has done to the dampers, J.
     work_j: f64,
     given_j: f64,
+    /// Of the former: what the strings have done to the bridge, and what rocked felts have taken, J.
+    bridge_j: f64,
+    rocked_j: f64,
     steps: u64,
     still: bool,
 }
@@ -100,6 +107,8 @@ impl Strings {
             modes: Vec::new(),
             felts,
             rocks: [Rocks::default(); MAX_STRINGS],
+            across: Across::default(),
+            drifts_m: 0.0,
             rail: instrument.roles.pedal.map(|_| Rail::default()),
             bridge: None,
             hold_n_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
@@ -115,6 +124,8 @@ impl Strings {
             resting_n: [0.0; POINTS],
             work_j: 0.0,
             given_j: 0.0,
+            bridge_j: 0.0,
+            rocked_j: 0.0,
             steps: 0,
             still: true,
         };
@@ -318,6 +329,13 @@ impl Strings {
             Some(felt) => felt.rocks(self.forces_n[1 + k], &self.blocks, self.step_s),
             None => Rocks::default(),
         });
+        if let Some(bridge) = &self.bridge {
+            self.drifts_m = bridge.mean_m(self.sum_n, bridge.row.free(&self.blocks));
+            for (rocks, felt) in self.rocks.iter_mut().zip(&self.felts) {
+                rocks.drift_m += felt.rocking_sounds * self.drifts_m;
+            }
+            self.across = across(&self.rocks, &self.felts, bridge.per_newton());
+        }
     }
 
     #[inline(always)]
@@ -347,11 +365,14 @@ impl Strings {
 
     /// The step of everything under the forces that are set.
     fn step_all(&mut self) {
-        let s_before_n = self.sum_n;
         let pressed = self.forces_n[1..=self.felts.len()].iter().any(|force| *force != 0.0);
         let rocks = self.rocks;
         if !pressed && self.bridge.is_none() && rocks.iter().all(|rocks| rocks.stiff_n_m == 0.0) {
             self.step_modes(self.forces_n[0]);
+            return;
+        }
+        if self.bridge.is_some() {
+            self.step_with_bridge();
             return;
         }
         // What the felts' rocking was before.
@@ -359,29 +380,53 @@ impl Strings {
             Some(felt) if rocks[k].stiff_n_m > 0.0 => felt.rocking.now(&self.blocks),
             _ => 0.0,
         });
-        // The bridge's mean displacement is linear in the forces, which are all known now.
-        let mean_m = self.bridge.as_ref().map(|bridge| {
-            let all_n: f64 = (0..POINTS).map(|p| self.sounds[p] * self.forces_n[p]).sum();
-            bridge.mean_m(s_before_n, bridge.row.free(&self.blocks) + all_n)
-        });
         self.step_modes(self.forces_n[0]);
+        self.press_felts();
+        for (k, felt) in self.felts.iter().enumerate() {
+            if rocks[k].stiff_n_m > 0.0 {
+                self.rocked_j += felt.rock(&rocks[k], rocked[k], &mut self.blocks);
+            }
+        }
+        self.look();
+    }
+
+    /// What the forces of the dampers' felts have done to modes that have taken a step.
+    fn press_felts(&mut self) {
         for (felt, &force_n) in self.felts.iter().zip(&self.forces_n[1..]) {
             if force_n != 0.0 {
                 felt.row.press(force_n, &mut self.blocks);
             }
         }
-        if let (Some(bridge), Some(mean_m)) = (&self.bridge, mean_m) {
-            bridge.row.press(mean_m, &mut self.blocks);
+    }
+
+    /// The same step with a bridge that moves: its mean displacement and the forces of rocked felts are linear in the forces, which are all known now.
+    fn step_with_bridge(&mut self) {
+        let s_before_n = self.sum_n;
+        let mut rocking_n = [0.0; MAX_STRINGS];
+        for (k, _) in self.rocking() {
+            let way = |l: usize| {
+                let pressed: f64 = (0..POINTS).map(|p| self.rocked_by(l, p) * self.forces_n[p]).sum();
+                self.across[k][l] * (self.rocks[l].drift_m + pressed)
+            };
+            rocking_n[k] = -(0..self.felts.len()).map(way).sum::<f64>();
         }
-        for (k, felt) in self.felts.iter().enumerate() {
-            if rocks[k].stiff_n_m > 0.0 {
-                felt.rock(&rocks[k], rocked[k], &mut self.blocks);
+        let Some(bridge) = &self.bridge else { return };
+        let sounds = self.sounds.iter().zip(&self.forces_n).map(|(sounds, force_n)| sounds * force_n);
+        let rocked = self.felts.iter().zip(&rocking_n).map(|(felt, force_n)| felt.rocking_sounds * force_n);
+        let all_n: f64 = sounds.sum::<f64>() + rocked.sum::<f64>();
+        let mean_m = bridge.mean_m(s_before_n, bridge.row.free(&self.blocks) + all_n);
+        self.step_modes(self.forces_n[0]);
+        self.press_felts();
+        for ((felt, rocks), force_n) in self.felts.iter().zip(&self.rocks).zip(rocking_n) {
+            if force_n != 0.0 {
+                felt.rocking.press(force_n, &mut self.blocks);
+                self.rocked_j += force_n * force_n / rocks.per_s;
             }
         }
-        if let (Some(bridge), Some(mean_m)) = (&mut self.bridge, mean_m) {
+        if let Some(bridge) = &mut self.bridge {
+            bridge.row.press(mean_m, &mut self.blocks);
             let s_n = bridge.sum_n(&self.blocks);
-            let force_n = bridge.mean_force_n([s_before_n, s_n], mean_m);
-            bridge.advance(force_n);
+            self.bridge_j += bridge.advance(bridge.mean_force_n([s_before_n, s_n], mean_m));
         }
         self.look();
     }
@@ -405,11 +450,21 @@ impl Strings {
     /// By how much a newton at a place rocks a felt in a step, m/N.
     fn rocked_by(&self, felt: usize, point: usize) -> f64 {
         let [hammer, own] = self.felts[felt].rocked_by_m_n;
-        match point {
+        let alone = match point {
             0 => hammer,
             _ if point == 1 + felt => own,
             _ => 0.0,
+        };
+        match &self.bridge {
+            None => alone,
+            Some(bridge) => alone + self.felts[felt].rocking_sounds * bridge.per_newton() * self.sounds[point],
         }
+    }
+
+    /// How much less two places give way in a step because felts are rocked by it, m/N; with a bridge that moves.
+    fn held_m_n(&self, a: usize, b: usize) -> f64 {
+        let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.across[k][l] * self.rocked_by(l, b)).sum() };
+        self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()
     }
 
     /// Where a mode stands under the forces that are set, m. `bridge_m`: with the bridge there.
@@ -440,7 +495,10 @@ impl Strings {
             (block.q[mode.at % WIDE], block.v[mode.at % WIDE]) = (rest_m, 0.0);
         }
         if let Some(bridge) = &mut self.bridge {
+            // Nothing is lost by being put somewhere.
+            let before_j = bridge.own_energy_j();
             bridge.stand(bridge_n);
+            self.bridge_j += bridge.own_energy_j() - before_j;
         }
         self.look();
     }
@@ -465,6 +523,28 @@ impl Strings {
             self.still = true;
             self.stand();
         }
+    }
+
+    /// What they have lost since they were made, by kind.
+    #[must_use]
+    pub fn losses(&self) -> StringLosses {
+        let bridge_j = self.bridge.as_ref().map_or(0.0, |bridge| self.bridge_j - bridge.own_energy_j());
+        let rocking_j = self.rocked_j;
+        StringLosses { strings_j: self.work_j - self.energy_j() - bridge_j - rocking_j, bridge_j, rocking_j }
+    }
+
+    /// Whether they end on a bridge that moves, and whether dampers' felts lie on them.
+    #[must_use]
+    pub fn bears(&self) -> [bool; 2] {
+        [self.bridge.is_some(), !self.felts.is_empty()]
+    }
+
+    /// Displacement, m, and velocity, m/s, of a string's partial now; `None` where it is not stepped.
+    #[must_use]
+    pub fn partial(&self, string: usize, n: u32) -> Option<[f64; 2]> {
+        let mode = self.modes.iter().find(|mode| (mode.string, mode.n) == (string, n))?;
+        let block = &self.blocks[mode.at / WIDE];
+        Some([block.q[mode.at % WIDE], block.v[mode.at % WIDE]])
     }
 
     /// Energy of the modes, of the bridge and of what follows statically, J.
@@ -543,11 +623,16 @@ impl Surfaces for Strings {
             return Surface { displacement, free: 0.0, compliance: self.static_m_n[index][index] };
         }
         let alone = index.checked_sub(1).map_or(self.free_m, |k| self.felts[k].row.free(&self.blocks));
-        let bridge = self
-            .bridge
-            .as_ref()
-            .map_or(0.0, |bridge| self.sounds[index] * bridge.mean_m(self.sum_n, bridge.row.free(&self.blocks)));
-        let (mut free, mut compliance) = (alone + bridge, self.compliance_m_n[index][index]);
+        let mut compliance = self.compliance_m_n[index][index];
+        if self.bridge.is_some() {
+            let mut free = alone + self.sounds[index] * self.drifts_m;
+            for (k, _) in self.rocking() {
+                let held_n: f64 = self.rocking().map(|(l, rocks)| self.across[k][l] * rocks.drift_m).sum();
+                free -= self.rocked_by(k, index) * held_n;
+            }
+            return Surface { displacement, free, compliance: compliance - self.held_m_n(index, index) };
+        }
+        let mut free = alone;
         for (k, rocks) in self.rocking() {
             let rocked = self.rocked_by(k, index);
             free -= rocked * rocks.stiff_n_m * rocks.drift_m;
@@ -561,6 +646,14 @@ impl Surfaces for Strings {
         *compliance = self.static_m_n;
         if !self.statically {
             *compliance = self.compliance_m_n;
+            if self.bridge.is_some() {
+                for (a, row) in compliance.iter_mut().enumerate().take(1 + self.felts.len()) {
+                    for (b, gives) in row.iter_mut().enumerate().take(1 + self.felts.len()).filter(|(b, _)| *b != a) {
+                        *gives -= self.held_m_n(a, b);
+                    }
+                }
+                return if self.felts.is_empty() { 0 } else { 1 + self.felts.len() };
+            }
             for (k, rocks) in self.rocking() {
                 let less = self.rocked_by(k, 0) * rocks.stiff_n_m * self.rocked_by(k, 1 + k);
                 compliance[0][1 + k] -= less;
@@ -623,7 +716,7 @@ impl Surfaces for Strings {
     }
 
     fn numbers(&self) -> usize {
-        2 * self.modes.len() + 2 * self.bridge.as_ref().map_or(0, Bridge::count) + POINTS + 6
+        2 * self.modes.len() + 2 * self.bridge.as_ref().map_or(0, Bridge::count) + POINTS + 8
     }
 
     fn save(&self, mut put: &mut dyn FnMut(f64)) {
@@ -635,15 +728,19 @@ impl Surfaces for Strings {
         self.bridge.iter().flat_map(Bridge::numbers).for_each(&mut put);
         self.forces_n.iter().for_each(|force_n| put(*force_n));
         let rail = self.rail.unwrap_or_default();
-        [self.work_j, self.given_j, rail.lift_m, rail.aim_m].into_iter().for_each(&mut put);
+        [self.work_j, self.given_j, rail.lift_m, rail.aim_m, self.bridge_j, self.rocked_j]
+            .into_iter()
+            .for_each(&mut put);
         put((self.steps % LOOK_EVERY) as f64);
         put(f64::from(u8::from(self.still)));
     }
 
     fn restore(&mut self, from: &[f64]) {
-        if from.len() != self.numbers() {
+        // Snapshots of before losses were kept by kind lack two numbers.
+        if from.len() != self.numbers() && from.len() + 2 != self.numbers() {
             self.hush();
-            (self.work_j, self.given_j, self.steps) = (0.0, 0.0, 0);
+            (self.work_j, self.given_j, self.rocked_j, self.steps) = (0.0, 0.0, 0.0, 0);
+            self.bridge_j = self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j);
             self.rail = self.rail.map(|_| Rail::default());
             return;
         }
@@ -660,7 +757,12 @@ impl Surfaces for Strings {
         self.forces_n.copy_from_slice(forces_n);
         (self.work_j, self.given_j) = (rest[0], rest[1]);
         self.rail = self.rail.map(|_| Rail { lift_m: rest[2], aim_m: rest[3] });
-        (self.steps, self.still) = (rest[4] as u64, rest[5] != 0.0);
+        let (by_kind, rest) = rest[4..].split_at(rest.len() - 6);
+        (self.bridge_j, self.rocked_j) = match *by_kind {
+            [bridge_j, rocked_j] => (bridge_j, rocked_j),
+            _ => (self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j), 0.0),
+        };
+        (self.steps, self.still) = (rest[0] as u64, rest[1] != 0.0);
         self.look();
     }
 

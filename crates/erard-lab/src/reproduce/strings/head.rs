@@ -1,0 +1,65 @@
+//! A hammer's head alone, thrown at the strings of middle C: as simple as a blow can be.
+
+use erard::instrument::{Curve, Instrument, InstrumentFile};
+use erard::mechanism::{Mechanism, mechanism};
+use moreau::Settings;
+
+use super::super::ReproduceError;
+
+/// At the end of an arm of a metre, touching the strings from below: three times the hammer of 2.97 g that strikes one string in A. Chaigne and A. Askenfelt's C4.
+const FILE: &str = r#"
+format = "erard-instrument/1"
+name = "A head of 8.9 g"
+gravity_m_s2 = 0
+[[body]]
+name = "hammer"
+pivot_mm = [0, 0]
+mass_g = 8.9
+inertia_kg_m2 = 8.9e-3
+center_of_mass_mm = [1000, 0]
+[[zone]]
+name = "string"
+[zone.disc]
+body = "hammer"
+center_mm = [1000, 0]
+[zone.line]
+body = "ground"
+point_mm = [1000, 0]
+normal = [0, -1]
+[zone.felt]
+stiffness_N_per_m_r = 1e10
+exponent = 2.5
+[roles]
+hammer = "hammer"
+hammer_head_mm = [1000, 0]
+string = "string"
+"#;
+
+/// The head before the strings of a grand, with the felt of its hammer, nothing lying on them.
+pub(super) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
+    let wrong = |text: String| ReproduceError::Instrument(text);
+    let mut head = InstrumentFile::parse(FILE, "head").map_err(|error| wrong(error.to_string()))?.instrument;
+    let zone = grand.roles.string.ok_or_else(|| wrong(format!("{} has no string", grand.name)))?;
+    head.zones[0].felt = grand.zones[zone].felt;
+    head.strings = grand.strings.clone();
+    head.strings.iter_mut().for_each(|string| string.damper = None);
+    Ok(head)
+}
+
+/// The same turned over, with a weight that keeps it on the strings.
+pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrument, ReproduceError> {
+    let mut head = before(grand)?;
+    head.gravity_m_s2 = gravity_m_s2;
+    head.zones[0].curve = Curve::Line { point_m: [1.0, 0.0], normal: [0.0, 1.0] };
+    Ok(head)
+}
+
+/// In flight, at the strings, at a speed upward, m/s.
+pub(super) fn thrown(head: &Instrument, step_s: f64, speed_m_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
+    let settings = Settings { tolerance: 1e-10, ..Settings::new(step_s) };
+    let mut thrown = mechanism(head, settings).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+    let mut saved = thrown.save();
+    saved.state.velocity[0] = speed_m_s;
+    thrown.restore(&saved);
+    Ok(thrown)
+}
