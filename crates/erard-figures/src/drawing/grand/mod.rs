@@ -59,6 +59,8 @@ pub(super) struct Parts {
     /// What a loud blow throws the damper against, and the jack.
     damper_stop: Option<usize>,
     jack_stop: Option<usize>,
+    /// The rail that the sustain pedal lifts, under the damper's lever.
+    pedal_rail: Option<usize>,
     /// Bodies that are there in the mechanics only: a damper that nothing lifts.
     unseen: Vec<usize>,
 }
@@ -134,6 +136,7 @@ impl Parts {
             damper_rest: None,
             damper_stop: None,
             jack_stop: between(&[jack], &[whippen]).nth(1),
+            pedal_rail: None,
             unseen: Vec::new(),
             key,
             hammer,
@@ -141,7 +144,8 @@ impl Parts {
         if let Some((damper, lift)) = lifted {
             if parts.reaches(instrument, lift, drawn) {
                 (parts.damper, parts.lift) = (Some(damper), Some(lift));
-                let mut stops = between(&[damper], &[]);
+                parts.pedal_rail = between(&[damper], &[]).find(|zone| roles.pedal == Some(*zone));
+                let mut stops = between(&[damper], &[]).filter(|zone| roles.pedal != Some(*zone));
                 (parts.damper_rest, parts.damper_stop) = (stops.next(), stops.next());
             } else {
                 parts.unseen.push(damper);
@@ -203,7 +207,7 @@ impl Parts {
     }
 
     /// The zones whose both sides the outlines show.
-    fn shown_zones(&self) -> [Option<usize>; 16] {
+    fn shown_zones(&self) -> [Option<usize>; 17] {
         [
             Some(self.punching),
             self.back_rail,
@@ -221,6 +225,7 @@ impl Parts {
             self.damper_rest,
             self.damper_stop,
             self.jack_stop,
+            self.pedal_rail,
         ]
     }
 }
@@ -237,6 +242,11 @@ fn key_pin(instrument: &Instrument, key: &[usize], punching: usize, capstan: usi
 /// Where a zone's disc is as drawn, m, in the world.
 fn drawn_disc(zone: &Zone, drawn: &[Placement]) -> Vec2 {
     zone.disc_body.map_or(Placement::GROUND, |body| drawn[body]).to_world(zone.disc_center_m)
+}
+
+/// Whether a zone is a damper's felt on a string.
+fn is_on_a_string(instrument: &Instrument, zone: usize) -> bool {
+    instrument.strings.iter().filter_map(|string| string.damper).any(|damper| damper.zone == zone)
 }
 
 /// How far a disc and a line are apart as drawn, m; infinite for other curves.
@@ -280,11 +290,9 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
         }
     }
     // What this drawing knows nothing of is shown by its contact curves. Every string has a zone of its own with the one damper that is drawn.
-    let is_on_a_string =
-        |zone: usize| instrument.strings.iter().filter_map(|s| s.damper).any(|damper| damper.zone == zone);
     for (index, zone) in instrument.zones.iter().enumerate() {
         let is_seen = |body: Option<usize>| body.is_none_or(|body| !parts.unseen.contains(&body));
-        let is_shown = parts.shown_zones().contains(&Some(index)) || is_on_a_string(index);
+        let is_shown = parts.shown_zones().contains(&Some(index)) || is_on_a_string(instrument, index);
         if !is_shown && is_seen(zone.disc_body) && is_seen(zone.curve_body) {
             pieces.extend(fallback::sides(zone));
         }

@@ -24,6 +24,7 @@ pub(super) enum Place {
     DamperRail,
     DamperRest,
     DamperStop,
+    PedalRail,
     // on the key
     KeyPin,
     Balance,
@@ -71,6 +72,7 @@ pub(super) enum Place {
     DamperFoot,
     DamperSeat,
     DamperTop,
+    DamperPost,
 }
 
 /// Where a place is, and how what hangs on it is turned and scaled.
@@ -137,8 +139,13 @@ impl<'i> Places<'i> {
             Place::DropScrew => self.met(p.drop_screw?, 0.0),
             Place::DropScrewHead => level([x_of(Place::DropScrew)?, self.origin(C::Hammer)[1]]),
             Place::DamperRail => p.damper.map(|_| Located::at(self.origin(C::Damper))),
-            Place::DamperRest => self.face(p.damper_rest?, C::Ground, 4.0, FRAC_PI_2),
+            // A damper that lies on its strings rests on nothing else.
+            Place::DamperRest => {
+                let rest = p.damper_rest.filter(|&zone| !super::is_on_a_string(self.instrument, zone))?;
+                self.face(rest, C::Ground, 4.0, FRAC_PI_2)
+            }
             Place::DamperStop => self.face(p.damper_stop?, C::Ground, 3.0, -FRAC_PI_2),
+            Place::PedalRail => self.face(p.pedal_rail?, C::Ground, 4.0, FRAC_PI_2),
 
             Place::KeyPin => level([0.0; 2]),
             Place::Balance => level([0.0, y_of(Place::KeyTop)?]),
@@ -203,6 +210,7 @@ impl<'i> Places<'i> {
             Place::DamperFoot => p.lift.and_then(|zone| self.disc(zone, C::Damper)).map(|(at, _)| Located::at(at)),
             Place::DamperSeat => self.disc(p.damper_rest?, C::Damper).map(|(at, _)| Located::at(at)),
             Place::DamperTop => self.disc(p.damper_stop?, C::Damper).map(|(at, _)| Located::at(at)),
+            Place::DamperPost => self.disc(p.pedal_rail?, C::Damper).map(|(at, _)| Located::at(at)),
         }
     }
 

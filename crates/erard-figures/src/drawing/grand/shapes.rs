@@ -326,6 +326,44 @@ pub(super) const DRAWING: &[Entry] = &[
         )],
     }),
     Entry::Shape(Shape {
+        name: "pedal's rail",
+        on: Ground,
+        finish: Finish::DarkWood,
+        smooth: true,
+        corners: &[(
+            PedalRail,
+            &[
+                [-1.2, -3.0],
+                [-1.2, -3.0],
+                [13.0, -3.0],
+                [13.0, -3.0],
+                [13.0, -11.0],
+                [11.0, -13.0],
+                [1.0, -13.0],
+                [-1.2, -11.0],
+            ],
+        )],
+    }),
+    Entry::Shape(Shape {
+        name: "pedal's rail, felt",
+        on: Ground,
+        finish: Finish::Cloth,
+        smooth: true,
+        corners: &[(
+            PedalRail,
+            &[
+                [-1.2, 0.0],
+                [-1.2, 0.0],
+                [13.0, 0.0],
+                [13.0, 0.0],
+                [13.0, -3.0],
+                [13.0, -3.0],
+                [-1.2, -3.0],
+                [-1.2, -3.0],
+            ],
+        )],
+    }),
+    Entry::Shape(Shape {
         name: "hammer rail",
         on: Ground,
         finish: Finish::DarkWood,
@@ -558,6 +596,16 @@ pub(super) const DRAWING: &[Entry] = &[
             DamperTop,
             &[[-3.0, -3.0], [-3.0, -3.0], [3.0, -3.0], [3.0, -3.0], [3.0, 0.0], [3.0, 0.0], [-3.0, 0.0], [-3.0, 0.0]],
         )],
+    }),
+    Entry::Shape(Shape {
+        name: "damper lever, post",
+        on: OnDamper,
+        finish: Finish::DarkWood,
+        smooth: true,
+        corners: &[
+            (DamperPost, &[[-2.4, 2.0], [-1.6, 0.0], [1.6, 0.0], [2.4, 2.0]]),
+            (DamperSeat, &[[-2.0, 3.0], [-2.0, 3.0], [-8.0, -1.0], [-8.0, -1.0]]),
+        ],
     }),
     Entry::Shape(Shape {
         name: "damper lever",
