@@ -41,7 +41,8 @@ fn meets(name: &str, missed: &[&str]) {
     };
     assert_eq!(those(|v| matches!(v, Verdict::Missed { .. } | Verdict::Absent)), missed, "{name}");
     assert_eq!(those(|v| *v == Verdict::Silent), SILENT);
-    // Rows on strings are asked of an instrument with strings alone; what nothing published was found for is shown there, and is neither met nor missed.
+    // Rows on strings are asked of an instrument with strings alone, but for the largest force and the return at middle C, which a rigid string has, too; what nothing published was found for is shown, and is neither
+    // met nor missed.
     let (skipped, open) = (those(|v| matches!(v, Verdict::Skipped(_))), those(|v| matches!(v, Verdict::Open { .. })));
     let on_strings =
         |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
@@ -58,7 +59,9 @@ fn meets(name: &str, missed: &[&str]) {
             "{alone:?}"
         );
     } else {
-        assert!(open.is_empty() && skipped == of_strings.collect::<Vec<_>>(), "{name}");
+        let at_c4 = ["string_peak_c4", "hammer_return_pp", "hammer_return_mf", "hammer_return_ff"];
+        assert_eq!(open, at_c4, "{name}");
+        assert_eq!(skipped, of_strings.filter(|row| !at_c4.contains(row)).collect::<Vec<_>>(), "{name}");
     }
     // A miss without a reason is no use to anybody.
     let silent_about =

@@ -32,6 +32,11 @@ pub(super) const NAMES: [&str; 11] = [
     "second_partial_c8_cents",
 ];
 
+/// What a rigid string answers, too: a felt of middle C's that stands for string and felt has been given to it. Those of other keys are not graded for that, and it has no partials.
+fn asks_no_string(name: &str) -> bool {
+    name.starts_with("peak_c4") || name.starts_with("return_c4")
+}
+
 /// Why a row on strings is not asked of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Skipped {
@@ -67,7 +72,8 @@ struct Found {
 /// The rows on strings for one instrument.
 #[derive(Debug, Clone)]
 pub(super) struct Strung {
-    found: Option<Found>,
+    found: Found,
+    yields: bool,
     keyboard: bool,
 }
 
@@ -78,9 +84,7 @@ impl Strung {
         keyboard: Option<&Keyboard>,
         progress: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Self, MeasureError> {
-        if !instrument.has_yielding_strings() {
-            return Ok(Strung { found: None, keyboard: keyboard.is_some() });
-        }
+        let yields = instrument.has_yielding_strings();
         let mut done = 0.0;
         let mut going = || {
             done += 1.0 / (SEARCHES * TRIES);
@@ -94,8 +98,10 @@ impl Strung {
         for (blow, speed_m_s) in found.c4.iter_mut().zip([PP_M_S, MF_M_S, FF_M_S]) {
             *blow = play(instrument, speed_m_s)?;
         }
-        found.cents[0] = cents(instrument);
-        if let Some(keyboard) = keyboard {
+        if yields {
+            found.cents[0] = cents(instrument);
+        }
+        if let Some(keyboard) = keyboard.filter(|_| yields) {
             let key = |key: usize| keyboard.key(key).ok().filter(Instrument::has_yielding_strings);
             if let Some(one) = key(A0) {
                 found.a0 = play(&one, MF_M_S)?;
@@ -107,7 +113,7 @@ impl Strung {
                 *found = key.as_ref().and_then(cents);
             }
         }
-        Ok(Strung { found: Some(found), keyboard: keyboard.is_some() })
+        Ok(Strung { found, yields, keyboard: keyboard.is_some() })
     }
 
     /// The value of one of [`NAMES`], in the unit that ends it; why it is not asked for; `None` for another name.
@@ -115,13 +121,16 @@ impl Strung {
         if !NAMES.contains(&name) {
             return None;
         }
-        let Some(found) = &self.found else { return Some(Err(Skipped::RigidString)) };
+        if !self.yields && !asks_no_string(name) {
+            return Some(Err(Skipped::RigidString));
+        }
         if !self.keyboard && !name.contains("_c4") {
             return Some(Err(Skipped::NoKeyboard));
         }
         let contact = |blow: &Option<Blow>| blow.map(|blow| 1e3 * blow.contact_s);
         let peak = |blow: &Option<Blow>| blow.map(|blow| blow.peak_n);
         let back = |blow: &Option<Blow>| blow.map(|blow| blow.back_m_s / blow.speed_m_s);
+        let found = &self.found;
         let [pp, mf, ff] = &found.c4;
         Some(Ok(match name {
             "contact_a0_mf_ms" => contact(&found.a0),
