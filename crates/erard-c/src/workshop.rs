@@ -168,7 +168,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
 }
 
 /// What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
-/// `data-body`), "bodies" with their hinges, angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one),
+/// `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges, angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one),
 /// "string" (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the picture. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_scene(

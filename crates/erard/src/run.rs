@@ -113,6 +113,8 @@ pub struct StringSeries {
     pub places_m: Vec<f64>,
     /// Its displacement at these places, m, row after row.
     pub shape_m: Vec<f32>,
+    /// Lift of the pedal's rail, m; empty where there is none.
+    pub pedal_m: Vec<f64>,
 }
 
 /// One body's motion.

@@ -174,7 +174,8 @@ const NIGHT: &str = "@media (prefers-color-scheme:dark){.paper{fill:#26272b}.lab
 .leader-end{fill:#a8a39a}.newton{fill:#fff;stroke:#1b1214}.changed-note{fill:#ff8a7d}}";
 
 /// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with `data-point` it follows
-/// that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without turning, with `data-guided` up and down only.
+/// that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without turning, with `data-guided` up and down only. `data-rail` says that the sustain
+/// pedal lifts it.
 pub fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
     let mut out = String::from("<g class=\"parts\">");
     for piece in &drawing.pieces {
@@ -205,7 +206,9 @@ pub fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
 }
 
 pub(super) fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
-    let Some(body) = carrier.body() else { return String::new() };
+    let Some(body) = carrier.body() else {
+        return String::from(if *carrier == Carrier::Rail { " data-rail=\"\"" } else { "" });
+    };
     let mut out = format!(" data-body=\"{body}\"");
     if let Carrier::Point { point_m, drawn_m, is_guided, .. } = carrier {
         let pair = |[x, y]: [f64; 2]| format!("{} {}", number(x * MM), number(y * MM));

@@ -37,6 +37,8 @@ impl Piece {
 pub enum Carrier {
     /// Nothing: it stands still.
     Ground,
+    /// The rail that the sustain pedal lifts. As drawn the pedal is up, and the rail stands on the ground.
+    Rail,
     /// A body, as a piece of it.
     Body(usize),
     /// A point of a body, without turning: what is guided (a damper's head, by its rail) or held (a finger). Its outline is given in the
@@ -57,7 +59,7 @@ impl Carrier {
     /// Where its frame is, for bodies that are placed so.
     pub fn placement(&self, placed: &[Placement]) -> Placement {
         match *self {
-            Carrier::Ground => Placement::GROUND,
+            Carrier::Ground | Carrier::Rail => Placement::GROUND,
             Carrier::Body(body) => placed[body],
             Carrier::Point { body, point_m, drawn_m, is_guided } => {
                 let [x, y] = placed[body].to_world(point_m);
@@ -70,7 +72,7 @@ impl Carrier {
     /// The body that it moves with.
     pub fn body(&self) -> Option<usize> {
         match *self {
-            Carrier::Ground => None,
+            Carrier::Ground | Carrier::Rail => None,
             Carrier::Body(body) | Carrier::Point { body, .. } => Some(body),
         }
     }

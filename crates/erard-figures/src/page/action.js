@@ -42,7 +42,7 @@ const swing = ({ x, y, shape, times, line }, { i, j, share }) => {
 const pose = (where) => {
   for (const action of data.actions) {
     action.placed = placeBodies(action.bodies, (body) => mix(action.bodies[body].angle, where));
-    move(action.moving, action.placed);
+    move(action.moving, action.placed, action.string?.pedal ? mix(action.string.pedal, where) : 0);
     if (!action.group.hasAttribute("hidden")) dent(action.outlines, action.zones.map((zone) => pressedAt(zone, where)), action.dents);
     if (action.string) swing(action.string, where);
   }

@@ -129,7 +129,7 @@ const TIMES: [f64; 7] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 const SWING_MM: f64 = 12.0;
 
 /// The string as it swings, where it yields: places and rest in picture millimetres, displacements in mm, place by place in every frame, and by how much the picture
-/// exaggerates them.
+/// exaggerates them; the lift of the pedal's rail in every frame, mm, where it is lifted.
 fn string(instrument: &Instrument, run: &Run, frames: &Frames) -> Option<Value> {
     let series = run.strings.as_ref()?;
     let [strike_m, height_m] = scene::string_at(instrument)?;
@@ -142,7 +142,11 @@ fn string(instrument: &Instrument, run: &Run, frames: &Frames) -> Option<Value> 
         let next = (row + 1).min(last);
         (0..count).map(move |place| MM * (at(row, place) + share * (at(next, place) - at(row, place))))
     });
+    let lift = |row: usize| series.pedal_m.get(row).copied().unwrap_or(0.0);
+    let lifts = frames.0.iter().map(|&(row, share)| MM * (lift(row) + share * (lift((row + 1).min(last)) - lift(row))));
+    let is_lifted = series.pedal_m.iter().any(|lift_m| *lift_m != 0.0);
     Some(json!({
+        "pedal": is_lifted.then(|| floats(lifts)),
         "x": series.places_m.iter().map(|place_m| (strike_m + place_m) * MM).collect::<Vec<_>>(),
         "y": height_m * MM,
         "shape": floats(shape),

@@ -5,8 +5,8 @@
  * @typedef {{ x: number, y: number, cos: number, sin: number, angle: number }} Frame */
 /** What a body is hinged on (null: the ground), and where, mm.
  * @typedef {{ parent: number | null, pivot: number[] }} Hinge */
-/** An element that turns with its body, or follows a point of it without turning, a guided one up and down only; `frame` is where it is now.
- * @typedef {{ element: SVGElement, body: number, point?: number[], drawn?: number[], guided: boolean, frame: Frame }} Moving */
+/** An element that turns with its body, or follows a point of it without turning, a guided one up and down only, or is lifted by the sustain pedal (`rail`); `frame` is where it is now.
+ * @typedef {{ element: SVGElement, body: number, point?: number[], drawn?: number[], guided: boolean, rail: boolean, frame: Frame }} Moving */
 /** How long arrows are, mm, for forces in N.
  * @typedef {{ base: number, decade: number, knee: number, drawn: number, labelled: number }} ArrowLaw */
 /** A force: where it acts, mm with y up, which way its arrow points in the picture (y down), and how much, N.
@@ -45,19 +45,19 @@ export const placeBodies = (bodies, angle) => {
 /** What moves in a group of shapes. @type {(group: Element) => Moving[]} */
 export const movingIn = (group) => {
   const pair = (/** @type {string} */ text) => text.split(" ").map(Number);
-  return [.../** @type {NodeListOf<SVGElement>} */ (group.querySelectorAll("[data-body]"))].map((element) => {
-    const { body, point, drawn, guided } = element.dataset;
+  return [.../** @type {NodeListOf<SVGElement>} */ (group.querySelectorAll("[data-body], [data-rail]"))].map((element) => {
+    const { body, point, drawn, guided, rail } = element.dataset;
     return {
       element, body: Number(body), point: point ? pair(point) : undefined, drawn: drawn ? pair(drawn) : undefined,
-      guided: guided !== undefined, frame: STILL,
+      guided: guided !== undefined, rail: rail !== undefined, frame: STILL,
     };
   });
 };
 
-/** Moves them to where the bodies are. @type {(all: Moving[], placed: Frame[]) => void} */
-export const move = (all, placed) => {
+/** Moves them to where the bodies are, and the pedal's rail to its lift, mm. @type {(all: Moving[], placed: Frame[], lift?: number) => void} */
+export const move = (all, placed, lift = 0) => {
   for (const moving of all) {
-    const on = placed[moving.body];
+    const on = moving.rail ? { ...STILL, y: lift } : placed[moving.body];
     let frame = on;
     if (moving.point && moving.drawn) {
       const [x, y] = carry(on, moving.point);

@@ -18,6 +18,7 @@ for (const action of data.actions) {
   for (const body of action.bodies) body.angle = floats(body.angle);
   action.force = floats(action.force);
   if (action.string) action.string.shape = floats(action.string.shape);
+  if (action.string?.pedal) action.string.pedal = floats(action.string.pedal);
   for (const pin of action.pins) [pin.x, pin.y] = [floats(pin.x), floats(pin.y)];
   // A zone's values only exist where it pushes; `force` is filled up with zeros so that it can be drawn as a curve.
   for (const zone of action.zones) {

@@ -72,7 +72,8 @@ impl Recorder {
             strings: Strings::under(m).map(|strings| {
                 let places_m = strings.places_seen_m();
                 let shape_m = vec![0.0; rows * places_m.len()];
-                StringSeries { displacement_m: series(), bridge_n: series(), places_m, shape_m }
+                let pedal_m = if strings.pedal_m().is_some() { series() } else { Vec::new() };
+                StringSeries { displacement_m: series(), bridge_n: series(), places_m, shape_m, pedal_m }
             }),
         };
         let shape = Strings::under(m).map(Strings::seen);
@@ -142,6 +143,9 @@ impl Recorder {
         if let (Some(series), Some(strings)) = (&mut to.strings, Strings::under(m)) {
             series.displacement_m[row] = strings.displacement_m();
             series.bridge_n[row] = strings.bridge_n();
+            if let (Some(lift), Some(lift_m)) = (series.pedal_m.get_mut(row), strings.pedal_m()) {
+                *lift = lift_m;
+            }
             if let Some(shape) = &self.shape {
                 let count = series.places_m.len();
                 shape.read(strings, &mut series.shape_m[row * count..(row + 1) * count]);
@@ -169,7 +173,7 @@ impl Recorder {
         if let Some(strings) = strings {
             strings.shape_m.truncate(rows * strings.places_m.len());
         }
-        let strings = strings.iter_mut().flat_map(|s| [&mut s.displacement_m, &mut s.bridge_n]);
+        let strings = strings.iter_mut().flat_map(|s| [&mut s.displacement_m, &mut s.bridge_n, &mut s.pedal_m]);
         for column in [time_s, force_n, key_m, hammer_head_m].into_iter().chain(strings) {
             column.truncate(rows);
         }

@@ -34,6 +34,7 @@ pub(super) fn carried(
     };
     let bodies = parts.bodies(look.on);
     match bodies {
+        [] if look.on == Component::PedalRail => vec![piece(Carrier::Rail, corners)],
         [] => vec![piece(Carrier::Ground, corners)],
         [body] => vec![piece(Carrier::Body(*body), corners)],
         _ => {

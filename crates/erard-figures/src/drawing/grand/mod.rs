@@ -22,6 +22,7 @@ use places::Places;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Component {
     Ground,
+    PedalRail,
     Key,
     Whippen,
     Jack,
@@ -183,7 +184,7 @@ impl Parts {
     fn frame(&self, component: Component, drawn: &[Placement]) -> Placement {
         let upright = |body: usize| Placement { pivot_m: drawn[body].pivot_m, angle_rad: 0.0 };
         match component {
-            Component::Ground => Placement::GROUND,
+            Component::Ground | Component::PedalRail => Placement::GROUND,
             Component::Key => upright(self.key_pin),
             Component::Whippen => upright(self.whippen),
             Component::Jack => upright(self.jack),
@@ -196,7 +197,7 @@ impl Parts {
     /// The bodies of a component.
     fn bodies(&self, component: Component) -> &[usize] {
         match component {
-            Component::Ground => &[],
+            Component::Ground | Component::PedalRail => &[],
             Component::Key => &self.key,
             Component::Whippen => std::slice::from_ref(&self.whippen),
             Component::Jack => std::slice::from_ref(&self.jack),

@@ -2,7 +2,8 @@
 
 use super::Component;
 use super::Component::{
-    Damper as OnDamper, Ground, Hammer as OnHammer, Jack as OnJack, Key, Lever as OnLever, Whippen as OnWhippen,
+    Damper as OnDamper, Ground, Hammer as OnHammer, Jack as OnJack, Key, Lever as OnLever, PedalRail as OnPedalRail,
+    Whippen as OnWhippen,
 };
 use super::made::{self, Scene};
 use super::places::Place;
@@ -327,7 +328,7 @@ pub(super) const DRAWING: &[Entry] = &[
     }),
     Entry::Shape(Shape {
         name: "pedal's rail",
-        on: Ground,
+        on: OnPedalRail,
         finish: Finish::DarkWood,
         smooth: true,
         corners: &[(
@@ -346,7 +347,7 @@ pub(super) const DRAWING: &[Entry] = &[
     }),
     Entry::Shape(Shape {
         name: "pedal's rail, felt",
-        on: Ground,
+        on: OnPedalRail,
         finish: Finish::Cloth,
         smooth: true,
         corners: &[(
