@@ -14,6 +14,7 @@ pub mod cli_reference;
 pub mod command;
 pub mod compare;
 pub mod failure;
+pub mod fit;
 pub mod identity;
 pub mod inputs;
 pub mod inside;

@@ -37,6 +37,22 @@ impl Progress {
         Progress { start: Instant::now(), bar }
     }
 
+    /// The same where nobody knows how much there is to do: it counts what was done.
+    pub fn counting(what: &str) -> Self {
+        let progress = Progress::new(what);
+        let style = ProgressStyle::with_template("{msg}, {elapsed}");
+        progress.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        progress
+    }
+
+    /// Shows how far it is, in words; false if the work should end.
+    pub fn counted(&mut self, words: impl FnOnce() -> String) -> bool {
+        if !self.bar.is_hidden() {
+            self.bar.set_message(words());
+        }
+        self.tell(0.0)
+    }
+
     /// Says what is going on now.
     pub fn say(&mut self, what: &str) {
         if self.bar.message() != what {

@@ -150,6 +150,17 @@ impl RecordingOptions {
         }
     }
 
+    /// What is done to a recording.
+    pub fn preparation(&self) -> Preparation {
+        Preparation {
+            zero: self.zero == ZeroName::Rest,
+            inverted: self.invert.clone(),
+            late_s: self.delay.clone(),
+            low_pass: self.low_pass,
+            order: self.order,
+        }
+    }
+
     /// Reads a recording and makes it ready.
     pub fn load(&self, path: &Path) -> Result<Ready, Failure> {
         let name = shown(path);
@@ -174,14 +185,8 @@ impl RecordingOptions {
                 return Err(Failure::Usage(format!("{option} {}: {name} has no such channel", role.name())));
             }
         }
-        let preparation = Preparation {
-            zero: self.zero == ZeroName::Rest,
-            inverted: self.invert.clone(),
-            late_s: self.delay.clone(),
-            low_pass: self.low_pass,
-            order: self.order,
-        };
-        let prepared = prepare(&recording, &preparation).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
+        let prepared =
+            prepare(&recording, &self.preparation()).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
         let position_of = match self.position {
             None => recording.position_of,
             Some(PositionName::Key) => PositionOf::Key,

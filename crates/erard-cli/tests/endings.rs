@@ -53,6 +53,7 @@ fn mill() -> String {
 fn control_c_is_heard_everywhere() {
     let folder = Folder::new("control-c");
     folder.file("mill.toml", &mill());
+    folder.file("mf.csv", include_str!("../../erard-lab/recordings/heavier-mf.csv"));
     let before = folder.names();
     for (arguments, delays_ms) in [
         (&["press", "--instrument", "mill.toml"][..], &[30_u64][..]),
@@ -63,6 +64,9 @@ fn control_c_is_heard_everywhere() {
         (&["study", "--vary", "let_off=-1mm..1mm:100000"], &[300]),
         (&["measure"], &[200]),
         (&["bench"], &[200]),
+        // Strokes are made ready, played side by side, and with derivatives.
+        (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass"], &[100, 500]),
+        (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass", "--jacobian", "gradient"], &[400, 900]),
         (&["reproduce"], &[200]),
     ] {
         for &delay_ms in delays_ms {

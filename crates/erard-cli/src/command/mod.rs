@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod compare;
 mod draw;
+mod fit;
 mod fmu;
 mod keyboard;
 mod kinematics;
@@ -73,6 +74,8 @@ enum Sub {
     Check(check::Check),
     /// Holds a measured stroke against the models.
     Compare(compare::Compare),
+    /// Fits numbers of an instrument to recordings, with their errors.
+    Fit(Box<fit::Fit>),
     /// Computes the papers' figures and claims anew and shows which hold.
     Reproduce(reproduce::Reproduce),
     /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
@@ -114,6 +117,7 @@ pub fn run() -> ExitCode {
         Sub::Validate(validate) => validate.run(),
         Sub::Check(check) => check.run(),
         Sub::Compare(compare) => compare.run(),
+        Sub::Fit(fit) => fit.run(),
         Sub::Reproduce(reproduce) => reproduce.run(),
         Sub::Fmu(fmu) => fmu.run(),
         Sub::Studio(studio) => studio.run(),

@@ -1,6 +1,6 @@
 //! What a study varies of an instrument.
 
-use erard::instrument::{Instrument, ScrewAction};
+use erard::instrument::{Instrument, ScrewAction, numbers_at};
 
 /// As far as a screw turns a curve, rad.
 const FARTHEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
@@ -125,6 +125,43 @@ impl Parameter {
         }
     }
 
+    /// The numbers of its file that [`Parameter::vary`] comes to, by their paths, with their values in the file's units, to ten digits. `text` is the file of this
+    /// instrument.
+    pub fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
+        let path = self.path(instrument);
+        let own = |path: &str| numbers_at(text, path).and_then(|numbers| numbers.first().copied());
+        let scaled = |path: String| own(&path).map(|number| (path, ten_digits(number * value)));
+        match *self {
+            Parameter::Screw { ref action, .. } => {
+                let unit = match action {
+                    ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => 1e3,
+                    ScrewAction::Turn { .. } => 180.0 / std::f64::consts::PI,
+                    ScrewAction::Spring { .. } => 1.0,
+                };
+                vec![(path, ten_digits((self.value(instrument) + value) * unit))]
+            }
+            // A screw may have its part in it, which the file tells apart.
+            Parameter::Torque(_) => {
+                let more = self.value(instrument) * (value - 1.0);
+                vec![(path.clone(), ten_digits(own(&path).unwrap_or(0.0) + more))]
+            }
+            Parameter::Mass(i) => {
+                let inertia = format!("body.{}.inertia_kg_m2", instrument.bodies[i].name);
+                [path, inertia].into_iter().filter_map(scaled).collect()
+            }
+            Parameter::Damping(i) => {
+                let zone = &instrument.zones[i].name;
+                let mut varied = instrument.zones[i].felt;
+                varied.scale_loss(value);
+                let keys = ["damping_N_s_per_m3", "hunt_crossley_s_per_m", "dry_loss", "relaxed"];
+                let values = [varied.damping, varied.hunt_crossley, varied.dry_loss, varied.relaxed];
+                let all = keys.into_iter().zip(values).map(|(key, value)| (format!("zone.{zone}.felt.{key}"), value));
+                all.filter(|(path, _)| own(path).is_some()).map(|(path, value)| (path, ten_digits(value))).collect()
+            }
+            _ => scaled(path).into_iter().collect(),
+        }
+    }
+
     /// Varies an instrument: turns the screw by `value` (m, rad, N m) or multiplies by it.
     ///
     /// Returns whether it could be done. It cannot when a spring's torque would turn around or a factor is not a positive number; the
@@ -154,9 +191,43 @@ impl Parameter {
     }
 }
 
+/// Rounded, so that products read as people write them.
+fn ten_digits(x: f64) -> f64 {
+    format!("{x:.9e}").parse().unwrap_or(x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use erard::instrument::cited;
+
+    /// Numbers in the file are what varying the instrument is, for every parameter of every built-in instrument that is played.
+    #[test]
+    fn numbers_of_the_file_are_what_is_varied() {
+        for name in ["concert-grand", "concert-grand-rigid", "concert-grand-strings"] {
+            let text = Instrument::builtin_text(name).unwrap();
+            let grand = Instrument::parse(text, name).unwrap();
+            for (name, parameter) in Parameter::all(&grand) {
+                let mut varied = grand.clone();
+                assert!(parameter.vary(&mut varied, if parameter.is_factor() { 1.07 } else { 1.7e-5 }), "{name}");
+                let by = if parameter.is_factor() { 1.07 } else { 1.7e-5 };
+                let numbers = parameter.numbers(&grand, by, text);
+                let changes: Vec<_> =
+                    numbers.into_iter().map(|(path, value)| (path, value, String::from("n"))).collect();
+                let new = cited(text, &changes, "s", "a", "t").unwrap_or_else(|error| panic!("{name}: {error}"));
+                let read = Instrument::parse(&new, "new").unwrap_or_else(|error| panic!("{name}: {error}"));
+                for (other, own) in Parameter::all(&varied) {
+                    let (wanted, found) = (own.value(&varied), own.value(&read));
+                    assert!((wanted - found).abs() < 1e-9 * wanted.abs() + 1e-15, "{name}: {other} {wanted} {found}");
+                }
+                let inertias = varied.bodies.iter().zip(&read.bodies);
+                assert!(
+                    inertias.into_iter().all(|(a, b)| (a.inertia_kg_m2 / b.inertia_kg_m2 - 1.0).abs() < 1e-9),
+                    "{name}"
+                );
+            }
+        }
+    }
 
     /// Every parameter has a name of its own and changes the instrument; a factor of one and no turn change nothing.
     #[test]

@@ -40,7 +40,7 @@ pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
 pub use numbers::{numbers_at, with_numbers};
 pub use provenance::{Certainty, Citation, CitedNumber, OutlivedNote, Provenance, Source, Spread};
-pub use rewrite::RewriteError;
+pub use rewrite::{RewriteError, cited};
 pub use schema::json_schema;
 
 /// Most bodies of an instrument: the engine's capacity.

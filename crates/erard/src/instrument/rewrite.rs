@@ -19,6 +19,9 @@ pub enum RewriteError {
     /// A screw is not where it should be.
     #[error("the instrument file cannot be rewritten: it has no setting of screw `{0}`")]
     NoSetting(String),
+    /// A number is not where it should be.
+    #[error("the instrument file cannot be rewritten: it has no number `{0}`")]
+    NoNumber(String),
 }
 
 impl Instrument {
@@ -55,6 +58,32 @@ impl Instrument {
         }
         Ok(form.dressed(&document.to_string()))
     }
+}
+
+/// The text of an instrument file with other numbers: of each its path (as [`super::numbers_at`] takes it, of a single number), its value in the file's
+/// own unit, and a note. Each becomes a cited number under a source of its own; comments and layout stay.
+///
+/// # Errors
+/// See [`RewriteError`].
+pub fn cited(
+    text: &str,
+    changes: &[(String, f64, String)],
+    stem: &str,
+    author: &str,
+    title: &str,
+) -> Result<String, RewriteError> {
+    let form = Form::of(text);
+    let mut document: DocumentMut = form.plain(text).parse()?;
+    let source = source_name(&document, stem, author);
+    for (path, value, note) in changes {
+        let segments: Vec<&str> = path.split('.').collect();
+        let item = find(document.as_table_mut(), &segments).filter(|item| numbers(item).is_some());
+        set(item.ok_or_else(|| RewriteError::NoNumber(path.clone()))?, *value, &source, note);
+    }
+    if !changes.is_empty() {
+        cite(&mut document, &source, title, author);
+    }
+    Ok(form.dressed(&document.to_string()))
 }
 
 /// What a text has that the editor of documents drops.
@@ -137,6 +166,30 @@ mod tests {
         // Once more: the same source, one title.
         let again = instrument.rewrite(&new, "another title", "a note").unwrap();
         assert_eq!(again, new, "nothing to change, nothing changed");
+    }
+
+    /// Numbers by their paths: each is cited, all else stays; what is not there is an error.
+    #[test]
+    fn numbers_become_cited_ones() {
+        let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
+        let change = |path: &str, value: f64| (path.to_owned(), value, "a note".to_owned());
+        let changes = [change("body.hammer.mass_g", 11.5), change("zone.string.felt.stiffness_N_per_m_r", 2e10)];
+        let new = cited(text, &changes, "mine", "me", "a title").unwrap();
+        let (gone, added) = changed(text, &new);
+        assert_eq!(gone.len(), 2, "{gone:?}");
+        let added = added.join("\n");
+        assert!(
+            added.contains("mass_g = { value = 11.5, source = \"mine\", certainty = \"estimate\", note = \"a note\" }"),
+            "{added}"
+        );
+        assert!(added.contains("[sources.mine]\ntitle = \"a title\"\nauthor = \"me\""), "{added}");
+        let read = Instrument::parse(&new, "new").unwrap();
+        let hammer = read.bodies.iter().find(|body| body.name == "hammer").unwrap();
+        assert!((hammer.mass_kg - 11.5e-3).abs() < 1e-15);
+        for path in ["body.drummer.mass_g", "screw.nobody.setting_mm"] {
+            let error = cited(text, &[change(path, 1.0)], "mine", "me", "a title").unwrap_err();
+            assert!(error.to_string().contains(path), "{error}");
+        }
     }
 
     /// Line ends and byte order mark of another system stay.

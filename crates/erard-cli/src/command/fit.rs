@@ -1,0 +1,313 @@
+//! `erard fit`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use erard::instrument::{Instrument, InstrumentFile};
+use erard::simulation::Setup;
+use erard::stroke::{Prescribed, Recording, Role};
+use erard_figures::figure::{figure_svg, png_from_svg};
+use erard_lab::fit::{Asked, Data, FitError, Jacobian, Loss, Native, Plan, Problem, course, free};
+use erard_lab::recording::{LowPass, Preparation};
+use erard_workshop::cores;
+
+use super::options::{DriveName, StepOptions, check, load_instrument_and_text};
+use super::out::OutOptions;
+use crate::failure::Failure;
+use crate::fit::{Report, column, figure, lines, value, write_csv};
+use crate::inputs::shown;
+use crate::progress::Progress;
+use crate::recordings::{Ready, RecordingOptions};
+use crate::{say, tell};
+
+/// What stands below the options.
+const AFTER: &str = "\
+Each recording drives the model, by its force where it has one, and what else was recorded is compared: force, key and hammer, of several recordings at once. Names are
+those of `study --vary`: screws (`let_off`) and `body.hammer.mass`, `body.key.friction`, `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and the like; a
+name that does not exist is answered with those that are near. Without --bounds a number may be as far off as the instrument's file says; where it does not say, a factor from 0.2 to 5,
+or a fiftieth of what a screw can do.
+
+Least squares, with derivatives by differences of strokes that are played side by side: first what leads to the blow, then all of it; and again from elsewhere until two have ended
+alike. --low-pass is for what drives; what is compared is never filtered, and its noise is read from the recording where --sigma does not say it. The errors heed the noise of the
+sensors, that of what drives, and misfit beyond both; what the data do not tell is said in words.
+
+Writes fit.json, fitted.toml (the instrument with the fitted numbers, each with its error in its note), fit.csv (measured, fitted, and what is left over in units of the noise), and
+fit.svg and fit.png.";
+
+/// Fits numbers of an instrument to recordings, with their errors, and says what the recordings do not tell.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub struct Fit {
+    /// Instrument: a TOML file, or the name of a built-in one, where the fit starts
+    #[arg(value_name = "INSTRUMENT")]
+    instrument: String,
+    /// Recordings: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the hammer if it was measured too
+    #[arg(value_name = "RECORDING.csv", required = true)]
+    recordings: Vec<PathBuf>,
+    /// What is fitted: screws and parameters by their names
+    #[arg(long, value_name = "NAME,NAME,..", value_delimiter = ',', required = true)]
+    vary: Vec<String>,
+    /// How far a number may go, as in `let_off=-1mm..1mm` (a screw's turn from where it is), `body.hammer.mass=0.9..1.2` (a factor) or `body.hammer.mass=9g..12g`;
+    /// may be repeated
+    #[arg(long, value_name = "NAME=LOW..HIGH", allow_hyphen_values = true)]
+    bounds: Vec<String>,
+    /// Where the fit begins, as in `body.hammer.mass=1.1`; may be repeated [default: the instrument as it is]
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    start: Vec<String>,
+    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was recorded]
+    #[arg(long, value_enum)]
+    drive: Option<DriveName>,
+    /// What is compared, of force, position, hammer [default: all but what drives]
+    #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
+    compare: Vec<Role>,
+    /// Noise of a channel, root mean square, as in force=0.02N,position=10um; that of what drives, too [default: as the recording's rest or spectrum tells it]
+    #[arg(long, value_name = "CHANNEL=NOISE,..", value_delimiter = ',', value_parser = noise)]
+    sigma: Vec<(Role, f64)>,
+    /// Estimate for every channel how much later it was written down than what drives
+    #[arg(long)]
+    delays: bool,
+    /// What is made of squares: all but `linear` heed outliers less
+    #[arg(long, value_enum, default_value_t = LossName::Linear)]
+    loss: LossName,
+    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own derivatives, which need no step and take longer
+    #[arg(long, value_enum, default_value_t = JacobianName::Differences)]
+    jacobian: JacobianName,
+    /// How often the fit may begin again elsewhere
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(0..=1000))]
+    restarts: u16,
+    /// Most evaluations of one solution
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u16).range(1..=10000))]
+    most: u16,
+    /// Fit only the first S seconds of every recording: shortly after the blow a little more or less of anything begins to have large effects
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Write the numbers only, no figure
+    #[arg(long)]
+    no_pictures: bool,
+    #[command(flatten)]
+    recording: RecordingOptions,
+    #[command(flatten)]
+    step: StepOptions,
+    #[command(flatten)]
+    out: OutOptions,
+}
+
+/// What is made of squares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LossName {
+    /// The square itself
+    Linear,
+    /// 2 (sqrt(1 + z) - 1) of a square z
+    #[value(name = "soft_l1")]
+    SoftL1,
+    /// The square up to the noise, the distance beyond
+    Huber,
+    /// ln(1 + z) of a square z
+    Cauchy,
+}
+
+impl From<LossName> for Loss {
+    fn from(name: LossName) -> Self {
+        match name {
+            LossName::Linear => Loss::Linear,
+            LossName::SoftL1 => Loss::SoftL1,
+            LossName::Huber => Loss::Huber,
+            LossName::Cauchy => Loss::Cauchy,
+        }
+    }
+}
+
+/// Where derivatives come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum JacobianName {
+    /// Central differences
+    Differences,
+    /// The model's own derivatives
+    Gradient,
+}
+
+fn channel(text: &str) -> Result<Role, String> {
+    let known = [Role::Force, Role::Position, Role::HammerHead];
+    let role = known.into_iter().find(|role| role.name() == text.trim());
+    role.ok_or_else(|| "expected force, position or hammer".to_owned())
+}
+
+fn noise(text: &str) -> Result<(Role, f64), String> {
+    let expected = || "expected a channel and its noise, as in force=0.02N, position=10um or hammer=0.05mm".to_owned();
+    let (name, size) = text.split_once('=').ok_or_else(expected)?;
+    let role = channel(name)?;
+    let size = size.trim();
+    let (number, unit) =
+        size.split_at(size.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(size.len()));
+    let si = match (role, unit.trim()) {
+        (Role::Force, "N" | "") => 1.0,
+        (Role::Force, "mN") => 1e-3,
+        (Role::Force, _) => return Err(expected()),
+        (_, "m" | "") => 1.0,
+        (_, "mm") => 1e-3,
+        (_, "um" | "\u{b5}m" | "\u{3bc}m") => 1e-6,
+        _ => return Err(expected()),
+    };
+    let number: f64 = number.trim().parse().map_err(|_| expected())?;
+    if !(number.is_finite() && number >= 0.0) {
+        return Err(expected());
+    }
+    Ok((role, number * si))
+}
+
+impl Fit {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let settings = self.step.settings()?;
+        check(&Setup { settings, ..Setup::new(1.0) })?;
+        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+        let file = InstrumentFile::parse(&text, &self.instrument)?;
+        let vary: Vec<String> = self.vary.iter().map(|name| name.trim().to_owned()).collect();
+        let bounds = self.bounds(&instrument, &text)?;
+        let free = free(&file, &vary, &bounds).map_err(failure)?;
+        let start = self.start(&instrument, &text)?;
+        let data = self.data(settings)?;
+        let sigma: Vec<(String, f64)> =
+            self.sigma.iter().map(|(role, sigma)| (column(*role).to_owned(), *sigma)).collect();
+        let mut problem =
+            Problem::new(&instrument, free, data, self.delays, &sigma, cores::count()).map_err(failure)?;
+        let plan = Plan {
+            start,
+            loss: self.loss.into(),
+            jacobian: match self.jacobian {
+                JacobianName::Differences => Jacobian::Differences,
+                JacobianName::Gradient => Jacobian::Gradient,
+            },
+            restarts: self.restarts.into(),
+            most: self.most.into(),
+        };
+        let mut names = vec!["fit.json", "fitted.toml", "fit.csv"];
+        if !self.no_pictures {
+            names.extend(["fit.svg", "fit.png"]);
+        }
+        let mut output = self.out.prepare("fit", &names)?;
+        let mut progress = Progress::counting("fitting");
+        problem.watch = Box::new(move |strokes| progress.counted(|| format!("fitting: {strokes} strokes")));
+        let found = course(&mut Native(&mut problem), &plan).map_err(failure)?;
+        let channels = found.curves(&mut problem).map_err(failure)?;
+        // The bar goes with it.
+        problem.watch = Box::new(|_| true);
+
+        let recordings: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
+        let fitted = found.rewrite(&text, &recordings).map_err(|error| Failure::Internal(error.to_string()))?;
+        let report = Report::new(&found, &problem, &instrument.name);
+        output.stage("fit.json", |w| {
+            serde_json::to_writer_pretty(&mut *w, &report)?;
+            w.write_all(b"\n")
+        })?;
+        output.stage("fitted.toml", |w| w.write_all(fitted.as_bytes()))?;
+        output.stage("fit.csv", |w| write_csv(&channels, problem.data.len(), w))?;
+        if !self.no_pictures {
+            let svg = figure_svg(&figure(&channels, &recordings, &instrument.name));
+            let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+            output.stage("fit.svg", |w| w.write_all(svg.as_bytes()))?;
+            output.stage("fit.png", |w| w.write_all(&png))?;
+        }
+        output.commit()?;
+
+        for line in lines(&found, &problem, &instrument.name) {
+            say!("{line}");
+        }
+        for warning in report.warnings() {
+            tell!("warning: {warning}");
+        }
+        say!();
+        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        Ok(())
+    }
+
+    /// What was recorded, ready to be fitted.
+    fn data(&self, settings: moreau::Settings<f64>) -> Result<Vec<Data>, Failure> {
+        let driving = self.recording.preparation();
+        let compared = Preparation { low_pass: LowPass::Off, ..driving.clone() };
+        let columns: Vec<String> = self.compare.iter().map(|role| column(*role).to_owned()).collect();
+        let columns = (!columns.is_empty()).then_some(columns);
+        let drive = self.drive.map(Prescribed::from);
+        let mut all = Vec::new();
+        for path in &self.recordings {
+            let Ready { name, mut recording, position_of, .. } = self.recording.load(path)?;
+            self.begun(&mut recording)?;
+            let data =
+                Data::new(&name, &recording, position_of, [&driving, &compared], drive, columns.as_deref(), settings);
+            let data = data.map_err(failure)?;
+            if let Some(why) = data.cannot_begin() {
+                return Err(Failure::Usage(format!("{name}: {why}")));
+            }
+            all.push(data);
+        }
+        Ok(all)
+    }
+
+    /// As much of a recording as was asked for.
+    fn begun(&self, recording: &mut Recording) -> Result<(), Failure> {
+        let Some(s) = self.duration else { return Ok(()) };
+        let rows = recording.time_s.partition_point(|t| *t <= recording.time_s[0] + s);
+        if !s.is_finite() || rows < 2 {
+            return Err(Failure::Usage(format!(
+                "--duration {s}: expected so many seconds that there are two rows or more"
+            )));
+        }
+        recording.time_s.truncate(rows);
+        recording.channels.iter_mut().for_each(|channel| channel.values.truncate(rows));
+        // A channel that comes in later has nothing left.
+        recording.channels.retain(|channel| channel.values.iter().filter(|value| !value.is_nan()).count() > 1);
+        Ok(())
+    }
+
+    fn bounds(&self, instrument: &Instrument, text: &str) -> Result<Asked<[f64; 2]>, Failure> {
+        let one = |given: &String| {
+            let expected =
+                "expected a name and two increasing numbers, as in `let_off=-1mm..1mm` or `body.hammer.mass=0.9..1.2`";
+            let wrong = || Failure::Usage(format!("--bounds {given}: {expected}"));
+            let (name, range) = given.split_once('=').ok_or_else(wrong)?;
+            let (low, high) = range.split_once("..").ok_or_else(wrong)?;
+            let name = name.trim();
+            let read = |number: &str| {
+                value(instrument, text, name, number).map_err(|why| Failure::Usage(format!("--bounds {given}: {why}")))
+            };
+            Ok((name.to_owned(), [read(low)?, read(high)?]))
+        };
+        self.named_once("--bounds", self.bounds.iter().map(one).collect::<Result<_, Failure>>()?)
+    }
+
+    fn start(&self, instrument: &Instrument, text: &str) -> Result<Asked<f64>, Failure> {
+        let one = |given: &String| {
+            let wrong = || {
+                Failure::Usage(format!("--start {given}: expected a name and a number, as in `body.hammer.mass=1.1`"))
+            };
+            let (name, number) = given.split_once('=').ok_or_else(wrong)?;
+            let name = name.trim();
+            let number = value(instrument, text, name, number)
+                .map_err(|why| Failure::Usage(format!("--start {given}: {why}")))?;
+            Ok((name.to_owned(), number))
+        };
+        self.named_once("--start", self.start.iter().map(one).collect::<Result<_, Failure>>()?)
+    }
+
+    fn named_once<T>(&self, option: &str, all: Asked<T>) -> Result<Asked<T>, Failure> {
+        match (1..all.len()).find(|at| all[..*at].iter().any(|(name, _)| *name == all[*at].0)) {
+            Some(at) => Err(Failure::Usage(format!("{option}: `{}` is there twice", all[at].0))),
+            None => Ok(all),
+        }
+    }
+}
+
+/// What is wrong with what was asked for names the option.
+fn failure(error: FitError) -> Failure {
+    match error {
+        FitError::Asked { argument, message } => {
+            let option = match argument {
+                "columns" => "compare",
+                other => other,
+            };
+            Failure::Usage(format!("--{option}: {message}"))
+        }
+        FitError::Simulation(error) => error.into(),
+        error => Failure::Usage(error.to_string()),
+    }
+}

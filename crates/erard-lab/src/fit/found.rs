@@ -1,0 +1,276 @@
+//! What a fit found: values, covariance, and what nobody sees, in words.
+
+use super::course::Solution;
+use super::drive_noise::{DISTURBED, Disturbed};
+use super::problem::Problem;
+use super::svd::{Columns, dot, svd, times};
+use super::{FitError, Free};
+
+/// A matrix, row by row.
+type Rows = Vec<Vec<f64>>;
+
+/// What a fit found. Vectors of `free` parameters stand in their order; inner ones have the delays in ms behind them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// What was free.
+    pub free: Vec<Free>,
+    /// Where it ended, as parameters are counted.
+    pub point: Vec<f64>,
+    /// Why it ended, in words.
+    pub message: String,
+    /// The parameters as `vary` takes them: turns in m, rad or N m, factors of the rest.
+    pub x: Vec<f64>,
+    /// Their standard deviations.
+    pub std: Vec<f64>,
+    /// Their covariance.
+    pub cov: Rows,
+    /// Fitted less measured, over the noise.
+    pub residuals: Vec<f64>,
+    /// Residuals less parameters.
+    pub degrees_of_freedom: usize,
+    /// Sum of the residuals' squares over the degrees of freedom.
+    pub chi2_reduced: f64,
+    /// What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves the model itself.
+    pub chi2_expected: f64,
+    /// Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no better from the data than from its bounds.
+    pub singular_values: Vec<f64>,
+    /// The directions that belong to them, delays included.
+    pub directions: Rows,
+    /// How far the Jacobian depends on the steps of its differences: the largest relative change of a column.
+    pub jacobian_agreement: f64,
+    /// Covariance of the inner parameters.
+    pub inner_cov: Rows,
+    /// The same of the sensors' noise alone.
+    pub sensors_cov: Rows,
+    /// Every channel's name, the root mean square of its noise (N or m), and how much later than the drive it was written down (s), where that was estimated.
+    pub channels: Vec<(String, f64, Option<f64>)>,
+    /// Deviations of these delays, s.
+    pub delay_std: Vec<f64>,
+    /// Columns that drive and of whose noise nothing is known.
+    pub silent: Vec<&'static str>,
+    /// Strokes that were played, and of these with derivatives.
+    pub evaluations: u64,
+    /// See `evaluations`.
+    pub differentiated: u64,
+}
+
+/// One measured quantity of one recording beside what was fitted to it; SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Of which recording.
+    pub recording: usize,
+    /// Its column.
+    pub column: &'static str,
+    /// Instants, s.
+    pub time_s: Vec<f64>,
+    /// What was measured there.
+    pub measured: Vec<f64>,
+    /// What was fitted to it.
+    pub fitted: Vec<f64>,
+    /// Noise.
+    pub sigma: f64,
+}
+
+/// A singular value below so large a part of the largest is one that no sample sees: its error is large, not infinite.
+const UNSEEN: f64 = 1e-9;
+/// Beyond this the Jacobian hangs on the length of its steps.
+const DOUBTFUL: f64 = 0.1;
+/// Correlations beyond this are told.
+const CORRELATED: f64 = 0.5;
+/// Most parameters of a direction that are named, and how large a part of the largest share they have at least.
+const NAMED: (usize, f64) = (4, 0.3);
+
+impl Found {
+    /// Of where a solver ended.
+    pub(super) fn new(
+        problem: &Problem,
+        solution: Solution,
+        residuals: Vec<f64>,
+        jacobian: &[Vec<f64>],
+        jacobian_agreement: f64,
+        disturbed: &Disturbed,
+    ) -> Self {
+        let (free, point) = (problem.free.clone(), solution.point);
+        let (count, all) = (free.len(), point.len());
+        let degrees_of_freedom = residuals.len().saturating_sub(all).max(1);
+        let chi2_reduced = dot(&residuals, &residuals) / degrees_of_freedom as f64;
+        let chi2_expected = disturbed.explained(residuals.len());
+        let widths: Vec<f64> = free.iter().map(Free::width).chain(std::iter::repeat_n(1.0, problem.delays())).collect();
+        let scaled: Columns =
+            jacobian.iter().zip(&widths).map(|(column, by)| column.iter().map(|x| x * by).collect()).collect();
+        let factors = svd(&scaled);
+        let least = UNSEEN * factors.values[0].max(1e-300);
+        let seen: Vec<f64> = factors.values.iter().map(|s| s.max(least)).collect();
+        // Square root of the sensors' covariance: the right singular vectors over the singular values.
+        let root: Rows =
+            (0..all).map(|i| (0..all).map(|k| factors.directions[k][i] / seen[k] * widths[i]).collect()).collect();
+        let left: Columns =
+            (0..all).map(|k| times(&scaled, &factors.directions[k]).iter().map(|x| x / seen[k]).collect()).collect();
+        let by_drive: Columns = disturbed
+            .columns
+            .iter()
+            .map(|column| {
+                let seen: Vec<f64> = left.iter().map(|own| dot(own, column)).collect();
+                root.iter().map(|row| dot(row, &seen) / (DISTURBED as f64).sqrt()).collect()
+            })
+            .collect();
+        // Misfit beyond what the noise of sensors and drive explains makes all errors larger.
+        let excess = (chi2_reduced / chi2_expected).max(1.0);
+        let square = |of: &dyn Fn(usize, usize) -> f64| -> Rows {
+            (0..all).map(|i| (0..all).map(|j| of(i, j)).collect()).collect()
+        };
+        let sensors_cov = square(&|i, j| dot(&root[i], &root[j]));
+        let inner_cov = square(&|i, j| {
+            excess * (sensors_cov[i][j] + by_drive.iter().map(|column| column[i] * column[j]).sum::<f64>())
+        });
+        let slopes: Vec<f64> = free.iter().zip(&point).map(|(one, p)| one.slope(*p)).collect();
+        let cov: Rows =
+            (0..count).map(|i| (0..count).map(|j| inner_cov[i][j] * slopes[i] * slopes[j]).collect()).collect();
+        let delay = |channel: usize| problem.delay.then(|| problem.delay_s(&point, channel));
+        Found {
+            x: problem.outer(&point),
+            std: (0..count).map(|i| cov[i][i].sqrt()).collect(),
+            cov,
+            degrees_of_freedom,
+            chi2_reduced,
+            chi2_expected,
+            singular_values: factors.values,
+            directions: factors.directions,
+            jacobian_agreement,
+            delay_std: (count..all).map(|k| 1e-3 * inner_cov[k][k].sqrt()).collect(),
+            inner_cov,
+            sensors_cov,
+            channels: (0..problem.sigma.len()).map(|k| (problem.title(k), problem.sigma[k], delay(k))).collect(),
+            silent: problem.silent(),
+            evaluations: problem.evaluations,
+            differentiated: problem.differentiated,
+            message: solution.message,
+            residuals,
+            point,
+            free,
+        }
+    }
+
+    /// What was fitted, in SI units, with its standard deviation.
+    pub fn values(&self) -> impl Iterator<Item = (&Free, f64, f64)> + '_ {
+        let of = |(k, one): (usize, &'_ Free)| (one.si(self.x[k]), one.si_error(self.x[k], self.std[k]));
+        self.free.iter().enumerate().map(move |(k, one)| {
+            let (value, error) = of((k, one));
+            (one, value, error)
+        })
+    }
+
+    /// The correlation of two parameters.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        self.cov[i][j] / (self.std[i] * self.std[j])
+    }
+
+    /// Pairs of parameters that are correlated by more than a half, the most first.
+    pub fn correlated(&self) -> Vec<(usize, usize, f64)> {
+        let count = self.free.len();
+        let mut pairs: Vec<(usize, usize, f64)> =
+            (0..count).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| (i, j, self.correlation(i, j))).collect();
+        pairs.retain(|(.., r)| r.abs() > CORRELATED);
+        pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        pairs
+    }
+
+    /// Directions that the data tell no better than the bounds, in words.
+    pub fn unseen(&self) -> Vec<String> {
+        let delays = self.channels.iter().filter(|(.., delay)| delay.is_some());
+        let names: Vec<String> = self
+            .free
+            .iter()
+            .map(|one| one.name.clone())
+            .chain(delays.map(|(title, ..)| format!("delay of {title}")))
+            .collect();
+        let told = |(value, direction): (&f64, &Vec<f64>)| {
+            let mut large: Vec<usize> = (0..direction.len()).collect();
+            large.sort_by(|a, b| direction[*b].abs().total_cmp(&direction[*a].abs()));
+            let most = direction[large[0]];
+            large.retain(|k| direction[*k].abs() > NAMED.1 * most.abs());
+            let way = |k: &usize| if most.signum() * direction[*k] > 0.0 { "up" } else { "down" };
+            let words: Vec<String> = large.iter().take(NAMED.0).map(|k| format!("{} {}", names[*k], way(k))).collect();
+            let beyond = two_digits(1.0 / value.max(1e-12));
+            format!("{}: the data leave {beyond} times what the bounds allow", words.join(", "))
+        };
+        self.singular_values.iter().zip(&self.directions).filter(|(value, _)| **value < 1.0).map(told).collect()
+    }
+
+    /// What is to be said against the errors, and what was left as it was found.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if !self.silent.is_empty() {
+            warnings.push(format!(
+                "the noise of {}, which drives, is not known, and counts as none: where it has some, the errors are too small",
+                self.silent.join(" and ")
+            ));
+        }
+        if self.jacobian_agreement > DOUBTFUL {
+            warnings.push(format!(
+                "derivatives by differences change by {:.0} % with the length of their steps; the recordings jump with a parameter, and the errors are too \
+                 sure of themselves (what ends shortly after the blow seldom does)",
+                100.0 * self.jacobian_agreement
+            ));
+        }
+        for (one, x) in self.free.iter().zip(&self.x).filter(|(one, x)| one.is_at_a_bound(**x)) {
+            let end = if (x - one.low).abs() < (x - one.high).abs() { "lower" } else { "upper" };
+            warnings.push(format!("{} ended at its {end} bound", one.name));
+        }
+        if self.chi2_reduced > 2.0 * self.chi2_expected {
+            warnings.push(format!(
+                "the misfit is {:.1} times what the noise of sensors and drive explains: the model differs from what was recorded, and the errors are scaled up",
+                self.chi2_reduced / self.chi2_expected
+            ));
+        }
+        warnings
+    }
+
+    /// Every measured quantity beside what was fitted to it.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn curves(&self, problem: &mut Problem) -> Result<Vec<Channel>, FitError> {
+        let played = problem.simulate(std::slice::from_ref(&self.point))?;
+        let fitted = problem.fitted(&self.point, &played, 0);
+        let of = |(k, fitted): (usize, Vec<f64>)| {
+            let (recording, column) = problem.place(k);
+            let one = &problem.data[recording];
+            Channel {
+                recording,
+                column: one.columns[column],
+                time_s: one.time_s[one.compared.clone()].to_vec(),
+                measured: one.measured[column].clone(),
+                fitted,
+                sigma: problem.sigma[k],
+            }
+        };
+        Ok(fitted.into_iter().enumerate().map(of).collect())
+    }
+}
+
+/// Two digits that count, as people read them.
+fn two_digits(x: f64) -> String {
+    if !(0.001..1e5).contains(&x.abs()) {
+        return format!("{x:.1e}");
+    }
+    let decimals = (1 - x.abs().log10().floor() as i32).max(0) as usize;
+    let rounded = format!("{x:.decimals$}");
+    if decimals == 0 {
+        let tens = 10_f64.powi((x.abs().log10().floor() as i32 - 1).max(0));
+        return format!("{:.0}", (x / tens).round() * tens);
+    }
+    rounded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_for_people() {
+        for (x, shown) in [(1.234, "1.2"), (12.7, "13"), (3456.0, "3500"), (0.0456, "0.046"), (1e9, "1.0e9")] {
+            assert_eq!(two_digits(x), shown);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The fitted instrument as a file: the same text, with other numbers.
+
+use erard::instrument::{InstrumentFile, RewriteError, cited};
+use thiserror::Error;
+
+use super::Found;
+
+/// Who the source of the new numbers is, in the file's own list of sources, and its name there.
+const AUTHOR: &str = "erard fit";
+const SOURCE: &str = "fitted";
+
+/// Why the fitted instrument cannot be written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// Its text cannot be changed.
+    #[error(transparent)]
+    Rewrite(#[from] RewriteError),
+    /// What was written is not the fitted instrument.
+    #[error("the fitted instrument cannot be written: {0}")]
+    Unlike(String),
+}
+
+impl Found {
+    /// `text`, the file of the instrument that was fitted, with the fitted numbers in place of its own, each cited as fitted to these recordings, with its standard
+    /// deviation in its note. It is read again before it is given out.
+    ///
+    /// # Errors
+    /// See [`WriteError`].
+    pub fn rewrite(&self, text: &str, recordings: &[&str]) -> Result<String, WriteError> {
+        let file = InstrumentFile::parse(text, "instrument").map_err(|error| WriteError::Unlike(error.to_string()))?;
+        let mut changes = Vec::new();
+        let mut fitted = file.instrument.clone();
+        for ((one, x), std) in self.free.iter().zip(&self.x).zip(&self.std) {
+            if !one.parameter.vary(&mut fitted, *x) {
+                return Err(WriteError::Unlike(format!("{} cannot be varied by {x}", one.name)));
+            }
+            let told = if one.parameter.is_factor() {
+                format!("fitted: {x:.5} +- {std:.2} times the number before")
+            } else {
+                format!("fitted: turned by {x:.4e} +- {std:.1e} {}", one.unit)
+            };
+            changes.extend(
+                one.parameter
+                    .numbers(&file.instrument, *x, text)
+                    .into_iter()
+                    .map(|(path, value)| (path, value, told.clone())),
+            );
+        }
+        let title = format!("Fitted to {} ({} strokes played)", recordings.join(", "), self.evaluations);
+        let new = cited(text, &changes, SOURCE, AUTHOR, &title)?;
+        let read = InstrumentFile::parse(&new, "fitted").map_err(|error| WriteError::Unlike(error.to_string()))?;
+        for one in &self.free {
+            let (wanted, found) = (one.parameter.value(&fitted), one.parameter.value(&read.instrument));
+            if (wanted - found).abs() > 1e-9 * wanted.abs() + 1e-12 {
+                return Err(WriteError::Unlike(format!("{} reads back as {found}, not {wanted}", one.name)));
+            }
+        }
+        Ok(new)
+    }
+}
