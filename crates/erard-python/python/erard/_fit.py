@@ -165,7 +165,8 @@ class _Data:
         strokes = []
         for _ in range(count):
             noisy = table[self.driving] + sigma * rng.standard_normal(len(table["time_s"]))
-            again = as_recording({**table, self.driving: noisy})
+            # Made ready as the recording was: its zero and its filter are no disturbance.
+            again = self.recording._again({**table, self.driving: noisy})
             strokes.append(_erard.Stroke.recorded(again._inner, self.drive))
         keep = work(threads, False, False, self.columns, self.every)
         jobs = [(0, row) for row in range(count)]

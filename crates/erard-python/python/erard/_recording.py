@@ -148,6 +148,10 @@ class Recording(Table):
             raise KeyError(f"{column} was not recorded; there are {', '.join(self)}")
         return found
 
+    def _again(self, columns: Mapping[str, NDArray[np.float64]]) -> Recording:
+        """Other samples of the same channels, made ready in the same way."""
+        return _unpickled(self.name, {name: np.ascontiguousarray(values) for name, values in columns.items()}, self._ready)
+
     def __repr__(self) -> str:
         return f"<erard.Recording {self.name}: {len(self['time_s'])} rows, {', '.join(self)}>"
 
