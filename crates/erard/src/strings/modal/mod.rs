@@ -1,12 +1,12 @@
-//! The strings of a note in their modes: what the engine asks of a surface that yields.
+//! The strings of a note in their modes, and their step. What the engine asks of them is in `surfaces.rs`, what can be read of them in `reading.rs`.
+
+mod reading;
+mod surfaces;
 
 use core::f64::consts::PI;
-use std::any::Any;
 
-use moreau::Surface;
-use moreau_sizes::{Mechanism, Surfaces};
+use moreau_sizes::Mechanism;
 
-use super::StringLosses;
 use super::bridge::Bridge;
 use super::damping::{self, Across, Felt, Rocks, across};
 use super::pedal::Rail;
@@ -14,15 +14,11 @@ use super::rows::{Block, Row, WIDE, added, transition};
 use super::tuning::REACH_HZ;
 use crate::instrument::{Instrument, MAX_STRINGS, PianoString};
 
-/// Every so many steps it is seen whether the strings have come to rest.
-const LOOK_EVERY: u64 = 64;
 /// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying for ever, they would end in
 /// numbers that are slow to compute with (denormal ones).
 const STILL_J: f64 = 1e-18;
 /// J; likewise for a single mode among others.
 const MODE_STILL_J: f64 = 1e-30;
-/// Strings that are still go on standing as they do where a force changes by less than this part of it: its rounding.
-const SAME: f64 = 1e-10;
 /// Places at which strings are pressed: the hammer's, and a damper's on each string.
 const POINTS: usize = 1 + MAX_STRINGS;
 
@@ -137,83 +133,6 @@ impl Strings {
     #[must_use]
     pub fn under(mechanism: &dyn Mechanism) -> Option<&Self> {
         mechanism.surfaces().and_then(|surfaces| surfaces.as_any().downcast_ref())
-    }
-
-    /// The strings.
-    #[must_use]
-    pub fn strings(&self) -> &[PianoString] {
-        &self.strings
-    }
-
-    /// How many modes are stepped.
-    #[must_use]
-    pub fn modes(&self) -> usize {
-        self.modes.len()
-    }
-
-    /// Displacement under the felt now, m, away from the hammer; of several strings their mean.
-    #[must_use]
-    pub fn displacement_m(&self) -> f64 {
-        self.now_m
-    }
-
-    /// Force of all strings on the bridge now, N, in the direction in which the hammer pushes them; of the modes that are stepped. What lies on the strings is
-    /// part of it.
-    #[must_use]
-    pub fn bridge_n(&self) -> f64 {
-        self.bridge.as_ref().map_or(self.sum_n, |bridge| bridge.force_n(self.sum_n))
-    }
-
-    /// Displacement of the bridge now, m; 0 where it does not move.
-    #[must_use]
-    pub fn bridge_m(&self) -> f64 {
-        self.bridge.as_ref().map_or(0.0, Bridge::displacement_m)
-    }
-
-    /// Forces of the dampers' felts on their strings in the last step, N, in the strings' order; of strings that a damper lies on.
-    pub fn damper_n(&self) -> impl Iterator<Item = f64> + '_ {
-        self.forces_n[1..=self.felts.len()].iter().copied()
-    }
-
-    /// How far the pedal's rail is lifted now, m; `None` where there is none.
-    #[must_use]
-    pub fn pedal_m(&self) -> Option<f64> {
-        self.rail.map(|rail| rail.lift_m)
-    }
-
-    /// Where it was sent, m.
-    #[must_use]
-    pub fn pedal_aim_m(&self) -> Option<f64> {
-        self.rail.map(|rail| rail.aim_m)
-    }
-
-    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`super::PEDAL_MOST_M`]; it goes there at [`super::PEDAL_M_S`] at most. What is no number changes nothing.
-    pub fn set_pedal(&mut self, lift_m: f64) {
-        if let Some(rail) = &mut self.rail {
-            rail.aim(lift_m);
-        }
-    }
-
-    /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike is counted from.
-    ///
-    /// # Panics
-    /// If there is no such string.
-    #[must_use]
-    pub fn shape_m(&self, string: usize, place_m: f64) -> f64 {
-        let length_m = self.strings[string].length_m;
-        let own = self.modes.iter().filter(|mode| mode.string == string);
-        own.map(|mode| PianoString::shape(mode.n, place_m, length_m) * self.blocks[mode.at / WIDE].q[mode.at % WIDE])
-            .sum()
-    }
-
-    /// The modes of a string: number, and place in the blocks.
-    pub(super) fn modes_of(&self, string: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
-        self.modes.iter().filter(move |mode| mode.string == string).map(|mode| (mode.n, mode.at))
-    }
-
-    /// A mode's displacement now, m.
-    pub(super) fn mode_m(&self, block: usize, lane: usize) -> f64 {
-        self.blocks.get(block).map_or(0.0, |block| block.q[lane])
     }
 
     /// Everything still, as it stands under what lies on it when the action rests.
@@ -523,254 +442,5 @@ impl Strings {
             self.still = true;
             self.stand();
         }
-    }
-
-    /// What they have lost since they were made, by kind.
-    #[must_use]
-    pub fn losses(&self) -> StringLosses {
-        let bridge_j = self.bridge.as_ref().map_or(0.0, |bridge| self.bridge_j - bridge.own_energy_j());
-        let rocking_j = self.rocked_j;
-        StringLosses { strings_j: self.work_j - self.energy_j() - bridge_j - rocking_j, bridge_j, rocking_j }
-    }
-
-    /// Whether they end on a bridge that moves, and whether dampers' felts lie on them.
-    #[must_use]
-    pub fn bears(&self) -> [bool; 2] {
-        [self.bridge.is_some(), !self.felts.is_empty()]
-    }
-
-    /// Displacement, m, and velocity, m/s, of a string's partial now; `None` where it is not stepped.
-    #[must_use]
-    pub fn partial(&self, string: usize, n: u32) -> Option<[f64; 2]> {
-        let mode = self.modes.iter().find(|mode| (mode.string, mode.n) == (string, n))?;
-        let block = &self.blocks[mode.at / WIDE];
-        Some([block.q[mode.at % WIDE], block.v[mode.at % WIDE]])
-    }
-
-    /// Energy of the modes, of the bridge and of what follows statically, J.
-    fn energy_j(&self) -> f64 {
-        let modes: f64 = self
-            .modes
-            .iter()
-            .map(|mode| {
-                let block = &self.blocks[mode.at / WIDE];
-                let (q, v) = (block.q[mode.at % WIDE], block.v[mode.at % WIDE]);
-                0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q)
-            })
-            .sum();
-        let mut beyond = 0.0;
-        for (row, force_n) in self.beyond_m_n.iter().zip(&self.forces_n) {
-            for (compliance, other_n) in row.iter().zip(&self.forces_n) {
-                beyond += 0.5 * compliance * force_n * other_n;
-            }
-        }
-        let bridge = self.bridge.as_ref();
-        let bridge = bridge.map_or(0.0, |bridge| bridge.energy_j() - bridge.displacement_m() * self.sum_n);
-        modes + beyond + bridge
-    }
-}
-
-impl Surfaces for Strings {
-    fn zones(&self) -> &[usize] {
-        &self.zones
-    }
-
-    fn set_step(&mut self, step_s: f64) {
-        if step_s == self.step_s {
-            return;
-        }
-        let before = std::mem::take(&mut self.blocks);
-        let modes = std::mem::take(&mut self.modes);
-        let bridge: Vec<f64> = self.bridge.iter().flat_map(Bridge::numbers).collect();
-        self.make_modes(step_s);
-        // Modes that both reach go on as they were.
-        for mode in &modes {
-            let same = self.modes.iter().find(|other| (other.string, other.n) == (mode.string, mode.n));
-            if let Some(same) = same {
-                let (old, new) = (&before[mode.at / WIDE], &mut self.blocks[same.at / WIDE]);
-                new.q[same.at % WIDE] = old.q[mode.at % WIDE];
-                new.v[same.at % WIDE] = old.v[mode.at % WIDE];
-            }
-        }
-        if let Some(own) = &mut self.bridge {
-            own.set_numbers(&bridge);
-        }
-        if self.still {
-            self.stand();
-        } else {
-            self.look();
-        }
-    }
-
-    fn follow(&mut self, statically: bool) {
-        if statically && !self.statically {
-            self.stand();
-            self.still = true;
-        }
-        if !statically && self.statically {
-            self.resting_n = self.forces_n;
-        }
-        self.statically = statically;
-    }
-
-    fn surface(&self, index: usize) -> Surface<f64> {
-        let points = 1 + self.felts.len();
-        if index >= points {
-            return self.rail.unwrap_or_default().surface(self.step_s);
-        }
-        let displacement = self.point_now(index);
-        if self.statically {
-            return Surface { displacement, free: 0.0, compliance: self.static_m_n[index][index] };
-        }
-        let alone = index.checked_sub(1).map_or(self.free_m, |k| self.felts[k].row.free(&self.blocks));
-        let mut compliance = self.compliance_m_n[index][index];
-        if self.bridge.is_some() {
-            let mut free = alone + self.sounds[index] * self.drifts_m;
-            for (k, _) in self.rocking() {
-                let held_n: f64 = self.rocking().map(|(l, rocks)| self.across[k][l] * rocks.drift_m).sum();
-                free -= self.rocked_by(k, index) * held_n;
-            }
-            return Surface { displacement, free, compliance: compliance - self.held_m_n(index, index) };
-        }
-        let mut free = alone;
-        for (k, rocks) in self.rocking() {
-            let rocked = self.rocked_by(k, index);
-            free -= rocked * rocks.stiff_n_m * rocks.drift_m;
-            compliance -= rocked * rocks.stiff_n_m * rocked;
-        }
-        Surface { displacement, free, compliance }
-    }
-
-    fn together(&self, compliance: &mut Between, forces: &mut [f64; POINTS]) -> usize {
-        *forces = self.forces_n;
-        *compliance = self.static_m_n;
-        if !self.statically {
-            *compliance = self.compliance_m_n;
-            if self.bridge.is_some() {
-                for (a, row) in compliance.iter_mut().enumerate().take(1 + self.felts.len()) {
-                    for (b, gives) in row.iter_mut().enumerate().take(1 + self.felts.len()).filter(|(b, _)| *b != a) {
-                        *gives -= self.held_m_n(a, b);
-                    }
-                }
-                return if self.felts.is_empty() { 0 } else { 1 + self.felts.len() };
-            }
-            for (k, rocks) in self.rocking() {
-                let less = self.rocked_by(k, 0) * rocks.stiff_n_m * self.rocked_by(k, 1 + k);
-                compliance[0][1 + k] -= less;
-                compliance[1 + k][0] -= less;
-            }
-        }
-        if self.felts.is_empty() { 0 } else { 1 + self.felts.len() }
-    }
-
-    fn advance(&mut self, forces: &[f64]) {
-        let points = 1 + self.felts.len();
-        if let Some(rail) = &mut self.rail {
-            let after_m = rail.after(self.step_s);
-            self.given_j += forces.get(points).copied().unwrap_or(0.0) * (after_m - rail.lift_m);
-            rail.lift_m = after_m;
-        }
-        let same = |(force, before): (&f64, &f64)| (force - before).abs() <= SAME * before.abs();
-        if self.still && forces[..points].iter().zip(&self.forces_n).all(same) {
-            return;
-        }
-        let before_m: [f64; POINTS] =
-            std::array::from_fn(|p| if p < points && forces[p] != 0.0 { self.point_now(p) } else { 0.0 });
-        self.forces_n[..points].copy_from_slice(&forces[..points]);
-        if self.statically {
-            self.stand();
-        } else {
-            self.still = false;
-            self.step_all();
-            self.steps += 1;
-            if self.steps.is_multiple_of(LOOK_EVERY) {
-                self.settle();
-            }
-        }
-        for (p, before_m) in before_m.iter().enumerate() {
-            if self.forces_n[p] != 0.0 {
-                self.work_j += self.forces_n[p] * (self.point_now(p) - before_m);
-            }
-        }
-    }
-
-    fn rests(&self) -> bool {
-        self.still && !self.rail.is_some_and(|rail| rail.moves())
-    }
-
-    fn may_reach(&self, index: usize) -> bool {
-        // The rail is where it is unless it is moved.
-        index <= self.felts.len() || self.rail.is_some_and(|rail| rail.moves())
-    }
-
-    fn energy(&self) -> f64 {
-        self.energy_j()
-    }
-
-    fn lost(&self) -> f64 {
-        self.work_j - self.energy_j()
-    }
-
-    fn given(&self) -> f64 {
-        self.given_j
-    }
-
-    fn numbers(&self) -> usize {
-        2 * self.modes.len() + 2 * self.bridge.as_ref().map_or(0, Bridge::count) + POINTS + 8
-    }
-
-    fn save(&self, mut put: &mut dyn FnMut(f64)) {
-        for mode in &self.modes {
-            let block = &self.blocks[mode.at / WIDE];
-            put(block.q[mode.at % WIDE]);
-            put(block.v[mode.at % WIDE]);
-        }
-        self.bridge.iter().flat_map(Bridge::numbers).for_each(&mut put);
-        self.forces_n.iter().for_each(|force_n| put(*force_n));
-        let rail = self.rail.unwrap_or_default();
-        [self.work_j, self.given_j, rail.lift_m, rail.aim_m, self.bridge_j, self.rocked_j]
-            .into_iter()
-            .for_each(&mut put);
-        put((self.steps % LOOK_EVERY) as f64);
-        put(f64::from(u8::from(self.still)));
-    }
-
-    fn restore(&mut self, from: &[f64]) {
-        // Snapshots of before losses were kept by kind lack two numbers.
-        if from.len() != self.numbers() && from.len() + 2 != self.numbers() {
-            self.hush();
-            (self.work_j, self.given_j, self.rocked_j, self.steps) = (0.0, 0.0, 0.0, 0);
-            self.bridge_j = self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j);
-            self.rail = self.rail.map(|_| Rail::default());
-            return;
-        }
-        let (own, from) = from.split_at(2 * self.modes.len());
-        for (mode, numbers) in self.modes.iter().zip(own.chunks_exact(2)) {
-            let block = &mut self.blocks[mode.at / WIDE];
-            (block.q[mode.at % WIDE], block.v[mode.at % WIDE]) = (numbers[0], numbers[1]);
-        }
-        let (own, from) = from.split_at(2 * self.bridge.as_ref().map_or(0, Bridge::count));
-        if let Some(bridge) = &mut self.bridge {
-            bridge.set_numbers(own);
-        }
-        let (forces_n, rest) = from.split_at(POINTS);
-        self.forces_n.copy_from_slice(forces_n);
-        (self.work_j, self.given_j) = (rest[0], rest[1]);
-        self.rail = self.rail.map(|_| Rail { lift_m: rest[2], aim_m: rest[3] });
-        let (by_kind, rest) = rest[4..].split_at(rest.len() - 6);
-        (self.bridge_j, self.rocked_j) = match *by_kind {
-            [bridge_j, rocked_j] => (bridge_j, rocked_j),
-            _ => (self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j), 0.0),
-        };
-        (self.steps, self.still) = (rest[0] as u64, rest[1] != 0.0);
-        self.look();
-    }
-
-    fn as_any(&self) -> &dyn Any {
-        self
-    }
-
-    fn as_any_mut(&mut self) -> &mut dyn Any {
-        self
     }
 }

@@ -1,0 +1,130 @@
+//! What can be read of strings, and where the pedal is sent.
+
+use super::Strings;
+use crate::instrument::PianoString;
+use crate::strings::StringLosses;
+use crate::strings::bridge::Bridge;
+use crate::strings::rows::WIDE;
+
+impl Strings {
+    /// The strings.
+    #[must_use]
+    pub fn strings(&self) -> &[PianoString] {
+        &self.strings
+    }
+
+    /// How many modes are stepped.
+    #[must_use]
+    pub fn modes(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Displacement under the felt now, m, away from the hammer; of several strings their mean.
+    #[must_use]
+    pub fn displacement_m(&self) -> f64 {
+        self.now_m
+    }
+
+    /// Force of all strings on the bridge now, N, in the direction in which the hammer pushes them; of the modes that are stepped. What lies on the strings is
+    /// part of it.
+    #[must_use]
+    pub fn bridge_n(&self) -> f64 {
+        self.bridge.as_ref().map_or(self.sum_n, |bridge| bridge.force_n(self.sum_n))
+    }
+
+    /// Displacement of the bridge now, m; 0 where it does not move.
+    #[must_use]
+    pub fn bridge_m(&self) -> f64 {
+        self.bridge.as_ref().map_or(0.0, Bridge::displacement_m)
+    }
+
+    /// Forces of the dampers' felts on their strings in the last step, N, in the strings' order; of strings that a damper lies on.
+    pub fn damper_n(&self) -> impl Iterator<Item = f64> + '_ {
+        self.forces_n[1..=self.felts.len()].iter().copied()
+    }
+
+    /// How far the pedal's rail is lifted now, m; `None` where there is none.
+    #[must_use]
+    pub fn pedal_m(&self) -> Option<f64> {
+        self.rail.map(|rail| rail.lift_m)
+    }
+
+    /// Where it was sent, m.
+    #[must_use]
+    pub fn pedal_aim_m(&self) -> Option<f64> {
+        self.rail.map(|rail| rail.aim_m)
+    }
+
+    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`crate::strings::PEDAL_MOST_M`]; it goes there at [`crate::strings::PEDAL_M_S`] at most. What is no number changes nothing.
+    pub fn set_pedal(&mut self, lift_m: f64) {
+        if let Some(rail) = &mut self.rail {
+            rail.aim(lift_m);
+        }
+    }
+
+    /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike is counted from.
+    ///
+    /// # Panics
+    /// If there is no such string.
+    #[must_use]
+    pub fn shape_m(&self, string: usize, place_m: f64) -> f64 {
+        let length_m = self.strings[string].length_m;
+        let own = self.modes.iter().filter(|mode| mode.string == string);
+        own.map(|mode| PianoString::shape(mode.n, place_m, length_m) * self.blocks[mode.at / WIDE].q[mode.at % WIDE])
+            .sum()
+    }
+
+    /// The modes of a string: number, and place in the blocks.
+    pub(in crate::strings) fn modes_of(&self, string: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
+        self.modes.iter().filter(move |mode| mode.string == string).map(|mode| (mode.n, mode.at))
+    }
+
+    /// A mode's displacement now, m.
+    pub(in crate::strings) fn mode_m(&self, block: usize, lane: usize) -> f64 {
+        self.blocks.get(block).map_or(0.0, |block| block.q[lane])
+    }
+
+    /// What they have lost since they were made, by kind.
+    #[must_use]
+    pub fn losses(&self) -> StringLosses {
+        let bridge_j = self.bridge.as_ref().map_or(0.0, |bridge| self.bridge_j - bridge.own_energy_j());
+        let rocking_j = self.rocked_j;
+        StringLosses { strings_j: self.work_j - self.energy_j() - bridge_j - rocking_j, bridge_j, rocking_j }
+    }
+
+    /// Whether they end on a bridge that moves, and whether dampers' felts lie on them.
+    #[must_use]
+    pub fn bears(&self) -> [bool; 2] {
+        [self.bridge.is_some(), !self.felts.is_empty()]
+    }
+
+    /// Displacement, m, and velocity, m/s, of a string's partial now; `None` where it is not stepped.
+    #[must_use]
+    pub fn partial(&self, string: usize, n: u32) -> Option<[f64; 2]> {
+        let mode = self.modes.iter().find(|mode| (mode.string, mode.n) == (string, n))?;
+        let block = &self.blocks[mode.at / WIDE];
+        Some([block.q[mode.at % WIDE], block.v[mode.at % WIDE]])
+    }
+
+    /// Energy of the modes, of the bridge and of what follows statically, J.
+    pub(super) fn energy_j(&self) -> f64 {
+        let modes: f64 = self
+            .modes
+            .iter()
+            .map(|mode| {
+                let block = &self.blocks[mode.at / WIDE];
+                let (q, v) = (block.q[mode.at % WIDE], block.v[mode.at % WIDE]);
+                0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q)
+            })
+            .sum();
+        let mut beyond = 0.0;
+        for (row, force_n) in self.beyond_m_n.iter().zip(&self.forces_n) {
+            for (compliance, other_n) in row.iter().zip(&self.forces_n) {
+                beyond += 0.5 * compliance * force_n * other_n;
+            }
+        }
+        let bridge = self.bridge.as_ref();
+        let bridge = bridge.map_or(0.0, |bridge| bridge.energy_j() - bridge.displacement_m() * self.sum_n);
+        modes + beyond + bridge
+    }
+}
