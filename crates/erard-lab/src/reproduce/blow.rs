@@ -164,29 +164,42 @@ pub fn ladder(
     until: f64,
     progress: &mut Progress,
 ) -> Result<Vec<Rung>, ReproduceError> {
-    let mut rungs = Vec::new();
+    let mut blows: Vec<Option<FirstBlow>> = vec![None; steps.len()];
+    let mut errors = |rung: usize, h: f64| {
+        let b = blow(instrument, play, Settings { step: h, ..settings }, until)?;
+        // The clock is read on all of them: the least disturbed counts.
+        let own: &mut FirstBlow = blows[rung].get_or_insert(b);
+        own.of_real_time = own.of_real_time.min(b.of_real_time);
+        Ok([b.speed / exact.speed - 1.0, b.contact - exact.contact])
+    };
+    let errors = neighbouring(steps, &mut errors, progress)?;
+    let rung = |((&step, blow), [speed, contact]): ((&f64, Option<FirstBlow>), [f64; 2])| {
+        blow.map(|blow| Rung { step, blow, speed, contact })
+    };
+    Ok(steps.iter().zip(blows).zip(errors).filter_map(rung).collect())
+}
+
+/// Errors at several steps, each the root mean square over steps that are nearly the same. `errors`: at a step near one of these, which is named by its place.
+pub fn neighbouring<const N: usize>(
+    steps: &[f64],
+    errors: &mut dyn FnMut(usize, f64) -> Result<[f64; N], ReproduceError>,
+    progress: &mut Progress,
+) -> Result<Vec<[f64; N]>, ReproduceError> {
     // A rung at half the step takes twice as long.
     let all: f64 = steps.iter().map(|h| 1.0 / h).sum();
     let mut done = 0.0;
-    for &step in steps {
-        let (mut speed, mut contact) = (0.0, 0.0);
-        let mut own = None;
+    let mut means = Vec::with_capacity(steps.len());
+    for (rung, &step) in steps.iter().enumerate() {
+        let mut squares = [0.0; N];
         for k in 0..NEIGHBOURS {
             tell(progress, done / all)?;
-            let h = step * (1.0 - f64::from(k) / 64.0);
-            let b = blow(instrument, play, Settings { step: h, ..settings }, until)?;
-            speed += (b.speed / exact.speed - 1.0).powi(2);
-            contact += (b.contact - exact.contact).powi(2);
-            // The clock is read on all of them: the least disturbed counts.
-            let own: &mut FirstBlow = own.get_or_insert(b);
-            own.of_real_time = own.of_real_time.min(b.of_real_time);
+            let found = errors(rung, step * (1.0 - f64::from(k) / 64.0))?;
+            squares.iter_mut().zip(found).for_each(|(sum, error)| *sum += error * error);
             done += 1.0 / step / f64::from(NEIGHBOURS);
         }
-        let n = f64::from(NEIGHBOURS);
-        let Some(blow) = own else { continue };
-        rungs.push(Rung { step, blow, speed: (speed / n).sqrt(), contact: (contact / n).sqrt() });
+        means.push(squares.map(|sum| (sum / f64::from(NEIGHBOURS)).sqrt()));
     }
-    Ok(rungs)
+    Ok(means)
 }
 
 /// Observed order of an error over a whole ladder.

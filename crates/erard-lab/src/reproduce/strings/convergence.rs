@@ -5,7 +5,7 @@ use erard::strings::Strings;
 use erard::{Action, Input};
 use moreau::Settings;
 
-use super::super::blow::{NEIGHBOURS, halvings, tell};
+use super::super::blow::{halvings, neighbouring};
 use super::super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
 use super::head;
 
@@ -127,20 +127,9 @@ fn climb(
     let missing = || ReproduceError::Instrument("nothing sounds".into());
     let steps = halvings(LADDER.0, LADDER.1);
     let exact = play(steps[steps.len() - 1] / REFERENCE)?.ok_or_else(missing)?;
-    let mut rungs = Vec::new();
-    let all: f64 = steps.iter().map(|step| 1.0 / step).sum();
-    let mut done = 0.0;
-    for step in steps {
-        let mut squares = [0.0; 4];
-        for k in 0..NEIGHBOURS {
-            tell(progress, done / all)?;
-            let errors = play(step * (1.0 - f64::from(k) / 64.0))?.ok_or_else(missing)?.errors(&exact);
-            squares.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * error);
-            done += 1.0 / step / f64::from(NEIGHBOURS);
-        }
-        rungs.push((step, squares.map(|sum| (sum / f64::from(NEIGHBOURS)).sqrt())));
-    }
-    Ok(rungs)
+    let mut errors = |_, step_s: f64| Ok(play(step_s)?.ok_or_else(missing)?.errors(&exact));
+    let errors = neighbouring(&steps, &mut errors, progress)?;
+    Ok(steps.into_iter().zip(errors).collect())
 }
 
 /// Observed order over a ladder, by least squares: one error that is small by chance does not decide it.
