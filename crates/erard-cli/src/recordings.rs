@@ -161,20 +161,29 @@ impl RecordingOptions {
         }
     }
 
-    /// Reads a recording and makes it ready.
-    pub fn load(&self, path: &Path) -> Result<Ready, Failure> {
+    /// Reads a recording: its name, its rows as they are, and whose position was recorded.
+    pub fn read(&self, path: &Path) -> Result<(String, Recording, PositionOf), Failure> {
         let name = shown(path);
         let recording = read(path, &name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
-        self.prepared(name, recording)
+        let position_of = self.position_of(&name, &recording)?;
+        Ok((name, recording, position_of))
+    }
+
+    /// Reads a recording and makes it ready.
+    pub fn load(&self, path: &Path) -> Result<Ready, Failure> {
+        let (name, recording, position_of) = self.read(path)?;
+        self.prepared(name, recording, position_of)
     }
 
     /// The same of a text that is no file.
     pub fn make_ready(&self, name: &str, text: &[u8]) -> Result<Ready, Failure> {
         let recording = Recording::read(text, name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
-        self.prepared(name.to_owned(), recording)
+        let position_of = self.position_of(name, &recording)?;
+        self.prepared(name.to_owned(), recording, position_of)
     }
 
-    fn prepared(&self, name: String, recording: Recording) -> Result<Ready, Failure> {
+    /// Whose position was recorded. What is to be done to channels has to be there.
+    fn position_of(&self, name: &str, recording: &Recording) -> Result<PositionOf, Failure> {
         for (role, option) in self
             .invert
             .iter()
@@ -185,13 +194,16 @@ impl RecordingOptions {
                 return Err(Failure::Usage(format!("{option} {}: {name} has no such channel", role.name())));
             }
         }
-        let prepared =
-            prepare(&recording, &self.preparation()).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
-        let position_of = match self.position {
+        Ok(match self.position {
             None => recording.position_of,
             Some(PositionName::Key) => PositionOf::Key,
             Some(PositionName::Fingertip) => PositionOf::Fingertip,
-        };
+        })
+    }
+
+    fn prepared(&self, name: String, recording: Recording, position_of: PositionOf) -> Result<Ready, Failure> {
+        let prepared =
+            prepare(&recording, &self.preparation()).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
         Ok(Ready { name, recording, prepared, position_of })
     }
 }

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::fit::{Report, column, figure, lines, value, write_csv};
 use crate::inputs::shown;
 use crate::progress::Progress;
-use crate::recordings::{Ready, RecordingOptions};
+use crate::recordings::RecordingOptions;
 use crate::{say, tell};
 
 /// What stands below the options.
@@ -230,7 +230,7 @@ impl Fit {
         let drive = self.drive.map(Prescribed::from);
         let mut all = Vec::new();
         for path in &self.recordings {
-            let Ready { name, mut recording, position_of, .. } = self.recording.load(path)?;
+            let (name, mut recording, position_of) = self.recording.read(path)?;
             self.begun(&mut recording)?;
             let data =
                 Data::new(&name, &recording, position_of, [&driving, &compared], drive, columns.as_deref(), settings);

@@ -114,10 +114,6 @@ fn mean_square(residuals: &[f64]) -> f64 {
 pub fn course<H: Host>(host: &mut H, plan: &Plan) -> Result<Found, H::Error> {
     let begin = start(&mut host.problem(), plan)?;
     let (low, high) = host.problem().bounds();
-    let margin = |k: usize| 1e-6 * (high[k] - low[k]);
-    let into = |point: &mut [f64]| {
-        point.iter_mut().enumerate().for_each(|(k, x)| *x = x.clamp(low[k] + margin(k), high[k] - margin(k)));
-    };
     let silent = host.problem().told.iter().any(Option::is_none);
     let count = host.problem().free.len();
     let mut rng = Rng::with_seed(0);
@@ -130,7 +126,7 @@ pub fn course<H: Host>(host: &mut H, plan: &Plan) -> Result<Found, H::Error> {
             for k in 0..count {
                 from[k] += FAR * (high[k] - low[k]).min(1.0) * (2.0 * rng.f64() - 1.0);
             }
-            into(&mut from);
+            host.problem().keep_inside(&mut from);
         }
         // First what leads to the blow, which is smooth; then all of it, in steps that look past what jumps.
         {
@@ -186,11 +182,7 @@ fn start(problem: &mut Problem, plan: &Plan) -> Result<Vec<f64>, FitError> {
         begin.push(one.inner(asked.unwrap_or(one.nothing())));
     }
     begin.resize(begin.len() + problem.delays(), 0.0);
-    let (low, high) = problem.bounds();
-    for (k, x) in begin.iter_mut().enumerate() {
-        let margin = 1e-6 * (high[k] - low[k]);
-        *x = x.clamp(low[k] + margin, high[k] - margin);
-    }
+    problem.keep_inside(&mut begin);
     if Problem::is_unplayable(&problem.residuals(&begin)?) {
         return Err(FitError::Unplayable);
     }

@@ -160,6 +160,15 @@ impl Problem {
         self.free.iter().map(Free::bounds).chain(delays).map(|[low, high]| (low, high)).unzip()
     }
 
+    /// Brings a point within its bounds, and a little away from them.
+    pub(super) fn keep_inside(&self, point: &mut [f64]) {
+        let (low, high) = self.bounds();
+        for (k, x) in point.iter_mut().enumerate() {
+            let margin = 1e-6 * (high[k] - low[k]);
+            *x = x.clamp(low[k] + margin, high[k] - margin);
+        }
+    }
+
     /// Outer values of a point's parameters.
     pub fn outer(&self, point: &[f64]) -> Vec<f64> {
         self.free.iter().zip(point).map(|(one, p)| one.outer(*p)).collect()
@@ -280,7 +289,7 @@ impl Problem {
     /// An interruption.
     pub fn until_the_blow(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
         let mut weights = Vec::with_capacity(self.rows());
-        let own = self.at(point);
+        let (own, workers) = (self.at(point), self.workers());
         for one in &self.data {
             let blow_s = match &own {
                 None => None,
@@ -288,7 +297,6 @@ impl Problem {
                     let stroke = one.stroke.inputs(&instrument.finger)?;
                     let count = self.evaluations;
                     let watch = &mut self.watch;
-                    let workers = Workers { threads: self.threads, ..Workers::all() };
                     let job = vec![Job { instrument: 0, stroke }];
                     let played =
                         play_all(std::slice::from_ref(instrument), job, &one.setup(), workers, &mut |_| watch(count))?;
@@ -337,16 +345,15 @@ pub(super) fn sampled(
     before: u64,
     watch: &mut Watch,
 ) -> Result<Vec<Option<Vec<Vec<f64>>>>, FitError> {
-    let columns: Vec<&str> = one.columns.clone();
     // Key, hammer and force are columns of every instrument.
-    let sampling = Sampling::of(first, &columns, one.every)
+    let sampling = Sampling::of(first, &one.columns, one.every)
         .map_err(|error| FitError::Recording { recording: one.name.clone(), message: error.to_string() })?;
     let count = jobs.len() as f64;
     let mut tell = |share: f64| watch(before + (share * count) as u64);
     let results = sample_all(instruments, jobs, &one.setup(), &sampling, workers, &mut tell)?;
     let of = |result: Result<erard_workshop::study::Played, SimulationError>| {
         let mut samples = result.ok()?.samples;
-        samples.resize(columns.len(), Vec::new());
+        samples.resize(one.columns.len(), Vec::new());
         samples.iter_mut().for_each(|own| own.resize(one.time_s.len(), f64::NAN));
         Some(samples)
     };
