@@ -1,7 +1,7 @@
 //! A comparison in numbers: printed, and as `compare.json`.
 
-use erard_lab::compare::{Comparison, Driven, Errors, RATE_HZ, Trial, share};
-use erard_lab::recording::{ChannelReport, Report, Whence};
+use erard::recording::{ChannelReport, Report, Whence};
+use erard_workshop::compare::{Comparison, Driven, Errors, RATE_HZ, Trial, share};
 use serde::Serialize;
 
 use crate::say;

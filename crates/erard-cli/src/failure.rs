@@ -9,9 +9,8 @@ use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
-use erard_lab::compare::CompareError;
-use erard_lab::reproduce::ReproduceError;
 use erard_workshop::advice::AdviceError;
+use erard_workshop::compare::CompareError;
 use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
@@ -35,9 +34,6 @@ pub enum Failure {
     /// A comparison cannot be made.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// Something cannot be reproduced.
-    #[error(transparent)]
-    Reproduce(#[from] ReproduceError),
     /// An instrument has no three levers.
     #[error(transparent)]
     Levers(#[from] DeriveError),

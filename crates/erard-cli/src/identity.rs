@@ -22,7 +22,7 @@ const ELSEWHERE: [(&str, bool); 4] = [("out", true), ("force", false), ("quiet",
 
 /// Remembers the command that this process was asked for.
 pub fn remember(arguments: &[OsString], definition: &Command, matches: &ArgMatches) {
-    let mut command = String::from("erard");
+    let mut command = definition.get_name().to_owned();
     let mut skip = false;
     for argument in arguments.iter().skip(1).map(|argument| argument.to_string_lossy()) {
         if std::mem::take(&mut skip) {
@@ -39,9 +39,12 @@ pub fn remember(arguments: &[OsString], definition: &Command, matches: &ArgMatch
         command.push_str(&quoted(&argument));
     }
     let mut options = BTreeMap::new();
-    if let Some((name, matches)) = matches.subcommand()
-        && let Some(definition) = definition.find_subcommand(name)
-    {
+    // A program without subcommands is its own.
+    let chosen = match matches.subcommand() {
+        Some((name, matches)) => definition.find_subcommand(name).map(|definition| (definition, matches)),
+        None => Some((definition, matches)),
+    };
+    if let Some((definition, matches)) = chosen {
         for argument in definition.get_arguments() {
             let id = argument.get_id().as_str();
             if ELSEWHERE.iter().any(|(name, _)| *name == id) {

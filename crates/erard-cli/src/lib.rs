@@ -26,7 +26,6 @@ pub mod paper;
 pub mod progress;
 pub mod recordings;
 pub mod regulate;
-pub mod report;
 pub mod say;
 pub mod sheet;
 pub mod signals;

@@ -5,8 +5,8 @@ use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
+use erard::recording::{LowPass, Preparation, Prepared, prepare};
 use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
-use erard_lab::recording::{LowPass, Preparation, Prepared, prepare};
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;

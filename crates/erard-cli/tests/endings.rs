@@ -53,7 +53,7 @@ fn mill() -> String {
 fn control_c_is_heard_everywhere() {
     let folder = Folder::new("control-c");
     folder.file("mill.toml", &mill());
-    folder.file("mf.csv", include_str!("../../erard-lab/recordings/heavier-mf.csv"));
+    folder.file("mf.csv", include_str!("../../erard/recordings/heavier-mf.csv"));
     let before = folder.names();
     for (arguments, delays_ms) in [
         (&["press", "--instrument", "mill.toml"][..], &[30_u64][..]),

@@ -1,17 +1,23 @@
-//! What technicians and researchers do with an action: measure, regulate, balance, study.
+//! What technicians and researchers do with an action: measure, regulate, balance, study; compare it with recordings, fit it to them, and hold it
+//! against published measurements.
 //!
 //! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
 
 pub mod advice;
 pub mod balance;
+pub mod benchmarks;
+pub mod compare;
 pub mod cores;
 pub mod dials;
 pub mod distances;
+pub mod fit;
 pub mod fmu;
 pub mod kinematics;
 pub mod measure;
 pub mod regulate;
 pub mod sensitivities;
+pub mod struck;
 pub mod study;
 pub mod trying;
+pub mod validate;
 pub mod weighing;

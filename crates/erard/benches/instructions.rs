@@ -12,8 +12,8 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use erard::{Action, Input, Instrument, Outcome, Reading};
-use erard_lab::benchmarks::callgrind::{CountError, instructions, is_available};
-use erard_lab::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note, press};
+use erard_workshop::benchmarks::callgrind::{CountError, instructions, is_available};
+use erard_workshop::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note, press};
 use moreau::Settings;
 use moreau_sizes::Lanes;
 

@@ -8,8 +8,8 @@
 
 use erard::keyboard::KEYS;
 use erard::keyboard::tremolo::TEN;
-use erard_lab::benchmarks::latency::clock_ns;
-use erard_lab::benchmarks::{Effort, STEP_S, Ticks, keyboard};
+use erard_workshop::benchmarks::latency::clock_ns;
+use erard_workshop::benchmarks::{Effort, STEP_S, Ticks, keyboard};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();

@@ -28,6 +28,8 @@ pub mod keyboard;
 pub mod mechanism;
 pub mod one_dof;
 pub mod player;
+#[cfg(feature = "recordings")]
+pub mod recording;
 pub mod run;
 pub mod sight;
 pub mod simulation;

@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use erard_lab::benchmarks::grand;
+use erard_workshop::benchmarks::grand;
 use moreau::{Input, Outcome, Settings};
 use moreau_lanes::Lanes;
 

@@ -1,6 +1,6 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_lab::benchmarks::{GrandWorkspace, grand};
+use erard_workshop::benchmarks::{GrandWorkspace, grand};
 use moreau::{Input, Outcome, Settings, Sleep, step};
 use moreau_lanes::Lanes;
 

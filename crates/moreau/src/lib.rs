@@ -65,7 +65,6 @@ mod narrow_phase;
 pub mod osnsp;
 mod pose;
 mod real;
-pub mod rigid;
 mod saved;
 mod settings;
 mod sleep;
@@ -78,7 +77,7 @@ mod timing;
 mod together;
 mod tracking;
 mod tree;
-mod vector;
+pub mod vector;
 mod workspace;
 
 pub use adaptive::{Accuracy, ControlledStep, Controller, Halves, controlled_step};

@@ -12,11 +12,11 @@ use std::process::ExitCode;
 
 use erard::player::Input;
 use erard::simulation::Setup;
-use erard_cli::report::chart_svg;
+use erard_figures::figure::chart_svg;
 use erard_figures::figure::png_from_svg;
-use erard_lab::benchmarks::callgrind::{CountError, instructions, is_available};
-use erard_lab::benchmarks::{STEP_S, instrument};
-use erard_lab::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_workshop::benchmarks::callgrind::{CountError, instructions, is_available};
+use erard_workshop::benchmarks::{STEP_S, instrument};
 use erard_workshop::study::{Job, Lanes, Workers, play_all};
 use levers::{BODIES, BODIES_AND_STOPS, Size, Stops, Tree, ZONES};
 use moreau::Settings;

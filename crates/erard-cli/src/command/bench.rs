@@ -2,7 +2,7 @@
 
 use clap::Args;
 use erard::simulation::SimulationError;
-use erard_lab::benchmarks::{Effort, Report, measure};
+use erard_workshop::benchmarks::{Effort, Report, measure};
 
 use crate::answer;
 use crate::failure::Failure;

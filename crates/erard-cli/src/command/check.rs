@@ -7,9 +7,9 @@ use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
 use erard::stroke::{Column, Dialect, PositionSeries, Role, Series};
-use erard_lab::compare::LONGEST_S;
-use erard_lab::validate::Published;
+use erard_workshop::compare::LONGEST_S;
 use erard_workshop::kinematics::LinkageFile;
+use erard_workshop::validate::Published;
 use serde::Serialize;
 use serde_json::Value;
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::simulation::Setup;
 use erard::stroke::{Prescribed, Series};
-use erard_lab::compare::{Choice, Comparison, DRIVES, Driven, LONGEST_S, Trial, Which, compare_chosen};
+use erard_workshop::compare::{Choice, Comparison, DRIVES, Driven, LONGEST_S, Trial, Which, compare_chosen};
 
 use super::options::{DriveName, Model, StepOptions, check, load_instrument};
 use super::out::OutOptions;

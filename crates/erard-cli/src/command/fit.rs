@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use erard::instrument::{Instrument, InstrumentFile};
+use erard::recording::{LowPass, Preparation};
 use erard::simulation::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::{figure_svg, png_from_svg};
-use erard_lab::fit::{Asked, Data, FitError, Jacobian, Loss, Native, Plan, Problem, course, free};
-use erard_lab::recording::{LowPass, Preparation};
 use erard_workshop::cores;
+use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Native, Plan, Problem, course, free};
 
 use super::options::{DriveName, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;

@@ -11,12 +11,11 @@ mod kinematics;
 mod list;
 mod manual;
 mod measure;
-mod options;
-mod out;
+pub mod options;
+pub mod out;
 mod press;
 mod press_pair;
 mod regulate;
-mod reproduce;
 mod studio;
 mod study;
 mod validate;
@@ -38,6 +37,13 @@ use crate::{answer, identity, say, signals};
 pub struct Command {
     #[command(subcommand)]
     subcommand: Sub,
+    #[command(flatten)]
+    speech: Speech,
+}
+
+/// How a program of this library speaks.
+#[derive(Debug, clap::Args)]
+pub struct Speech {
     /// Say nothing but what goes wrong; files are written all the same
     #[arg(long, global = true)]
     quiet: bool,
@@ -46,8 +52,8 @@ pub struct Command {
     json: bool,
 }
 
-/// With the commit, where it is known.
-fn version() -> String {
+/// The version, with the commit where it is known.
+pub fn version() -> String {
     let commit = identity::COMMIT.map_or(String::new(), |commit| format!(" ({commit})"));
     format!("{}{commit}", env!("CARGO_PKG_VERSION"))
 }
@@ -76,8 +82,12 @@ enum Sub {
     Compare(compare::Compare),
     /// Fits numbers of an instrument to recordings, with their errors.
     Fit(Box<fit::Fit>),
-    /// Computes the papers' figures and claims anew and shows which hold.
-    Reproduce(reproduce::Reproduce),
+    /// The papers are reproduced by a program of their own: `erard-reproduce`.
+    #[command(hide = true)]
+    Reproduce {
+        #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
     Fmu(fmu::Fmu),
     /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
@@ -95,37 +105,61 @@ enum Sub {
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
 /// (goals of `regulate` that cannot be met, among it).
 pub fn run() -> ExitCode {
+    run_program(&definition(), |command: &Command| &command.speech, |command| command.subcommand.run())
+}
+
+impl Sub {
+    fn run(&self) -> Result<(), Failure> {
+        match self {
+            Sub::Press(press) => press.run(),
+            Sub::Draw(draw) => draw.run(),
+            Sub::Kinematics(kinematics) => kinematics.run(),
+            Sub::Study(study) => study.run(),
+            Sub::Measure(measure) => measure.run(),
+            Sub::Keyboard(keyboard) => keyboard.run(),
+            Sub::Regulate(regulate) => regulate.run(),
+            Sub::Validate(validate) => validate.run(),
+            Sub::Check(check) => check.run(),
+            Sub::Compare(compare) => compare.run(),
+            Sub::Fit(fit) => fit.run(),
+            Sub::Reproduce { arguments } => Err(moved(arguments)),
+            Sub::Fmu(fmu) => fmu.run(),
+            Sub::Studio(studio) => studio.run(),
+            Sub::Bench(bench) => bench.run(),
+            Sub::List(list) => list.run(),
+            Sub::Completions(completions) => completions.run(),
+            Sub::Man(man) => man.run(),
+        }
+    }
+}
+
+/// Where `erard reproduce` went.
+fn moved(arguments: &[String]) -> Failure {
+    let arguments = if arguments.is_empty() { String::new() } else { format!(" -- {}", arguments.join(" ")) };
+    Failure::Usage(format!(
+        "`erard reproduce` is a program of its own. From a clone of the repository, run\n\n    \
+         cargo run --release -p erard-reproduce{arguments}"
+    ))
+}
+
+/// Runs a program that has this library's manners: arguments parsed by `definition`, requests to end heard, answers as text or JSON, exit
+/// codes as [`run`] says. `speech` finds the shared options among the parsed ones; `work` does the work.
+pub fn run_program<P: FromArgMatches>(
+    definition: &clap::Command,
+    speech: impl Fn(&P) -> &Speech,
+    work: impl FnOnce(&P) -> Result<(), Failure>,
+) -> ExitCode {
     signals::listen();
     let arguments: Vec<OsString> = std::env::args_os().collect();
-    let definition = definition();
-    let command = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
-        identity::remember(&arguments, &definition, &matches);
-        Command::from_arg_matches(&matches)
+    let program = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
+        identity::remember(&arguments, definition, &matches);
+        P::from_arg_matches(&matches)
     }) {
-        Ok(command) => command,
+        Ok(program) => program,
         Err(error) => return usage(&error),
     };
-    say::how(command.quiet, command.json);
-    let result = match command.subcommand {
-        Sub::Press(press) => press.run(),
-        Sub::Draw(draw) => draw.run(),
-        Sub::Kinematics(kinematics) => kinematics.run(),
-        Sub::Study(study) => study.run(),
-        Sub::Measure(measure) => measure.run(),
-        Sub::Keyboard(keyboard) => keyboard.run(),
-        Sub::Regulate(regulate) => regulate.run(),
-        Sub::Validate(validate) => validate.run(),
-        Sub::Check(check) => check.run(),
-        Sub::Compare(compare) => compare.run(),
-        Sub::Fit(fit) => fit.run(),
-        Sub::Reproduce(reproduce) => reproduce.run(),
-        Sub::Fmu(fmu) => fmu.run(),
-        Sub::Studio(studio) => studio.run(),
-        Sub::Bench(bench) => bench.run(),
-        Sub::List(list) => list.run(),
-        Sub::Completions(completions) => completions.run(),
-        Sub::Man(man) => man.run(),
-    };
+    say::how(speech(&program).quiet, speech(&program).json);
+    let result = work(&program);
     if matches!(result, Ok(()) | Err(Failure::Unmet(_) | Failure::Reach(_))) {
         answer::print();
     }

@@ -17,12 +17,12 @@ use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
-use crate::report::chart_svg;
 use crate::say;
 use crate::study::sensitivities as sensitive;
 use crate::study::{Axis, GRADING, Row, Source, Target, chart, columns, doubts, lines};
 use crate::table;
 use crate::tell;
+use erard_figures::figure::chart_svg;
 use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.

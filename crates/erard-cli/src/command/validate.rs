@@ -2,7 +2,7 @@
 
 use clap::Args;
 use erard::keyboard::Keyboard;
-use erard_lab::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
+use erard_workshop::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
 use serde::Serialize;
 use std::io::Write;
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window};
-use erard_lab::fit::Channel;
+use erard_workshop::fit::Channel;
 
 /// For every channel what was measured (dotted, black) over what was fitted, and below what is left over in units of the noise, with two of these on both sides.
 pub fn figure<'a>(channels: &'a [Channel], recordings: &[&str], instrument: &str) -> Figure<'a> {

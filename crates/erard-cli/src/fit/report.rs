@@ -1,6 +1,6 @@
 //! `fit.json`.
 
-use erard_lab::fit::{Found, Problem};
+use erard_workshop::fit::{Found, Problem};
 use serde::Serialize;
 
 use crate::compare::PreparedChannel;

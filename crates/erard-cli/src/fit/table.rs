@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use erard_lab::fit::{Channel, Found, Problem};
+use erard_workshop::fit::{Channel, Found, Problem};
 
 use super::values::unit_shown;
 use crate::table::write_optional_csv;

@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::stroke::Role;
-use erard_lab::fit::COLUMNS;
+use erard_workshop::fit::COLUMNS;
 use erard_workshop::regulate::screw_unit;
 use erard_workshop::study::{Change, Parameter, varied};
 

@@ -1,7 +1,7 @@
 //! A study as a figure: what came of the strokes over what was varied first.
 
 use erard::run::Events;
-use erard_lab::reproduce::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
 
 use super::{Axis, Row};
 

@@ -8,6 +8,7 @@
 
 mod axes;
 mod axis;
+mod chart;
 mod decimate;
 mod lanes;
 mod markers;
@@ -19,6 +20,7 @@ mod ticks;
 mod tornado;
 
 pub use axis::Scale;
+pub use chart::{Chart, ChartCurve, ChartPanel, Mark, chart_svg};
 pub use decimate::decimate;
 pub(crate) use pair::paired_zones;
 pub use pair::{COINCIDE, pair_figure, pair_svg};

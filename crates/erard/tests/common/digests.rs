@@ -1,4 +1,4 @@
-//! What must be the same bits on every target: here, and in the program that `wasm/run` compiles for WebAssembly.
+//! What must be the same bits on every target: here, and in the program that `crates/erard/tests/wasm/run` compiles for WebAssembly.
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;

@@ -1,0 +1,200 @@
+//! Strokes: built in, or recorded, played on an action as `erard press` plays them.
+
+use std::ffi::c_char;
+use std::ptr::null_mut;
+
+use erard::Input;
+use erard::recording::{Preparation, prepare};
+use erard::stroke::{Columns, DrivingError, Layout, NUANCES, Recording, Stroke, Touch};
+use serde_json::{Value, json};
+
+use crate::action::ErardAction;
+use crate::instrument::{ErardInstrument, given};
+use crate::reading::{ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardReading, within};
+use crate::status::{ErardStatus, Fault, ended, tell, told};
+use crate::text::{bytes, give, name};
+
+/// What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it, until
+/// erard_stroke_free. One thread at a time may use it.
+pub struct ErardStroke {
+    drive: Box<dyn Fn(f64) -> Input + Send>,
+    start_s: f64,
+    duration_s: f64,
+    steps: u64,
+    told: String,
+}
+
+impl ErardStroke {
+    fn new(stroke: Stroke, told: String, instrument: &ErardInstrument) -> Result<Self, Fault> {
+        let (start_s, duration_s) = (stroke.start_s, stroke.duration_s);
+        let drive = stroke.into_inputs(&instrument.instrument().finger).map_err(|error| undriven(&error))?;
+        Ok(ErardStroke { drive, start_s, duration_s, steps: 0, told })
+    }
+}
+
+fn undriven(error: &DrivingError) -> Fault {
+    Fault::new(ErardStatus::File, error.to_string())
+}
+
+/// A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck one. It drives by its force.
+/// Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_builtin(
+    instrument: *const ErardInstrument,
+    nuance: *const c_char,
+    struck: u32,
+    status: *mut ErardStatus,
+) -> *mut ErardStroke {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let (instrument, nuance) = (unsafe { given(instrument) }?, unsafe { name(nuance, "the stroke's name") }?);
+        let touch = if struck == 0 { Touch::Pressed } else { Touch::Struck };
+        let stroke = Stroke::builtin(nuance, touch, None).ok_or_else(|| {
+            let known = NUANCES.join(", ");
+            Fault::new(ErardStatus::NoSuch, format!("no stroke `{nuance}` is built in; there are {known}"))
+        })?;
+        let (stroke, _) = stroke.map_err(|error| undriven(&error))?;
+        Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, String::new(), instrument)?)))
+    })
+}
+
+/// A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
+/// it drives by its force where it has one, else by its position. It is made ready as `erard press` does without options: the zero is taken from the rest
+/// before the touch, and what noise a channel has is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column.
+/// Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_new(
+    instrument: *const ErardInstrument,
+    text: *const c_char,
+    length: usize,
+    status: *mut ErardStatus,
+) -> *mut ErardStroke {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let instrument = unsafe { given(instrument) }?;
+        // SAFETY: passed on.
+        let text = unsafe { bytes(text, length) }?.ok_or_else(|| Fault::null("the text"))?;
+        let wrong = |error: &dyn std::fmt::Display| Fault::new(ErardStatus::File, error.to_string());
+        let recording = Recording::read(text, "recording", &Columns::default()).map_err(|error| wrong(&error))?;
+        let prepared = prepare(&recording, &Preparation::default()).map_err(|error| wrong(&error))?;
+        let recorded = Stroke::recorded("recording".into(), prepared.series, recording.position_of, None);
+        let (stroke, note) = recorded.map_err(|error| undriven(&error))?;
+        let lines = prepared.report.told().into_iter().chain(note.map(|note| format!("look: {note}")));
+        let lines: Vec<String> = lines.collect();
+        Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, lines.join("\n"), instrument)?)))
+    })
+}
+
+/// What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built in. Give the text back with
+/// erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_told(
+    stroke: *const ErardStroke,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: the caller's promise: NULL, or a stroke.
+        let stroke = unsafe { stroke.as_ref() }.ok_or_else(|| Fault::null("the stroke"))?;
+        give(stroke.told.clone(), length)
+    })
+}
+
+/// Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position", "hammer"), "index" (from 0) and "title", time
+/// first. `titles` is a JSON array of all titles. For who reads tables that are no text, and passes their columns on as CSV. Give the text back with
+/// erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_recording_columns(
+    titles: *const c_char,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let titles: Vec<String> = serde_json::from_str(unsafe { name(titles, "the titles") }?)
+            .map_err(|error| Fault::new(ErardStatus::Argument, format!("the titles are no JSON array: {error}")))?;
+        let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
+        let layout = Layout::of(&titles, &Columns::default(), "recording")
+            .map_err(|error| Fault::new(ErardStatus::File, error.to_string()))?;
+        let columns = layout
+            .columns
+            .iter()
+            .map(|column| json!({ "role": column.role.name(), "index": column.index, "title": column.title }));
+        give(Value::Array(columns.collect()).to_string(), length)
+    })
+}
+
+/// Ends a stroke. NULL does nothing. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_free(stroke: *mut ErardStroke) {
+    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    unsafe { ended(stroke) }
+}
+
+/// How long it takes, with what `erard press` lets the action swing out after it, s; 0 for NULL. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_duration(stroke: *const ErardStroke) -> f64 {
+    // SAFETY: the caller's promise: NULL, or a stroke.
+    unsafe { stroke.as_ref() }.map_or(0.0, |stroke| stroke.duration_s)
+}
+
+/// Begins it anew. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or a stroke.
+        unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?.steps = 0;
+        Ok(())
+    })
+}
+
+/// One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error leaves both as they were.
+/// `reading` may be NULL. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_step_stroke(
+    action: *mut ErardAction,
+    stroke: *mut ErardStroke,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    let mut ended = ErardStatus::Ok;
+    let failed = tell(|| {
+        // SAFETY: the caller's promise: NULL, or what their types say.
+        let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
+        // SAFETY: as above.
+        let stroke = unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?;
+        let settings = *action.play.action.settings();
+        let begins_s = stroke.start_s + stroke.steps as f64 * settings.step;
+        let now = (stroke.drive)(begins_s + settings.theta * settings.step);
+        let input = match now {
+            // An imposed motion's numbers belong to the step's end.
+            Input::Rigid { .. } => (stroke.drive)(begins_s + settings.step),
+            other => other,
+        };
+        ended = match allowed(&input) {
+            Ok(()) => action.play.step(input),
+            Err(status) => status,
+        };
+        stroke.steps += u64::from(ended as i32 >= 0);
+        // SAFETY: the caller's promise: NULL, or a place for a reading.
+        if let Some(place) = unsafe { reading.as_mut() } {
+            *place = action.play.reading;
+        }
+        if (ended as i32) < 0 {
+            return Err(Fault::new(ended, format!("the stroke cannot be played at {begins_s:.6} s")));
+        }
+        Ok(())
+    });
+    if (failed as i32) < 0 { failed } else { ended }
+}
+
+/// What a recording asks for is held to the limits of every other input.
+fn allowed(input: &Input) -> Result<(), ErardStatus> {
+    match *input {
+        Input::Force(force_n) => within(force_n, ERARD_LARGEST_FORCE_N).map(|_| ()),
+        Input::Motion { position_m, velocity_m_s } | Input::Rigid { position_m, velocity_m_s } => {
+            within(position_m, ERARD_LARGEST_POSITION_M)?;
+            within(velocity_m_s, ERARD_LARGEST_SPEED_M_S).map(|_| ())
+        }
+        _ => Ok(()),
+    }
+}

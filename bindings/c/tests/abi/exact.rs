@@ -1,0 +1,352 @@
+//! The interface adds nothing: the same bits as the native library, and as a run that was not disturbed.
+
+use std::ptr::{null, null_mut};
+
+use erard::Input;
+use erard_c::*;
+
+use crate::{Action, last_error, moving, pushed};
+
+/// Two strokes, the second of them before the first has died away.
+fn stroke(n: usize) -> f64 {
+    [5.0, 0.0, 9.0, 0.0][n / 2500 % 4]
+}
+
+fn bits(r: &ErardReading) -> [u64; 8] {
+    [r.time_s, r.key_m, r.key_m_s, r.finger_n, r.hammer_m, r.hammer_m_s, r.string_n, r.blow_m_s].map(f64::to_bits)
+}
+
+/// Every number of every step is the native action's, force and motion, blows among it.
+#[test]
+fn steps_are_the_native_actions() {
+    let grand = erard::Instrument::builtin("concert-grand").unwrap();
+    for by_motion in [false, true] {
+        let (here, mut there) = (Action::grand(), erard::Action::new(&grand).unwrap());
+        let mut blows = 0;
+        for n in 0..10_000 {
+            let t = n as f64 * 50e-6;
+            let (input, native) = if by_motion {
+                let (position_m, velocity_m_s) = (0.006 * (1.0 - (20.0 * t).cos()), 0.12 * (20.0 * t).sin());
+                (moving(position_m, velocity_m_s), Input::Motion { position_m, velocity_m_s })
+            } else {
+                (pushed(stroke(n)), Input::Force(stroke(n)))
+            };
+            let mut r = ErardReading::default();
+            let status = if by_motion {
+                unsafe { erard_step_motion(here.0, input.position_m, input.velocity_m_s, &raw mut r) }
+            } else {
+                unsafe { erard_step_force(here.0, input.force_n, &raw mut r) }
+            };
+            let native = there.step(native);
+            assert_eq!(status == ErardStatus::Ok, native.outcome == erard::Outcome::Converged);
+            let found = [r.key_m, r.key_m_s, r.finger_n, r.hammer_m, r.hammer_m_s, r.string_n];
+            let expected =
+                [native.key_m, native.key_m_s, native.finger_n, native.hammer_m, native.hammer_m_s, native.string_n];
+            assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits), "step {n}");
+            assert_eq!(r.time_s, there.time_s());
+            assert_eq!(r.new_blows == 1, there.blow().is_some(), "step {n}");
+            if let Some(blow) = there.blow() {
+                blows += 1;
+                assert_eq!((r.blow_time_s, r.blow_m_s, r.blows), (blow.time_s, blow.speed_m_s, blows));
+            }
+        }
+        assert!(blows >= 2, "{blows} blows");
+        let angles: Vec<u64> = there.angles().iter().map(|angle| angle.to_bits()).collect();
+        assert_eq!(here.angles(), angles);
+    }
+}
+
+/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on; strings that yield ring on as they did.
+#[test]
+fn saved_states_go_on_to_the_bit() {
+    goes_on(&Action::grand(), &Action::grand());
+    let (straight, other) = (Action::strung(), Action::strung());
+    assert!(straight.save().len() > Action::grand().save().len() + 16 * 50, "fifty modes and more are saved");
+    assert_eq!(other.restore(&Action::grand().save()), ErardStatus::Saved);
+    goes_on(&straight, &other);
+}
+
+fn goes_on(straight: &Action, other: &Action) {
+    let mut all = Vec::new();
+    let mut saved = Vec::new();
+    for n in 0..10_000 {
+        if n % 97 == 0 {
+            saved.push((n, straight.save(), straight.read()));
+        }
+        all.push(bits(&straight.force(stroke(n))));
+    }
+    let last = straight.angles();
+    for (k, (from, bytes, reading)) in saved.iter().enumerate() {
+        for _ in 0..k % 40 {
+            other.force(30.0);
+        }
+        assert_eq!(other.restore(bytes), ErardStatus::Ok);
+        assert_eq!(other.read(), *reading);
+        assert_eq!(other.save(), *bytes, "what is saved anew is the same");
+        let end = if k % 10 == 0 { all.len() } else { (from + 200).min(all.len()) };
+        for (n, expected) in all.iter().enumerate().take(end).skip(*from) {
+            assert_eq!(bits(&other.force(stroke(n))), *expected, "saved at {from}, step {n}");
+        }
+        if end == all.len() {
+            assert_eq!(other.angles(), last);
+        }
+    }
+}
+
+/// Reset is what it was when it was made.
+#[test]
+fn reset_is_the_beginning() {
+    let (used, fresh) = (Action::grand(), Action::grand());
+    for n in 0..3000 {
+        used.force(stroke(n));
+    }
+    assert_eq!(unsafe { erard_reset(used.0) }, ErardStatus::Ok);
+    assert_eq!(used.read(), fresh.read());
+    for n in 0..3000 {
+        assert_eq!(bits(&used.force(stroke(n))), bits(&fresh.force(stroke(n))), "step {n}");
+    }
+}
+
+/// A period of any length is as many steps as it has room for, none lost, none too many; and twenty at once are twenty.
+#[test]
+fn periods_are_steps() {
+    let (whole, single) = (Action::grand(), Action::grand());
+    for n in 0..200 {
+        let force_n = if n < 100 { 6.0 } else { 0.0 };
+        let reading = whole.advance(1e-3, pushed(force_n));
+        let (mut last, mut sum, mut blows) = (ErardReading::default(), 0.0, 0);
+        for _ in 0..20 {
+            last = single.force(force_n);
+            sum += last.finger_n;
+            blows += last.new_blows;
+        }
+        assert_eq!(bits(&reading), bits(&last), "period {n}");
+        assert_eq!((reading.finger_mean_n, reading.new_blows), (sum / 20.0, blows));
+    }
+    assert!(whole.read().blows > 0);
+    // 44.1 kHz: less than a step, and no multiple of it.
+    let action = Action::grand();
+    for n in 1..=44_100 {
+        let reading = action.advance(1.0 / 44_100.0, pushed(0.1));
+        let due = f64::from(n) / 44_100.0;
+        assert!(reading.time_s <= due + 1e-9 && reading.time_s > due - 50e-6 - 1e-9, "{} of {due}", reading.time_s);
+    }
+    assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
+    // A device's position moves on within its period: a straight way in periods of 20 steps is the same as step by step.
+    let single = Action::grand();
+    let (v, h) = (0.1, 50e-6);
+    for n in 0..80 {
+        let x = v * f64::from(n) * 20.0 * h;
+        let reading = action.advance(20.0 * h, moving(x, v));
+        let mut last = ErardReading::default();
+        for k in 0..20 {
+            let at = x + v * (f64::from(k) * h + 0.5 * h);
+            assert_eq!(unsafe { erard_step_motion(single.0, at, v, &raw mut last) }, ErardStatus::Ok);
+        }
+        assert_eq!(bits(&reading), bits(&last), "period {n}");
+    }
+    assert!(action.read().key_m > 7e-3);
+}
+
+/// A key's bodies stand as those of its instrument alone.
+#[test]
+fn keys_show_their_angles() {
+    let keyboard = Keyboard::new();
+    let instrument = erard_instrument_of_key(40, null_mut());
+    let alone = Action(unsafe { erard_action_of(instrument, 50e-6, null_mut()) });
+    let bodies = unsafe { erard_body_count(alone.0) };
+    let angles = || {
+        let mut angles = vec![0.0_f64; bodies];
+        assert_eq!(unsafe { erard_keyboard_angles(keyboard.0, 40, angles.as_mut_ptr(), bodies) }, ErardStatus::Ok);
+        angles.iter().map(|angle| angle.to_bits()).collect::<Vec<u64>>()
+    };
+    assert_eq!(angles(), alone.angles());
+    let rest = angles();
+    keyboard.drive(40, 6.0);
+    keyboard.step(1000);
+    for _ in 0..1000 {
+        alone.force(6.0);
+    }
+    assert_eq!(angles(), alone.angles());
+    assert_ne!(angles(), rest);
+    drop(alone);
+    unsafe { erard_instrument_free(instrument) };
+}
+
+/// The string's shape is that of a run: it bulges away from the hammer where it is struck, and of a rigid string there is none.
+#[test]
+fn strings_show_their_shape() {
+    let (rigid, strung) = (Action::grand(), Action::strung());
+    assert_eq!(unsafe { erard_string_places(rigid.0, null_mut(), 0) }, 0);
+    let count = unsafe { erard_string_places(strung.0, null_mut(), 0) };
+    let mut places = vec![0.0; count];
+    assert_eq!(unsafe { erard_string_places(strung.0, places.as_mut_ptr(), count) }, count);
+    assert!(count > 10 && places.is_sorted() && places[0] < 0.0 && places[count - 1] > 0.0, "{places:?}");
+    let shape = || {
+        let mut shape = vec![0.0_f32; count];
+        assert_eq!(unsafe { erard_string_shape(strung.0, shape.as_mut_ptr(), count) }, ErardStatus::Ok);
+        shape
+    };
+    assert_eq!(unsafe { erard_string_shape(strung.0, [0.0_f32].as_mut_ptr(), 1) }, ErardStatus::Size);
+    // It rests under its damper, which presses it by hundredths of a millimetre.
+    assert!(shape().iter().all(|m| m.abs() < 1e-4), "{:?}", shape());
+    let mut struck = 0;
+    for _ in 0..4000 {
+        let reading = strung.force(6.0);
+        if reading.string_n > 5.0 {
+            // Where the hammer pushes, the string gives way to it, by tenths of a millimetre.
+            let middle = places.iter().position(|place| *place >= 0.0).unwrap();
+            struck += u32::from(shape()[middle] > 1e-5);
+            assert!(shape().iter().all(|m| m.abs() < 5e-3));
+        }
+    }
+    assert!(struck > 5, "{struck}");
+}
+
+struct Keyboard(*mut ErardKeyboard);
+
+impl Keyboard {
+    fn new() -> Self {
+        let keyboard = unsafe { erard_keyboard_new(null(), 0, 50e-6, null_mut()) };
+        assert!(!keyboard.is_null());
+        Keyboard(keyboard)
+    }
+
+    fn strung() -> Self {
+        let text = include_str!("../../../../crates/erard/keyboards/concert-grand-strings.toml");
+        let keyboard = unsafe { erard_keyboard_new(text.as_ptr().cast(), text.len(), 50e-6, null_mut()) };
+        assert!(!keyboard.is_null(), "{}", last_error());
+        Keyboard(keyboard)
+    }
+
+    fn drive(&self, key: u32, force_n: f64) {
+        assert_eq!(unsafe { erard_keyboard_drive(self.0, key, &pushed(force_n)) }, ErardStatus::Ok);
+    }
+
+    fn step(&self, steps: u32) -> Vec<ErardBlow> {
+        let (mut blows, mut count) = (vec![ErardBlow::default(); 64], 0);
+        let status = unsafe { erard_keyboard_step(self.0, steps, blows.as_mut_ptr(), 64, &raw mut count) };
+        assert_eq!(status, ErardStatus::Ok);
+        blows.truncate(count);
+        blows
+    }
+
+    fn read(&self, key: u32) -> ErardReading {
+        let mut reading = ErardReading::default();
+        assert_eq!(unsafe { erard_keyboard_read(self.0, key, &raw mut reading) }, ErardStatus::Ok);
+        reading
+    }
+
+    fn save(&self) -> Vec<u8> {
+        let mut size = 0;
+        unsafe { erard_keyboard_save(self.0, null_mut(), &raw mut size) };
+        let mut bytes = vec![0; size];
+        assert_eq!(unsafe { erard_keyboard_save(self.0, bytes.as_mut_ptr(), &raw mut size) }, ErardStatus::Ok);
+        bytes
+    }
+}
+
+impl Drop for Keyboard {
+    fn drop(&mut self) {
+        unsafe { erard_keyboard_free(self.0) };
+    }
+}
+
+/// While strings of three keys ring, in another keyboard: the same bits of readings, and the same blows.
+#[test]
+fn a_strung_keyboard_goes_on() {
+    let (first, second) = (Keyboard::strung(), Keyboard::strung());
+    let press = |keyboard: &Keyboard, force_n| [1, 40, 88].map(|key| keyboard.drive(key, force_n));
+    press(&first, 8.0);
+    assert!(first.step(4000).len() >= 3);
+    press(&first, 0.0);
+    first.step(500);
+    let bytes = first.save();
+    press(&second, 12.0);
+    second.step(300);
+    assert_eq!(unsafe { erard_keyboard_restore(second.0, bytes.as_ptr(), bytes.len()) }, ErardStatus::Ok);
+    for round in 0..6 {
+        let force_n = if round % 2 == 0 { 9.0 } else { 0.0 };
+        press(&first, force_n);
+        press(&second, force_n);
+        assert_eq!(first.step(1500).len(), second.step(1500).len());
+        for key in [1, 40, 88] {
+            // Instants are right to a rounding, and with them the speed of the blow, which is read from the flight before it.
+            let (here, there) = (first.read(key), second.read(key));
+            assert_eq!(bits(&here)[1..7], bits(&there)[1..7], "key {key} in round {round}");
+            assert!((here.blow_m_s - there.blow_m_s).abs() < 1e-9, "{} {}", here.blow_m_s, there.blow_m_s);
+        }
+    }
+    let mut bad = bytes.clone();
+    bad.truncate(bytes.len() - 8);
+    assert_eq!(unsafe { erard_keyboard_restore(second.0, bad.as_ptr(), bad.len()) }, ErardStatus::Saved);
+}
+
+/// The keys that are played blow, each as an action of its own does; those at rest sleep. Saved and restored, at another instant of the clock and one step
+/// before a blow: the same bits, the same blow.
+#[test]
+fn a_keyboard_plays() {
+    let keyboard = Keyboard::new();
+    assert_eq!(unsafe { (erard_keyboard_keys(keyboard.0), erard_keyboard_awake(keyboard.0)) }, (88, 0));
+    keyboard.step(100);
+    let began_s = keyboard.read(40).time_s;
+    assert!((began_s - 5e-3).abs() < 1e-12);
+
+    // A key is the action of its instrument.
+    let native = erard::keyboard::Keyboard::builtin("concert-grand").unwrap().key(40).unwrap();
+    let mut alone = erard::Action::new(&native).unwrap();
+    let mut alone_blow = None;
+    keyboard.drive(40, 6.0);
+    keyboard.drive(41, 9.0);
+    let mut blows = Vec::new();
+    let mut before = Vec::new();
+    for n in 0.. {
+        let saved = keyboard.save();
+        let new = keyboard.step(1);
+        alone.step(Input::Force(6.0));
+        if let Some(blow) = alone.blow() {
+            alone_blow = Some((n, blow));
+        }
+        if !new.is_empty() {
+            before.push((saved, new.clone()));
+            blows.extend(new);
+        }
+        if blows.len() == 2 {
+            break;
+        }
+        assert!(n < 4000, "no two blows");
+    }
+    assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 2);
+    let mine = blows.iter().find(|blow| blow.key == 40).expect("key 40 sounds");
+    let (_, blow) = alone_blow.expect("alone, too");
+    assert_eq!(mine.speed_m_s.to_bits(), blow.speed_m_s.to_bits());
+    assert!((mine.time_s - began_s - blow.time_s).abs() < 1e-12);
+
+    let other = Keyboard::new();
+    other.drive(7, 20.0);
+    other.step(1234);
+    for (saved, expected) in &before {
+        assert_eq!(unsafe { erard_keyboard_restore(other.0, saved.as_ptr(), saved.len()) }, ErardStatus::Ok);
+        let found = other.step(1);
+        assert_eq!(found.len(), expected.len());
+        for (a, b) in found.iter().zip(expected) {
+            assert_eq!(a.key, b.key);
+            // Its place in the flight is told from instants that were moved: rounding of the clock.
+            assert!(
+                (a.time_s - b.time_s).abs() < 1e-11 && (a.speed_m_s / b.speed_m_s - 1.0).abs() < 1e-9,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+    keyboard.step(500);
+    other.step(500);
+    for key in [7, 40, 41] {
+        let (a, b) = (keyboard.read(key), other.read(key));
+        assert_eq!((a.key_m.to_bits(), a.hammer_m.to_bits()), (b.key_m.to_bits(), b.hammer_m.to_bits()), "key {key}");
+        assert!((a.time_s - b.time_s).abs() < 1e-11);
+    }
+    keyboard.drive(40, 0.0);
+    keyboard.drive(41, 0.0);
+    keyboard.step(40_000);
+    assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 0, "what was let go sleeps");
+}

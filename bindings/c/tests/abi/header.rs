@@ -1,0 +1,79 @@
+//! The header is made from the source, never by hand: `ERARD_HEADER=write cargo test --test abi header` makes it anew.
+
+use std::path::Path;
+
+const SOURCES: [&str; 10] = [
+    "version.rs",
+    "status.rs",
+    "text.rs",
+    "reading.rs",
+    "action.rs",
+    "keyboard.rs",
+    "instrument.rs",
+    "workshop.rs",
+    "watch.rs",
+    "stroke.rs",
+];
+
+const FIRST: &str = "\
+/* liberard: the grand piano action, stepped from outside. Made from bindings/c/src by cbindgen: do not edit.
+ *
+ * Units are SI; key and finger are positive downward (pushing), the hammer upward.
+ *
+ * Who owns what: an object belongs to whoever made it, until its free function; a char* that is not const belongs to the caller, until erard_text_free; a
+ * const char* is the library's. Every pointer may be NULL: where it must not be, the call says ERARD_STATUS_NULL and does nothing.
+ *
+ * Real time: functions marked \"Real time: yes\" never allocate, lock, or call the system, and do a bounded amount of work. All others may.
+ *
+ * Threads: objects are independent. One object may be used by one thread at a time, by any; nothing is locked for you.
+ *
+ * Errors: a status below 0 means that nothing has changed. Functions that are not for real time say more in erard_last_error.
+ *
+ * The floating-point environment must be the usual one (round to nearest). Denormal numbers: the library neither sets nor clears the
+ * processor's flush-to-zero mode; either mode is fine, and the README says what it costs. */
+";
+
+fn generated() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("cbindgen.toml reads");
+    config.header = Some(FIRST.trim_end().to_owned());
+    let builder = SOURCES.iter().fold(cbindgen::Builder::new().with_config(config), |builder, source| {
+        builder.with_src(root.join("src").join(source))
+    });
+    let mut header = Vec::new();
+    builder.generate().expect("cbindgen reads the source").write(&mut header);
+    String::from_utf8(header).expect("UTF-8")
+}
+
+#[test]
+fn header_is_that_of_the_source() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("include/erard.h");
+    let header = generated();
+    if std::env::var_os("ERARD_HEADER").is_some_and(|value| value == "write") {
+        std::fs::write(&file, header).expect("written");
+        return;
+    }
+    let committed = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(committed == header, "include/erard.h is not that of the source: ERARD_HEADER=write makes it anew");
+}
+
+/// Every function that the library exports is in the header, and what the header says can be used in real time is what is called so in the source.
+#[test]
+fn header_has_every_function() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let header = generated();
+    let mut functions = 0;
+    for source in SOURCES {
+        let text = std::fs::read_to_string(root.join("src").join(source)).expect("it reads");
+        for line in text.lines() {
+            let Some((_, rest)) = line.split_once("extern \"C\" fn ") else { continue };
+            if !line.starts_with("pub") {
+                continue;
+            }
+            let name = rest.split('(').next().unwrap_or_default();
+            assert!(header.contains(&format!("{name}(")), "{name} is not in the header");
+            functions += 1;
+        }
+    }
+    assert!(functions > 40, "{functions} functions");
+}

@@ -1,0 +1,168 @@
+//! Recordings: tables of what was measured.
+
+use std::path::Path;
+
+use erard::stroke::{Columns, Layout, PositionOf, Recording as Inner, Role, Series};
+use erard::recording::{LowPass, Preparation, Prepared, prepare};
+use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::fault::{self, wrong, wrong_argument};
+
+/// A recording, made ready.
+#[pyclass(frozen, module = "erard._erard")]
+pub struct Recording {
+    name: String,
+    inner: Inner,
+    pub prepared: Prepared,
+    pub position_of: PositionOf,
+}
+
+/// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's own noise sets it, columns
+/// that are turned, and how much later columns were written down, s.
+type Ready = (Option<String>, bool, Option<f64>, bool, Vec<String>, Vec<(String, f64)>);
+
+#[pymethods]
+impl Recording {
+    /// From a text file.
+    #[staticmethod]
+    fn load(path: &str, columns: Option<&str>, ready: Ready) -> PyResult<Self> {
+        let columns = asked(columns)?;
+        let path = Path::new(path);
+        let name = erard::files::shown(path);
+        let inner =
+            Inner::read_opened(std::fs::File::open(path), &name, &columns).map_err(|error| fault::stroke(&error))?;
+        Self::made(name, inner, ready)
+    }
+
+    /// From columns with titles.
+    #[staticmethod]
+    fn table(
+        name: &str,
+        titles: Vec<String>,
+        values: Vec<PyReadonlyArray1<'_, f64>>,
+        columns: Option<&str>,
+        ready: Ready,
+    ) -> PyResult<Self> {
+        let columns = asked(columns)?;
+        let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
+        let layout = Layout::of(&titles, &columns, name).map_err(|error| fault::stroke(&error))?;
+        let values: Vec<&[f64]> =
+            values.iter().map(|values| values.as_slice().map_err(wrong)).collect::<PyResult<_>>()?;
+        let own: Vec<&[f64]> = layout.columns.iter().map(|column| values[column.index]).collect();
+        let inner = Inner::from_columns(layout, name, &own).map_err(|error| fault::stroke(&error))?;
+        Self::made(name.to_owned(), inner, ready)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The samples as they stand in the file, in SI units, by the columns' names.
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = PyDict::new(py);
+        columns.set_item("time_s", self.inner.time_s.to_pyarray(py))?;
+        for channel in &self.inner.channels {
+            columns.set_item(column(channel.role), channel.values.to_pyarray(py))?;
+        }
+        Ok(columns)
+    }
+
+    /// Made ready, at these instants; `None` for what was not recorded.
+    fn at<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        times: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let times = times.as_slice().map_err(wrong)?;
+        let Series { force, position, hammer_head } = &self.prepared.series;
+        let mut cursor = erard::stroke::Cursor::default();
+        let values: Option<Vec<f64>> = match name {
+            "force_N" => force.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor)).collect()),
+            "key_m" => position.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
+            "hammer_head_m" => hammer_head.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
+            _ => None,
+        };
+        Ok(values.map(|values| values.to_pyarray(py)))
+    }
+
+    /// Root mean square of a channel's noise, where it could be told; N or m.
+    fn noise(&self, name: &str) -> Option<f64> {
+        self.prepared.report.channel(role(name).ok()?)?.noise.map(|noise| noise.rms)
+    }
+
+    /// Whose position it is.
+    #[getter]
+    fn position_of(&self) -> &'static str {
+        self.position_of.name()
+    }
+
+    /// What was done and noticed.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let report = &self.prepared.report;
+        let done = report.channels.iter().flat_map(|channel| {
+            channel.lines().into_iter().map(|line| format!("{}: {line}", channel.role.name())).collect::<Vec<_>>()
+        });
+        done.chain(report.warnings()).collect()
+    }
+}
+
+/// Which columns were asked for.
+fn asked(columns: Option<&str>) -> PyResult<Columns> {
+    columns
+        .map_or_else(|| Ok(Columns::default()), |text| text.parse().map_err(|error| wrong_argument("columns", error)))
+}
+
+/// The name of a role's column in a run.
+fn column(role: Role) -> &'static str {
+    match role {
+        Role::Time => "time_s",
+        Role::Force => "force_N",
+        Role::Position => "key_m",
+        Role::HammerHead => "hammer_head_m",
+    }
+}
+
+/// The role of a column that is compared, by its name.
+fn role(name: &str) -> PyResult<Role> {
+    let known = [Role::Force, Role::Position, Role::HammerHead];
+    known
+        .into_iter()
+        .find(|role| column(*role) == name)
+        .ok_or_else(|| wrong_argument("columns", format!("found `{name}`, expected {}", known.map(column).join(", "))))
+}
+
+impl Recording {
+    fn made(name: String, inner: Inner, (position, zero, hz, own, inverted, late): Ready) -> PyResult<Self> {
+        let low_pass = match (hz, own) {
+            (Some(hz), _) if hz > 0.0 && hz.is_finite() => LowPass::At(hz),
+            (Some(hz), _) => {
+                return Err(wrong_argument("low_pass", format!("found {hz}, expected a positive number of Hz")));
+            }
+            (None, true) => LowPass::Own,
+            (None, false) => LowPass::Off,
+        };
+        let position_of = match position.as_deref() {
+            None => inner.position_of,
+            Some("key") => PositionOf::Key,
+            Some("fingertip") => PositionOf::Fingertip,
+            Some(found) => {
+                return Err(wrong_argument("position", format!("found `{found}`, expected `key` or `fingertip`")));
+            }
+        };
+        let inverted = inverted.iter().map(|name| role(name)).collect::<PyResult<_>>()?;
+        let late_s = late.iter().map(|(name, s)| Ok((role(name)?, *s))).collect::<PyResult<_>>()?;
+        let preparation = Preparation { zero, low_pass, inverted, late_s, ..Preparation::default() };
+        let prepared = prepare(&inner, &preparation).map_err(|error| wrong(format!("{name}: {error}")))?;
+        Ok(Recording { name, inner, prepared, position_of })
+    }
+
+    /// What can drive a key.
+    pub fn series(&self) -> PyResult<(String, Series, PositionOf)> {
+        Ok((self.name.clone(), self.prepared.series.clone(), self.position_of))
+    }
+}

@@ -1,0 +1,148 @@
+//! A chart: panels of curves over one abscissa, with a caption, as a figure.
+
+use super::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg_named, padded_range};
+
+/// Panels of curves over one abscissa.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Headline.
+    pub title: String,
+    /// What is shown, with all that matters.
+    pub caption: String,
+    /// Quantity and unit of the abscissa.
+    pub x_label: String,
+    /// Whether it is logarithmic.
+    pub x_log: bool,
+    /// From top to bottom.
+    pub panels: Vec<ChartPanel>,
+}
+
+/// One panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartPanel {
+    /// Quantity and unit.
+    pub y_label: String,
+    /// Whether the ordinate is logarithmic.
+    pub y_log: bool,
+    /// Its range, where the curves' own would hide what is meant.
+    pub y_range: Option<(f64, f64)>,
+    /// The curves.
+    pub curves: Vec<ChartCurve>,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// A line.
+    Line,
+    /// A broken line.
+    Dashed,
+    /// A dotted line.
+    Dotted,
+    /// Points joined by a line.
+    Points,
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartCurve {
+    /// Name.
+    pub label: String,
+    /// Abscissae, increasing or decreasing.
+    pub x: Vec<f64>,
+    /// Ordinates.
+    pub y: Vec<f64>,
+    /// Which colour; the same number is the same colour in all figures. 0 is the one-degree-of-freedom model's blue.
+    pub colour: usize,
+    /// How it is drawn.
+    pub mark: Mark,
+}
+
+/// Width, px: as wide as a page's text.
+const WIDTH: f64 = 860.0;
+/// Characters of a label that there is room for, and what one more takes, px.
+const ROOM: usize = 25;
+const CHARACTER: f64 = 7.0;
+/// Height of a panel, px.
+const PANEL: f64 = 230.0;
+
+/// The chart as an SVG document. The same chart gives the same bytes. `id` makes its clip paths unique within a page.
+pub fn chart_svg(chart: &Chart, id: &str) -> String {
+    let (from, to) = abscissae(chart);
+    let labels = chart.panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.label.chars().count());
+    let longest = labels.max().unwrap_or(0);
+    let figure = Figure {
+        title: chart.title.clone(),
+        subtitle: String::new(),
+        width_px: WIDTH + CHARACTER * longest.saturating_sub(ROOM) as f64,
+        x_label: chart.x_label.clone(),
+        x_unit: 1.0,
+        x_scale: if chart.x_log { Scale::Logarithmic } else { Scale::Linear },
+        windows: vec![Window { from, to, weight: 1.0, heading: String::new(), names_markers: false }],
+        panels: chart.panels.iter().map(panel).collect(),
+        markers: Vec::new(),
+    };
+    figure_svg_named(&figure, id)
+}
+
+fn panel(panel: &ChartPanel) -> Panel<'_> {
+    Panel {
+        quantity: panel.y_label.clone(),
+        unit: "",
+        height_px: PANEL,
+        layout: if panel.y_log { Layout::Logarithmic } else { Layout::Together },
+        y_range: panel.y_range,
+        curves: panel
+            .curves
+            .iter()
+            .map(|curve| Trace {
+                label: curve.label.clone(),
+                x: &curve.x,
+                y: (&curve.y).into(),
+                colour: PALETTE[curve.colour % PALETTE.len()],
+                dash: match curve.mark {
+                    Mark::Line => Dash::Solid,
+                    Mark::Dashed => Dash::Dashed,
+                    Mark::Dotted => Dash::Dotted,
+                    Mark::Points => Dash::Points,
+                },
+            })
+            .collect(),
+    }
+}
+
+/// From where to where the abscissa goes: as far as its values, and a little further where points would be cut by the frame.
+fn abscissae(chart: &Chart) -> (f64, f64) {
+    let curves = || chart.panels.iter().flat_map(|panel| &panel.curves);
+    let place = |x: f64| if chart.x_log { x.log10() } else { x };
+    let places = || curves().flat_map(|curve| &curve.x).map(|x| place(*x)).filter(|x| x.is_finite());
+    let (low, high) = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let has_points = curves().any(|curve| curve.mark == Mark::Points);
+    let (low, high) = if has_points || low >= high { padded_range(places()) } else { (low, high) };
+    if chart.x_log { (10f64.powf(low), 10f64.powf(high)) } else { (low, high) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(x_log: bool, y_log: bool, y: Vec<f64>) -> Chart {
+        let x = (1..=y.len()).map(|i| i as f64).collect();
+        let curve = ChartCurve { label: "<a>".into(), x, y, colour: 1, mark: Mark::Points };
+        let panels = vec![ChartPanel { y_label: "y & z".into(), y_log, y_range: None, curves: vec![curve] }];
+        Chart { title: "<t>".into(), caption: String::new(), x_label: "x".into(), x_log, panels }
+    }
+
+    /// Whatever the values are, the document can be rendered, is the same each time, and holds no NaN.
+    #[test]
+    fn odd_values_do_not_break_a_chart() {
+        for y in [vec![], vec![1.0], vec![0.0, -1.0, 2.0], vec![f64::NAN, 1.0, f64::INFINITY, 3.0], vec![1e-12, 1e12]] {
+            for (x_log, y_log) in [(false, false), (true, false), (false, true), (true, true)] {
+                let svg = chart_svg(&chart(x_log, y_log, y.clone()), "c");
+                assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("<a>"), "{svg}");
+                assert_eq!(svg, chart_svg(&chart(x_log, y_log, y.clone()), "c"));
+                crate::figure::png_from_svg(&svg, 0.5).unwrap();
+            }
+        }
+    }
+}

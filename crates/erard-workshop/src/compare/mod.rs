@@ -1,0 +1,494 @@
+//! A measured stroke beside the models: what each drive and each model explains of it.
+//!
+//! A file with a force drives the key by that force, and the key's motion comes out; one with a position drives a soft finger by the
+//! fingertip's position, and the key itself rigidly by its own, and the finger's force comes out. With both, what comes out can be held
+//! against what was measured [T12 fig. 3]. A position is the key's unless it is said to be the fingertip's ([`Choice::position_of`]); where
+//! force was recorded too, each gives the other ([`Series::position_of`]).
+//!
+//! What is noise in a recording no model explains. Errors are told up to the frequency up to which both the series that drives and the
+//! series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
+
+mod errors;
+
+pub use errors::{BANDS_HZ, Band, Errors};
+
+use thiserror::Error;
+
+use erard::instrument::Instrument;
+use erard::one_dof::{OneDofError, reduce};
+use erard::player::{self, Drive};
+use erard::recording::{Butterworth, Report};
+use erard::simulation::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
+use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Role, SampleError, Series};
+
+/// Rate of the common time axis, Hz: twice what the highest band needs.
+pub const RATE_HZ: f64 = 4000.0;
+
+/// What drives a comparison's run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driven {
+    /// The measured force; the key's position comes out.
+    ByForce,
+    /// The measured position, through the soft finger; the force comes out.
+    ByMotion,
+    /// The measured position, imposed on the key; the force comes out.
+    Rigidly,
+}
+
+/// All drives, in the order in which they are tried and shown.
+pub const DRIVES: [Driven; 3] = [Driven::ByForce, Driven::ByMotion, Driven::Rigidly];
+
+/// Which model ran.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    /// All bodies.
+    Action,
+    /// One degree of freedom.
+    OneDof,
+}
+
+impl Driven {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Driven::ByForce => "force",
+            Driven::ByMotion => "motion",
+            Driven::Rigidly => "rigid",
+        }
+    }
+}
+
+impl Which {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Which::Action => "action",
+            Which::OneDof => "one-dof",
+        }
+    }
+
+    /// Its name in a sentence.
+    fn spoken(self) -> &'static str {
+        match self {
+            Which::Action => "the action",
+            Which::OneDof => "one degree of freedom",
+        }
+    }
+}
+
+/// Both models.
+pub const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
+
+/// What is compared with what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Drives to try, of those that the series has.
+    pub drives: Vec<Driven>,
+    /// Models to run.
+    pub models: Vec<Which>,
+    /// Whose position was recorded.
+    pub position_of: PositionOf,
+    /// Up to which frequency force, position and hammer tell of a stroke rather than of noise, Hz; infinite where nothing limits them.
+    pub tells_to_hz: [f64; 3],
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Choice {
+            drives: DRIVES.to_vec(),
+            models: MODELS.to_vec(),
+            position_of: PositionOf::Key,
+            tells_to_hz: [f64::INFINITY; 3],
+        }
+    }
+}
+
+impl Choice {
+    /// The limits of a recording that was made ready: of its noise, of the low-pass that it went through, and of its samples.
+    #[must_use]
+    pub fn limited_by(mut self, report: &Report) -> Self {
+        for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {
+            let Some(channel) = report.channel(role) else { continue };
+            let low_pass = channel.low_pass.map(|filter| filter.cutoff_hz);
+            let noise = channel.band_hz.into_iter().chain(low_pass).map(|hz| WELL_WITHIN * hz);
+            *limit = noise.chain([0.5 * channel.rate_hz]).fold(*limit, f64::min);
+        }
+        self
+    }
+}
+
+/// Share of the frequency where noise or a low-pass begins up to which errors are told: there itself half of an amplitude may be filtered
+/// away, and at this share of it, by the default filter, six in a hundred.
+const WELL_WITHIN: f64 = 0.7;
+/// A band that ends below this, Hz, tells of nothing: a key is down in a twentieth of a second.
+const LOWEST_LIMIT_HZ: f64 = 10.0;
+
+/// One run of a comparison, on the common time axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// What drove it.
+    pub driven: Driven,
+    /// Which model.
+    pub which: Which,
+    /// Travel of the key front, m, down positive.
+    pub key_m: Vec<f64>,
+    /// Finger force, N.
+    pub force_n: Vec<f64>,
+    /// Errors are told up to here, Hz; infinite where nothing limits them.
+    pub told_to_hz: f64,
+    /// What came out against what was measured (position in m, force in N), as far as it is told; `None` where the file holds no such
+    /// series, or nothing but noise.
+    pub errors: Option<Errors>,
+    /// Rise of the hammer's strike point, m; empty for a model without a hammer.
+    pub hammer_m: Vec<f64>,
+    /// Errors of the hammer are told up to here, Hz.
+    pub hammer_told_to_hz: f64,
+    /// The same against what was measured, where both exist.
+    pub hammer_errors: Option<Errors>,
+}
+
+/// A measured stroke and the runs beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Common time axis, s.
+    pub time_s: Vec<f64>,
+    /// Measured force, N.
+    pub measured_force_n: Option<Vec<f64>>,
+    /// Measured position of the key's front, m; of the fingertip where the key's is not known.
+    pub measured_position_m: Option<Vec<f64>>,
+    /// Whose position was recorded.
+    pub position_of: PositionOf,
+    /// Measured rise of the hammer's strike point, m.
+    pub measured_hammer_m: Option<Vec<f64>>,
+    /// In the order of [`DRIVES`], the action before the one-degree-of-freedom model.
+    pub trials: Vec<Trial>,
+    /// What was taken for granted, or could not be tried, in words.
+    pub notes: Vec<String>,
+}
+
+/// Longest series that is compared, s: a million instants of the common axis.
+pub const LONGEST_S: f64 = 250.0;
+
+/// Why a comparison cannot be made.
+#[derive(Debug, Error)]
+pub enum CompareError {
+    /// The measured series is too short to say anything.
+    #[error("the measured series lasts {found_s:.4} s; at least {least_s} s are needed to compare anything")]
+    TooShort {
+        /// s.
+        found_s: f64,
+        /// s.
+        least_s: f64,
+    },
+    /// The measured series would not fit into memory beside what the models make of it.
+    #[error("the measured series lasts {found_s} s; at most {LONGEST_S} s are compared")]
+    TooLong {
+        /// s.
+        found_s: f64,
+    },
+    /// None of the drives that were chosen is in the series.
+    #[error(
+        "none of the drives that are chosen can be tried: a force drives by `force`, a position by `motion` and `rigid`"
+    )]
+    NoDrive,
+    /// Force and position together give no series of the fingertip or of the key.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+    /// A model does not run.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// No one-degree-of-freedom model follows.
+    #[error(transparent)]
+    OneDof(#[from] OneDofError),
+}
+
+/// Shortest series that is compared, s.
+const SHORTEST_S: f64 = 0.01;
+
+/// [`compare_chosen`] with every drive that the series has and both models, of a key's position without noise.
+///
+/// # Errors
+/// See [`CompareError`].
+pub fn compare(
+    instrument: &Instrument,
+    series: &Series,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Comparison, CompareError> {
+    compare_chosen(instrument, series, &Choice::default(), setup, progress)
+}
+
+/// Runs the models under the drives, and measures what they miss.
+///
+/// `setup`'s start and duration are replaced by the series'. `progress` is told the share done, and ends the work by
+/// returning false.
+///
+/// # Errors
+/// See [`CompareError`].
+pub fn compare_chosen(
+    instrument: &Instrument,
+    series: &Series,
+    choice: &Choice,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Comparison, CompareError> {
+    let (start_s, duration_s) = (series.start_s(), series.end_s() - series.start_s());
+    if duration_s < SHORTEST_S {
+        return Err(CompareError::TooShort { found_s: duration_s, least_s: SHORTEST_S });
+    }
+    if duration_s > LONGEST_S {
+        return Err(CompareError::TooLong { found_s: duration_s });
+    }
+    let reduced = reduce(instrument)?.instrument;
+    let time_s: Vec<f64> =
+        (0..=(duration_s * RATE_HZ).floor() as usize).map(|n| start_s + n as f64 / RATE_HZ).collect();
+    let mut notes = Vec::new();
+    let position = |of| series.position_of(of, choice.position_of, &instrument.finger);
+    let (mut fingertip, key) = (position(PositionOf::Fingertip)?, position(PositionOf::Key)?);
+    if fingertip.is_none() && key.is_some() {
+        notes.push(
+            "motion driven: no force was recorded, so that the fingertip's position is not known; the key's stands for it, \
+             which is behind it by F/k"
+                .into(),
+        );
+        fingertip = key.clone();
+    }
+    if key.is_none() && fingertip.is_some() {
+        notes.push(
+            "rigidly driven: no force was recorded, so that the key's position is not known from the fingertip's"
+                .into(),
+        );
+    }
+    let own_force = series.force.as_ref().map(ForceSeries::drive);
+    let (own_tip, own_key) = (fingertip.as_ref().map(PositionSeries::drive), key.as_ref().map(PositionSeries::drive));
+    let force = |t: f64| own_force.as_ref().map_or(0.0, |own| own(t));
+    let tip_position = |t: f64| own_tip.as_ref().map_or([0.0; 2], |own| own(t));
+    let key_position = |t: f64| own_key.as_ref().map_or([0.0; 2], |own| own(t));
+    let path = |s: &PositionSeries| time_s.iter().copied().map(s.drive()).map(|[y, _]| y).collect::<Vec<f64>>();
+    let measured_force_n: Option<Vec<f64>> =
+        series.force.as_ref().map(|s| time_s.iter().copied().map(s.drive()).collect());
+    let measured_position_m = key.as_ref().or(series.position.as_ref()).map(path);
+    let measured_hammer_m = series.hammer_head.as_ref().map(path);
+
+    let mut setup = Setup {
+        start_s,
+        duration_s: duration_s + 2.0 * setup.settings.step,
+        record_every: None,
+        ledger: false,
+        ..*setup
+    };
+    // Every step as long as memory allows; then fewer, but none farther apart than the common axis needs.
+    setup.record_every = Some(setup.check()?.div_ceil(MOST_ROWS_ASKED).max(1));
+    let mut plan = Vec::new();
+    for driven in DRIVES.into_iter().filter(|driven| choice.drives.contains(driven)) {
+        let has = match driven {
+            Driven::ByForce => series.force.is_some(),
+            Driven::ByMotion => fingertip.is_some(),
+            Driven::Rigidly => key.is_some(),
+        };
+        if has {
+            plan.extend(MODELS.into_iter().filter(|which| choice.models.contains(which)).map(|which| (driven, which)));
+        }
+    }
+    if plan.is_empty() {
+        return Err(CompareError::NoDrive);
+    }
+    let [force_hz, position_hz, hammer_hz] = choice.tells_to_hz;
+    let told_to_hz = force_hz.min(position_hz);
+    let mut trials = Vec::new();
+    for (done, &(driven, which)) in plan.iter().enumerate() {
+        let drive: &Drive<'_> = match driven {
+            Driven::ByForce => &player::force(&force),
+            Driven::ByMotion => &player::motion(&tip_position),
+            Driven::Rigidly => &player::rigid(&key_position),
+        };
+        let model = if which == Which::Action { instrument } else { &reduced };
+        let count = plan.len() as f64;
+        let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
+        let key_m = sample(&run.time_s, &run.key_m, &time_s);
+        let force_n = sample(&run.time_s, &run.force_n, &time_s);
+        // A force-driven run of a file without position tells of the hammer alone, and the other way round.
+        let drive_hz = match driven {
+            Driven::ByForce => force_hz,
+            Driven::ByMotion | Driven::Rigidly if fingertip == key => position_hz,
+            Driven::ByMotion | Driven::Rigidly => position_hz.min(force_hz),
+        };
+        let errors = match driven {
+            Driven::ByForce => measured_position_m.as_ref().and_then(|m| errors_within(m, &key_m, told_to_hz)),
+            Driven::ByMotion | Driven::Rigidly => {
+                measured_force_n.as_ref().and_then(|m| errors_within(m, &force_n, told_to_hz))
+            }
+        };
+        let hammer_m = match model.roles.hammer {
+            Some(_) => sample(&run.time_s, &run.hammer_head_m, &time_s),
+            None => Vec::new(),
+        };
+        let hammer_told_to_hz = hammer_hz.min(drive_hz);
+        let hammer_errors = measured_hammer_m
+            .as_ref()
+            .filter(|_| !hammer_m.is_empty())
+            .and_then(|m| errors_within(m, &hammer_m, hammer_told_to_hz));
+        trials.push(Trial {
+            driven,
+            which,
+            key_m,
+            force_n,
+            told_to_hz,
+            errors,
+            hammer_m,
+            hammer_told_to_hz,
+            hammer_errors,
+        });
+    }
+    let position_of = choice.position_of;
+    Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
+}
+
+/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves nothing to tell of.
+fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option<Errors> {
+    if told_to_hz >= 0.5 * RATE_HZ {
+        return Some(Errors::new(measured, simulated));
+    }
+    if told_to_hz < LOWEST_LIMIT_HZ {
+        return None;
+    }
+    let low_pass = Butterworth::low_pass(4, told_to_hz, RATE_HZ)?;
+    let [m, s] = [measured, simulated].map(|x| low_pass.forth_and_back(x));
+    // By frequency it is the series themselves that are told of, each band as far as it is.
+    Some(Errors { bands: errors::bands(measured, simulated), ..Errors::new(&m, &s) })
+}
+
+impl Comparison {
+    /// The trial of a drive and a model.
+    pub fn trial(&self, driven: Driven, which: Which) -> Option<&Trial> {
+        self.trials.iter().find(|t| t.driven == driven && t.which == which)
+    }
+
+    /// In words: for every drive, how much each model explains, and which is nearer.
+    pub fn verdicts(&self) -> Vec<String> {
+        let mut verdicts = Vec::new();
+        for driven in DRIVES {
+            let (what, missing, measured) = match driven {
+                Driven::ByForce => ("position", "position_m", &self.measured_position_m),
+                Driven::ByMotion | Driven::Rigidly => ("force", "force_N", &self.measured_force_n),
+            };
+            let name = driven.name();
+            let trials: Vec<&Trial> = MODELS.iter().filter_map(|which| self.trial(driven, *which)).collect();
+            let Some(first) = trials.first() else { continue };
+            let told: Vec<(&Trial, &Errors)> =
+                trials.iter().filter_map(|trial| Some((*trial, trial.errors.as_ref()?))).collect();
+            if measured.is_none() {
+                verdicts.push(format!(
+                    "{name} driven: the file has no column `{missing}`, so that the {what} that comes out stands alone"
+                ));
+            } else if told.is_empty() {
+                verdicts.push(format!("{name} driven: of the {what} nothing can be told, for above {LOWEST_LIMIT_HZ} Hz the recording tells of noise or of nothing"));
+            } else {
+                let shares: Vec<String> = told
+                    .iter()
+                    .enumerate()
+                    .map(|(n, (trial, errors))| {
+                        let of = if n == 0 { format!("of the {what}'s variance") } else { String::new() };
+                        format!("{} explains {} {of}", trial.which.spoken(), share(errors.explained, 1))
+                            .trim_end()
+                            .to_owned()
+                    })
+                    .collect();
+                let nearer = match told[..] {
+                    [(_, a), (_, o)] => match a.rms / o.rms.max(f64::MIN_POSITIVE) {
+                        r if r < 0.9 => ": the action is nearer",
+                        r if r > 1.1 => ": the one-degree-of-freedom model is nearer",
+                        _ => ": both are equally near",
+                    },
+                    _ => "",
+                };
+                let shares = shares.join(", ").replacen(
+                    "one degree of freedom explains",
+                    "one degree of freedom",
+                    usize::from(told.len() > 1),
+                );
+                verdicts.push(format!("{name} driven{}: {shares}{nearer}", up_to(first.told_to_hz)));
+            }
+            if let Some((trial, hammer)) = trials.iter().find_map(|trial| Some((*trial, trial.hammer_errors.as_ref()?)))
+            {
+                verdicts.push(format!(
+                    "{name} driven{}: the action explains {} of the hammer's variance",
+                    up_to(trial.hammer_told_to_hz),
+                    share(hammer.explained, 1)
+                ));
+            }
+        }
+        verdicts
+    }
+
+    /// What a comparison gives away about the recording: a trace that goes the other way, stands off, or comes at another time.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for (what, unit, driven) in [
+            ("position", ("mm", 1e3), &[Driven::ByForce][..]),
+            ("force", ("N", 1.0), &[Driven::Rigidly, Driven::ByMotion]),
+        ] {
+            let Some(trial) = driven.iter().find_map(|driven| self.trial(*driven, Which::Action)) else { continue };
+            let Some(errors) = &trial.errors else { continue };
+            let (simulated, measured) = match trial.driven {
+                Driven::ByForce => (&trial.key_m, &self.measured_position_m),
+                Driven::ByMotion | Driven::Rigidly => (&trial.force_n, &self.measured_force_n),
+            };
+            let Some(measured) = measured else { continue };
+            if errors.correlation < -0.5 {
+                warnings.push(format!(
+                    "the measured {what} moves against the simulated one (correlation {:.2}): one of the traces looks inverted",
+                    errors.correlation
+                ));
+                continue;
+            }
+            let off = measured.iter().zip(simulated).map(|(m, s)| m - s).sum::<f64>() / measured.len() as f64;
+            // As much of the error as makes it worth saying, and more than a hundredth of the range.
+            if off * off > 0.5 * errors.rms * errors.rms
+                && off.abs() > 0.02 * errors.rms / errors.rms_of_range.max(1e-12)
+            {
+                warnings.push(format!(
+                    "the measured {what} stands {:+.3} {} off the simulated one throughout",
+                    off * unit.1,
+                    unit.0
+                ));
+            }
+            // So much later they must go together twice as well, or it is the best of many that are equally good.
+            let shifted = errors::correlation(measured, simulated, (errors.delay_s * RATE_HZ).round() as isize);
+            let together = errors::correlation(measured, simulated, 0);
+            if errors.delay_s.abs() > 1e-3 && shifted > 0.5 && 1.0 - shifted < 0.5 * (1.0 - together) {
+                warnings.push(format!(
+                    "the simulated {what} comes {:.2} ms {} than the measured one: are all channels on one clock?",
+                    errors.delay_s.abs() * 1e3,
+                    if errors.delay_s > 0.0 { "later" } else { "earlier" }
+                ));
+            }
+        }
+        warnings
+    }
+}
+
+/// A share of the variance in words, with so many decimals: far below zero its number says nothing.
+#[must_use]
+pub fn share(explained: f64, decimals: usize) -> String {
+    if explained < -10.0 { "less than -1000 %".into() } else { format!("{:.decimals$} %", 100.0 * explained) }
+}
+
+/// ` up to 120 Hz`, where there is a limit.
+fn up_to(hz: f64) -> String {
+    if hz < 0.5 * RATE_HZ { format!(" up to {hz:.0} Hz") } else { String::new() }
+}
+
+/// A series at other instants, linearly interpolated; both axes ascend.
+fn sample(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
+    let mut i = 0;
+    at.iter()
+        .map(|&t| {
+            while i + 2 < time.len() && time[i + 1] <= t {
+                i += 1;
+            }
+            let share = ((t - time[i]) / (time[i + 1] - time[i])).clamp(0.0, 1.0);
+            values[i] + share * (values[i + 1] - values[i])
+        })
+        .collect()
+}

@@ -1,0 +1,292 @@
+//! One recording: what drives the model, and what is compared, at instants that are even.
+
+use std::ops::Range;
+
+use erard::simulation::Setup;
+use erard::stroke::{Cursor, ForceSeries, PositionOf, PositionSeries, Prescribed, Recording, Role, Series, Stroke};
+use fastrand::Rng;
+use moreau::Settings;
+
+use super::FitError;
+use erard::recording::{Butterworth, Preparation, Prepared, prepare};
+
+/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N and m.
+pub const COLUMNS: [(&str, Role, f64); 3] =
+    [("force_N", Role::Force, 0.02), ("key_m", Role::Position, 10e-6), ("hammer_head_m", Role::HammerHead, 50e-6)];
+/// Samples per second at most: above, a recording says more of its noise than of the action.
+const RATE_HZ: f64 = 4000.0;
+/// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so that forces there are nobody's.
+const SPLINE_ENDS: usize = 10;
+
+/// A recording, ready to be fitted.
+#[derive(Debug)]
+pub struct Data {
+    /// What it is called.
+    pub name: String,
+    /// What drives.
+    pub stroke: Stroke,
+    /// Where it does not drive quite as it says.
+    pub note: Option<&'static str>,
+    /// The column that drives.
+    pub driving: &'static str,
+    /// The columns that are compared.
+    pub columns: Vec<&'static str>,
+    /// Even instants on the recording's own clock, s.
+    pub time_s: Vec<f64>,
+    /// Those of them that are compared.
+    pub compared: Range<usize>,
+    /// What was measured there, column by column.
+    pub measured: Vec<Vec<f64>>,
+    /// What was done to what drives, and what was seen of its noise.
+    pub driven: Prepared,
+    /// The same of what is compared.
+    pub prepared: Prepared,
+    pub(super) settings: Settings<f64>,
+    pub(super) every: u64,
+    position_of: PositionOf,
+    drive: Option<Prescribed>,
+}
+
+impl Data {
+    /// Of a recording: prepared in one way for driving, and in another (or the same) for being compared. `columns` are compared; without them all that were
+    /// recorded and do not drive. Steps divide the time from sample to sample, and are as long as `settings` says at most.
+    ///
+    /// # Errors
+    /// Where it cannot drive so, or nothing is left to be compared.
+    pub fn new(
+        name: &str,
+        recording: &Recording,
+        position_of: PositionOf,
+        [driving, compared]: [&Preparation; 2],
+        drive: Option<Prescribed>,
+        columns: Option<&[String]>,
+        settings: Settings<f64>,
+    ) -> Result<Self, FitError> {
+        let wrong = |message: String| FitError::Recording { recording: name.to_owned(), message };
+        let driven = prepare(recording, driving).map_err(|error| wrong(error.to_string()))?;
+        let prepared = if driving == compared {
+            driven.clone()
+        } else {
+            prepare(recording, compared).map_err(|error| wrong(error.to_string()))?
+        };
+        let (stroke, note) = Stroke::recorded(name.to_owned(), driven.series.clone(), position_of, drive)?;
+        let driving = if stroke.drive == Prescribed::Force { "force_N" } else { "key_m" };
+        let recorded =
+            |column: &str| COLUMNS.iter().find(|(own, role, _)| *own == column && recording.channel(*role).is_some());
+        let wanted: Vec<&str> = match columns {
+            Some(columns) => columns.iter().map(String::as_str).collect(),
+            None => COLUMNS.iter().map(|(column, ..)| *column).filter(|column| recorded(column).is_some()).collect(),
+        };
+        let mut columns = Vec::new();
+        for column in wanted {
+            let (own, ..) = recorded(column)
+                .ok_or_else(|| FitError::asked("columns", format!("`{column}` was not recorded in {name}")))?;
+            if *own != driving && !columns.contains(own) {
+                columns.push(*own);
+            }
+        }
+        let told: Vec<&str> =
+            COLUMNS.iter().map(|(column, ..)| *column).filter(|column| recorded(column).is_some()).collect();
+        if columns.is_empty() {
+            let by = stroke.drive.name();
+            return Err(wrong(format!(
+                "driven by its {by} nothing else is there to be fitted (recorded: {})",
+                told.join(", ")
+            )));
+        }
+        let times = &recording.time_s;
+        let span_s = times[times.len() - 1] - times[0];
+        let dt_s = median_step(times).max(1.0 / RATE_HZ);
+        let every = (dt_s / settings.step - 1e-9).ceil().max(1.0);
+        let count = (span_s / dt_s) as usize + 1;
+        let ends = if stroke.drive == Prescribed::Force { 0 } else { SPLINE_ENDS };
+        if count < 2 * ends + 2 {
+            return Err(wrong(format!("found {count} samples, expected {} or more", 2 * ends + 2)));
+        }
+        let time_s: Vec<f64> = (0..count).map(|n| stroke.start_s + dt_s * n as f64).collect();
+        let compared = ends..count - ends;
+        let measured = columns.iter().map(|column| at(&prepared.series, column, &time_s[compared.clone()])).collect();
+        let settings = Settings { step: dt_s / every, ..settings };
+        let data = Data {
+            name: name.to_owned(),
+            stroke,
+            note,
+            driving,
+            columns,
+            time_s,
+            compared,
+            measured,
+            driven,
+            prepared,
+            settings,
+            every: every as u64,
+            position_of,
+            drive,
+        };
+        data.setup().check()?;
+        Ok(data)
+    }
+
+    /// Why no run from rest is this recording: a fingertip that begins with a force has pressed the key down before.
+    pub fn cannot_begin(&self) -> Option<&'static str> {
+        self.note.filter(|_| self.stroke.drive == Prescribed::Motion && self.driven.series.force.is_some())
+    }
+
+    /// How a run over it is made.
+    pub(super) fn setup(&self) -> Setup {
+        let duration_s = self.time_s[self.time_s.len() - 1] - self.time_s[0];
+        Setup { settings: self.settings, start_s: self.stroke.start_s, ledger: false, ..Setup::new(duration_s) }
+    }
+
+    /// Samples that are compared, of one column.
+    pub fn rows(&self) -> usize {
+        self.compared.len()
+    }
+
+    /// Root mean square of a column's noise, N or m, as its rest or its spectrum tells it.
+    pub fn noise(&self, column: &str) -> Option<f64> {
+        let (_, role, _) = COLUMNS.iter().find(|(own, ..)| *own == column)?;
+        Some(self.prepared.report.channel(*role)?.noise?.rms)
+    }
+
+    /// What drives, with noise of this root mean square added to every one of its samples: it goes through the same zero and the same filter.
+    pub(super) fn disturbed(&self, sigma: f64, rng: &mut Rng) -> Result<Stroke, FitError> {
+        let mut series = self.driven.series.clone();
+        let role = if self.driving == "force_N" { Role::Force } else { Role::Position };
+        let wrong = |error: &dyn std::fmt::Display| FitError::Recording {
+            recording: self.name.clone(),
+            message: error.to_string(),
+        };
+        let disturb = |values: &[f64], rng: &mut Rng| -> Vec<f64> {
+            let mut noise: Vec<f64> = values.iter().map(|_| sigma * normal(rng)).collect();
+            let report = self.driven.report.channel(role);
+            if let Some(zero) = report.and_then(|report| report.zero) {
+                let rest = zero.samples.clamp(1, noise.len());
+                let mean = noise[..rest].iter().sum::<f64>() / rest as f64;
+                noise.iter_mut().for_each(|x| *x -= mean);
+            }
+            let filter = report.and_then(|report| Some((report.low_pass?, report.rate_hz)));
+            let filter = filter.and_then(|(own, rate_hz)| Butterworth::low_pass(own.order, own.cutoff_hz, rate_hz));
+            let noise = filter.map_or(noise.clone(), |filter| filter.forth_and_back(&noise));
+            values.iter().zip(noise).map(|(value, noise)| value + noise).collect()
+        };
+        if role == Role::Force {
+            if let Some(force) = &series.force {
+                let noisy = ForceSeries::new(force.times_s().to_vec(), disturb(force.forces_n(), rng));
+                series.force = Some(noisy.map_err(|error| wrong(&error))?);
+            }
+        } else if let Some(path) = &series.position {
+            let noisy = PositionSeries::new(path.times_s().to_vec(), disturb(path.positions_m(), rng));
+            series.position = Some(noisy.map_err(|error| wrong(&error))?);
+        }
+        Ok(Stroke::recorded(self.name.clone(), series, self.position_of, self.drive)?.0)
+    }
+}
+
+/// A column of a series at these instants; nothing where it was not recorded.
+fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
+    let mut cursor = Cursor::default();
+    let path = |path: &Option<PositionSeries>, cursor: &mut Cursor| -> Vec<f64> {
+        path.as_ref().map_or_else(Vec::new, |path| times.iter().map(|t| path.at(*t, cursor).0).collect())
+    };
+    match column {
+        "force_N" => series
+            .force
+            .as_ref()
+            .map_or_else(Vec::new, |force| times.iter().map(|t| force.at(*t, &mut cursor)).collect()),
+        "key_m" => path(&series.position, &mut cursor),
+        _ => path(&series.hammer_head, &mut cursor),
+    }
+}
+
+/// The usual time between two samples, s.
+fn median_step(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    let middle = steps.len() / 2;
+    if steps.len() % 2 == 1 { steps[middle] } else { 0.5 * (steps[middle - 1] + steps[middle]) }
+}
+
+/// A normal number, mean 0 and variance 1 (Box and Muller).
+pub(super) fn normal(rng: &mut Rng) -> f64 {
+    (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (std::f64::consts::TAU * rng.f64()).cos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Recording {
+        Recording::read(text.as_bytes(), "test", &erard::stroke::Columns::default()).unwrap()
+    }
+
+    fn data(text: &str, drive: Option<Prescribed>, columns: Option<&[String]>) -> Result<Data, FitError> {
+        let none = Preparation::none();
+        Data::new("test", &read(text), PositionOf::Key, [&none, &none], drive, columns, Settings::new(50e-6))
+    }
+
+    fn table(rows: usize, dt_s: f64) -> String {
+        let rows =
+            (0..rows).map(|n| format!("{},{},{},{}\n", n as f64 * dt_s, 2 + n % 2, 1e-5 * n as f64, 2e-5 * n as f64));
+        format!("time_s,force_N,key_m,hammer_head_m\n{}", rows.collect::<String>())
+    }
+
+    /// The force drives, the rest is compared at the recording's own instants, at 4 kHz at most, in steps that divide them.
+    #[test]
+    fn recordings_are_made_even() {
+        let own = data(&table(101, 1.0 / 1024.0), None, None).unwrap();
+        assert_eq!(
+            (own.driving, &own.columns[..], own.rows(), own.every),
+            ("force_N", &["key_m", "hammer_head_m"][..], 101, 20)
+        );
+        assert!((own.measured[1][50] - 1e-3).abs() < 1e-9 && (own.time_s[100] - 100.0 / 1024.0).abs() < 1e-12);
+        let fine = data(&table(1001, 1.0 / 8192.0), None, None).unwrap();
+        assert_eq!((fine.rows(), fine.every), (489, 5));
+        assert!((fine.settings.step - 50e-6).abs() < 1e-18);
+        // A motion drives: the force is compared, but not at its ends, where the spline rings.
+        let rigid = data(&table(101, 1.0 / 1024.0), Some(Prescribed::Rigid), None).unwrap();
+        assert_eq!(
+            (rigid.driving, &rigid.columns[..], rigid.compared.clone()),
+            ("key_m", &["force_N", "hammer_head_m"][..], 10..91)
+        );
+    }
+
+    /// What is wrong is said, with the recording's name.
+    #[test]
+    fn what_cannot_be_fitted_is_said() {
+        let told = |result: Result<Data, FitError>| result.unwrap_err().to_string();
+        let alone = "time_s,force_N\n0,1\n0.1,2\n";
+        assert!(told(data(alone, None, None)).starts_with("test: driven by its force nothing else"));
+        assert!(told(data(alone, Some(Prescribed::Rigid), None)).contains("`position_m`"));
+        let wanted = ["string_N".to_owned()];
+        assert!(told(data(&table(11, 1e-3), None, Some(&wanted))).contains("`string_N` was not recorded"));
+        assert!(told(data(&table(15, 1e-3), Some(Prescribed::Rigid), None)).contains("expected 22 or more"));
+    }
+
+    /// Noise that is added to what drives has the size that was asked for, and is filtered as the recording was.
+    #[test]
+    fn disturbances_are_as_large_as_the_noise() {
+        let recording = read(&table(4001, 2.5e-4));
+        let rms = |driving: &Preparation| {
+            let own = Data::new("x", &recording, PositionOf::Key, [driving, driving], None, None, Settings::new(50e-6))
+                .unwrap();
+            let noisy = own.disturbed(0.1, &mut Rng::with_seed(1)).unwrap();
+            let force = |stroke: &Stroke| {
+                let inputs = stroke.inputs(&erard::instrument::Finger::default()).unwrap();
+                own.time_s
+                    .iter()
+                    .map(|t| match inputs(*t) {
+                        erard::Input::Force(f) => f,
+                        _ => f64::NAN,
+                    })
+                    .collect::<Vec<_>>()
+            };
+            let (a, b) = (force(&noisy), force(&own.stroke));
+            (a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+        };
+        assert!((rms(&Preparation::none()) / 0.1 - 1.0).abs() < 0.03);
+        // Of white noise up to 2000 Hz some 200 Hz pass.
+        let filtered = Preparation { low_pass: erard::recording::LowPass::At(200.0), ..Preparation::none() };
+        assert!((rms(&filtered) / 0.1 / 0.1_f64.sqrt() - 1.0).abs() < 0.15, "{}", rms(&filtered));
+    }
+}

@@ -1,0 +1,75 @@
+//! What the noise of what drives does to the residuals: strokes that are disturbed by it are played.
+
+use crate::study::Job;
+use fastrand::Rng;
+
+use super::problem::sampled;
+use super::svd::Columns;
+use super::{FitError, Problem};
+
+/// Strokes whose drive is disturbed by its own noise.
+pub(super) const DISTURBED: usize = 48;
+
+/// How residuals move when the drive is disturbed: for each recording that has noise of its own, as many columns as were played.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Disturbed {
+    /// All columns; rows of other recordings are nothing.
+    pub columns: Columns,
+}
+
+impl Disturbed {
+    /// What the reduced chi2 should be: 1, and what a typical disturbance adds, recording by recording.
+    pub fn explained(&self, rows: usize) -> f64 {
+        let typical = |own: &[Vec<f64>]| {
+            let mut squares: Vec<f64> = own.iter().map(|column| column.iter().map(|x| x * x).sum()).collect();
+            squares.sort_unstable_by(f64::total_cmp);
+            0.5 * (squares[squares.len() / 2 - 1] + squares[squares.len() / 2])
+        };
+        1.0 + self.columns.chunks_exact(DISTURBED).map(typical).sum::<f64>() / rows as f64
+    }
+}
+
+impl Problem {
+    /// Plays strokes with a disturbed drive at a point. The same noise every time.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn drive_noise(&mut self, point: &[f64]) -> Result<Disturbed, FitError> {
+        let instrument = self.at(point).ok_or(FitError::Unplayable)?;
+        let undisturbed = self.simulate(&[point.to_vec()])?;
+        let (mut columns, mut first, total) = (Vec::new(), 0, self.rows());
+        let mut channel = 0;
+        for (i, one) in self.data.iter().enumerate() {
+            let (own_rows, own_channels) = (one.rows() * one.columns.len(), one.columns.len());
+            let sigma = &self.sigma[channel..channel + own_channels];
+            channel += own_channels;
+            let (begins, noise) = (first, self.drive_sigma[i].unwrap_or(0.0));
+            first += own_rows;
+            if noise == 0.0 {
+                continue;
+            }
+            let mut rng = Rng::with_seed(i as u64);
+            let strokes = (0..DISTURBED).map(|_| one.disturbed(noise, &mut rng)).collect::<Result<Vec<_>, _>>()?;
+            let jobs = strokes
+                .iter()
+                .map(|stroke| stroke.inputs(&instrument.finger).map(|stroke| Job { instrument: 0, stroke }));
+            let jobs = jobs.collect::<Result<Vec<_>, _>>()?;
+            let (all, workers) = (std::slice::from_ref(&instrument), self.workers());
+            let played = sampled(&instrument, all, one, jobs, workers, self.evaluations, &mut self.watch)?;
+            for samples in played {
+                let mut column = vec![0.0; total];
+                let own = samples.iter().flatten().zip(&undisturbed[i][0]).zip(sigma);
+                let moved = own.flat_map(|((disturbed, still), sigma)| {
+                    one.compared.clone().map(move |n| (disturbed[n] - still[n]) / sigma)
+                });
+                for (place, x) in column[begins..begins + own_rows].iter_mut().zip(moved) {
+                    *place = if x.is_finite() { x } else { 0.0 };
+                }
+                columns.push(column);
+            }
+            self.evaluations += DISTURBED as u64;
+        }
+        self.go_on()?;
+        Ok(Disturbed { columns })
+    }
+}

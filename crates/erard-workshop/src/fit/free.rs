@@ -1,0 +1,216 @@
+//! What is free, between which bounds, and how it is counted.
+
+use crate::study::{Parameter, Quantity, quantities};
+use erard::instrument::{Instrument, InstrumentFile};
+
+use super::FitError;
+
+/// Bounds of a factor of which the file does not say how far it may be off.
+const USUAL_FACTORS: [f64; 2] = [0.2, 5.0];
+/// The same of a screw, as a share of what it can do.
+const USUAL_TURN: f64 = 0.02;
+
+/// A parameter that is fitted. Outside it is what `study --vary` takes in SI units: a screw's turn in m, rad or N m, or a factor. Inside it is counted so that steps
+/// are alike: the logarithm of a factor, or a turn as a share of half its bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Free {
+    /// Its name ([`Parameter::all`]).
+    pub name: String,
+    /// What it is.
+    pub parameter: Parameter,
+    /// Its value where the fit starts from the instrument as it is, in `unit`.
+    pub value: f64,
+    /// SI; empty for a coefficient.
+    pub unit: &'static str,
+    /// Least value, outside.
+    pub low: f64,
+    /// Largest.
+    pub high: f64,
+}
+
+impl Free {
+    fn scale(&self) -> f64 {
+        (self.high - self.low) / 2.0
+    }
+
+    /// As it is counted.
+    pub fn inner(&self, x: f64) -> f64 {
+        if self.parameter.is_factor() { x.ln() } else { x / self.scale() }
+    }
+
+    /// As `vary` takes it.
+    pub fn outer(&self, p: f64) -> f64 {
+        if self.parameter.is_factor() { p.exp() } else { p * self.scale() }
+    }
+
+    /// d outer / d inner.
+    pub fn slope(&self, p: f64) -> f64 {
+        if self.parameter.is_factor() { p.exp() } else { self.scale() }
+    }
+
+    /// d outer / d inner of an instrument that has the value already, whose factor is 1.
+    pub(super) fn slope_from_itself(&self) -> f64 {
+        if self.parameter.is_factor() { 1.0 } else { self.scale() }
+    }
+
+    /// Half of what it may be, as it is counted.
+    pub fn width(&self) -> f64 {
+        (self.inner(self.high) - self.inner(self.low)) / 2.0
+    }
+
+    /// Bounds as they are counted.
+    pub fn bounds(&self) -> [f64; 2] {
+        [self.inner(self.low), self.inner(self.high)]
+    }
+
+    /// In SI units, what a value outside comes to.
+    pub fn si(&self, x: f64) -> f64 {
+        if self.parameter.is_factor() { self.value * x } else { self.value + x }
+    }
+
+    /// In SI units, what a deviation outside comes to at a value.
+    pub fn si_error(&self, x: f64, error: f64) -> f64 {
+        if self.parameter.is_factor() { (self.value * x).abs() * error / x } else { error }
+    }
+
+    /// What leaves the instrument as it is.
+    pub fn nothing(&self) -> f64 {
+        if self.parameter.is_factor() { 1.0 } else { 0.0 }
+    }
+
+    /// Whether a value stands at one of its bounds.
+    pub fn is_at_a_bound(&self, x: f64) -> bool {
+        (x - self.low).abs().min((x - self.high).abs()) < 1e-3 * (self.high - self.low)
+    }
+}
+
+/// What is asked for by name.
+pub type Asked<T> = Vec<(String, T)>;
+
+/// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may be off, else usual ones.
+///
+/// # Errors
+/// A name that is none, is there twice, or bounds that are none.
+pub fn free(file: &InstrumentFile, names: &[String], bounds: &Asked<[f64; 2]>) -> Result<Vec<Free>, FitError> {
+    let known = quantities(file);
+    let mut found: Vec<Free> = Vec::new();
+    for name in names {
+        let own = known.iter().find(|quantity| quantity.name == *name).ok_or_else(|| unknown(name, &known))?;
+        if found.iter().any(|other| other.name == *name) {
+            return Err(FitError::asked("vary", format!("`{name}` is there twice; expected each name once")));
+        }
+        found.push(one(own, bounds)?);
+    }
+    if found.is_empty() {
+        return Err(FitError::asked("vary", "found none, expected one name or more, each once"));
+    }
+    match bounds.iter().find(|(name, _)| !names.contains(name)) {
+        Some((name, _)) => Err(FitError::asked("bounds", format!("{name} is not varied"))),
+        None => Ok(found),
+    }
+}
+
+fn one(own: &Quantity, bounds: &Asked<[f64; 2]>) -> Result<Free, FitError> {
+    let [least, most] = own.parameter.range();
+    let usual = || {
+        let screw = [-USUAL_TURN * most, USUAL_TURN * most];
+        own.spread.unwrap_or(if own.parameter.is_factor() { USUAL_FACTORS } else { screw })
+    };
+    let given = bounds.iter().find(|(name, _)| *name == own.name).map(|(_, bounds)| *bounds);
+    let [low, high] = given.unwrap_or_else(usual);
+    if !(low.is_finite() && high.is_finite() && least <= low && low < high && high <= most) {
+        let unit = if own.parameter.is_factor() { "times" } else { own.unit };
+        let expected = format!("expected two increasing numbers from {least:.4} to {most:.4} {unit}");
+        return Err(FitError::asked("bounds", format!("{} from {low} to {high}; {expected}", own.name)));
+    }
+    // A file may say how far off a number is that no run can have.
+    Ok(Free { name: own.name.clone(), parameter: own.parameter.clone(), value: own.value, unit: own.unit, low, high })
+}
+
+fn unknown(name: &str, known: &[Quantity]) -> FitError {
+    let mut near: Vec<(f64, &str)> =
+        known.iter().map(|one| (strsim::jaro_winkler(name, &one.name), one.name.as_str())).collect();
+    near.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let names: Vec<String> = near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect();
+    let is_number = known.iter().any(|one| one.path == name);
+    let what = if is_number {
+        "is a number of the file; expected a screw or a parameter"
+    } else {
+        "is nothing that can be fitted; expected one of"
+    };
+    let message = format!(
+        "`{name}` {what}{}, nearest {}",
+        if is_number { String::new() } else { format!(" {} names", known.len()) },
+        names.join(", ")
+    );
+    FitError::asked("vary", message)
+}
+
+/// An instrument with values of free parameters, outside; `None` where it cannot have them.
+pub(super) fn varied(instrument: &Instrument, free: &[Free], values: &[f64]) -> Option<Instrument> {
+    let mut varied = instrument.clone();
+    let all = free.iter().zip(values).all(|(one, value)| {
+        let [least, most] = one.parameter.range();
+        (least..=most).contains(value) && one.parameter.vary(&mut varied, *value)
+    });
+    all.then_some(varied)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grand() -> InstrumentFile {
+        InstrumentFile::builtin("concert-grand-rigid").unwrap()
+    }
+
+    fn names(all: &[&str]) -> Vec<String> {
+        all.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// A factor is counted by its logarithm, a screw by its bounds; both ways and their slopes are one.
+    #[test]
+    fn counts_are_one_both_ways() {
+        let bounds = vec![("let_off".to_owned(), [-1e-3, 3e-3])];
+        let found = free(&grand(), &names(&["body.hammer.mass", "let_off"]), &bounds).unwrap();
+        assert_eq!((found[1].low, found[1].high, found[1].width()), (-1e-3, 3e-3, 1.0));
+        for (one, x) in [(&found[0], 1.07), (&found[1], 4e-4)] {
+            let p = one.inner(x);
+            assert!((one.outer(p) - x).abs() < 1e-15);
+            let slope = (one.outer(p + 1e-6) - one.outer(p - 1e-6)) / 2e-6;
+            assert!((slope / one.slope(p) - 1.0).abs() < 1e-8);
+            assert!(
+                one.low < one.nothing()
+                    && one.nothing() < one.high
+                    && !one.is_at_a_bound(x)
+                    && one.is_at_a_bound(one.high)
+            );
+        }
+        let mass = found[0].value;
+        assert!(
+            (found[0].si(1.1) - 1.1 * mass).abs() < 1e-15 && (found[0].si_error(1.1, 0.01) - 0.01 * mass).abs() < 1e-15
+        );
+    }
+
+    /// What is wrong is named, and what would be right.
+    #[test]
+    fn what_is_wrong_is_named() {
+        let told = |asked: &[&str], bounds: &[(&str, [f64; 2])]| {
+            let bounds: Asked<[f64; 2]> = bounds.iter().map(|(name, b)| ((*name).to_owned(), *b)).collect();
+            free(&grand(), &names(asked), &bounds).unwrap_err().to_string()
+        };
+        for (asked, bounds, expected) in [
+            (&[][..], &[][..], "one name or more"),
+            (&["leton"], &[], "nearest `let_off`"),
+            (&["body.hammer.mass_g"], &[], "number of the file"),
+            (&["let_off", "let_off"], &[], "twice"),
+            (&["let_off"], &[("let_off", [1e-3, -1e-3])], "increasing"),
+            (&["let_off"], &[("let_off", [f64::NAN, 1e-3])], "increasing"),
+            (&["let_off"], &[("let_off", [-1.0, 1.0])], "to 0.1"),
+            (&["let_off"], &[("drop", [0.0, 1e-3])], "drop is not varied"),
+        ] {
+            let message = told(asked, bounds);
+            assert!(message.contains(expected), "{message}");
+        }
+    }
+}

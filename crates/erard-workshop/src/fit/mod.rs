@@ -1,0 +1,83 @@
+//! Parameters of an instrument fitted to recordings: least squares, and what the data do and do not tell.
+//!
+//! Each recording drives the model by its force, or its motion, and what else was recorded is compared ([`Data`]). What is free, and between which bounds, is a
+//! [`Free`] parameter; residuals and their Jacobian make a [`Problem`]. [`course()`] leads a solver through it: first what leads to the blow, then all of it in
+//! differences that look past what jumps, then finely, and from elsewhere again until two have ended alike. [`Found`] says what came of it: covariance (noise of sensors
+//! and of what drives, misfit beyond both), and which directions nobody sees.
+//!
+//! The command `erard fit` has [`solver`] for its solver; `erard.fit` in Python walks the same course with SciPy's. All else is the same code.
+
+mod course;
+mod data;
+mod drive_noise;
+mod found;
+mod free;
+mod jacobian;
+mod problem;
+pub mod solver;
+mod svd;
+mod written;
+
+pub use course::{Host, Native, Plan, Solution, course};
+pub use data::{COLUMNS, Data};
+pub use found::{Channel, Found};
+pub use free::{Asked, Free, free};
+pub use jacobian::{DIFFERENCES, Jacobian};
+pub use problem::{Curves, Problem, Watch};
+pub use solver::Loss;
+pub use svd::Columns;
+pub use written::WriteError;
+
+use crate::sensitivities::SensitivityError;
+use erard::simulation::SimulationError;
+use erard::stroke::DrivingError;
+use thiserror::Error;
+
+/// Why nothing can be fitted.
+#[derive(Debug, Error)]
+pub enum FitError {
+    /// Something that was asked for is wrong.
+    #[error("{argument}: {message}")]
+    Asked {
+        /// Which: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
+        argument: &'static str,
+        /// What was found, and what was expected.
+        message: String,
+    },
+    /// A recording cannot be fitted.
+    #[error("{recording}: {message}")]
+    Recording {
+        /// Its name.
+        recording: String,
+        /// What was found, and what was expected.
+        message: String,
+    },
+    /// A recording cannot drive so.
+    #[error(transparent)]
+    Driving(#[from] DrivingError),
+    /// Nothing can be played where the fit starts.
+    #[error("the instrument cannot be played where the fit starts")]
+    Unplayable,
+    /// A setting of the steps, or an interruption.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// No derivatives.
+    #[error(transparent)]
+    Sensitivity(#[from] SensitivityError),
+}
+
+impl FitError {
+    pub(crate) fn asked(argument: &'static str, message: impl Into<String>) -> Self {
+        FitError::Asked { argument, message: message.into() }
+    }
+
+    /// Whether the caller asked to stop.
+    pub fn is_interruption(&self) -> bool {
+        use crate::cores::Ending;
+        match self {
+            FitError::Simulation(error) => error.is_interruption(),
+            FitError::Sensitivity(error) => error.is_interruption(),
+            _ => false,
+        }
+    }
+}

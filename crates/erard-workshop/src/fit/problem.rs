@@ -1,0 +1,394 @@
+//! Residuals over the inner parameters: those of the instrument, then the delays in ms.
+
+use crate::study::{Job, Sampling, Workers, play_all, sample_all};
+use erard::instrument::Instrument;
+use erard::simulation::SimulationError;
+
+use super::data::{COLUMNS, Data};
+use super::free::varied;
+use super::{FitError, Free};
+
+/// How long after the blow the first look lasts, s: what comes later is moved far by a little more or less of anything.
+const AFTER_THE_BLOW_S: f64 = 2e-3;
+/// The residual of what cannot be played: worse than any other.
+const WORST: f64 = 1e6;
+/// How far a delay may go either way, ms.
+const LONGEST_DELAY_MS: f64 = 20.0;
+
+/// What the model does: by recording, by point, by column, samples.
+pub type Curves = Vec<Vec<Vec<Vec<f64>>>>;
+
+/// Is told how many strokes were played, at least every 20 ms while some are; false ends the work.
+pub type Watch = Box<dyn FnMut(u64) -> bool + Send>;
+
+/// Residuals of recordings, in units of their noise.
+pub struct Problem {
+    /// Where the fit starts, and what is held fixed; without outlines.
+    pub instrument: Instrument,
+    /// What is free.
+    pub free: Vec<Free>,
+    /// What was recorded.
+    pub data: Vec<Data>,
+    /// Whether it is estimated how much later than the drive each channel was written down.
+    pub delay: bool,
+    /// On how many cores.
+    pub threads: usize,
+    /// Noise of every channel, root mean square, N or m.
+    pub sigma: Vec<f64>,
+    /// The same where something tells it.
+    pub told: Vec<Option<f64>>,
+    /// Noise of what drives, of every recording, where something tells it.
+    pub drive_sigma: Vec<Option<f64>>,
+    /// How much every row counts; without, all alike.
+    pub weights: Option<Vec<f64>>,
+    /// Whether the Jacobian of fine steps comes from derivatives of the model itself.
+    pub exact: bool,
+    /// Strokes that were played.
+    pub evaluations: u64,
+    /// Of these with derivatives.
+    pub differentiated: u64,
+    /// Progress, and whether to go on.
+    pub watch: Watch,
+    pub(super) kept: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Problem {
+    /// Of an instrument and recordings. `sigma` is the noise of columns, N or m, where the caller knows it; that of what drives, too.
+    ///
+    /// # Errors
+    /// Noise of a column that is not there, or that is no positive number (of what drives: that is negative).
+    pub fn new(
+        instrument: &Instrument,
+        free: Vec<Free>,
+        data: Vec<Data>,
+        delay: bool,
+        sigma: &[(String, f64)],
+        threads: usize,
+    ) -> Result<Self, FitError> {
+        if data.is_empty() {
+            return Err(FitError::asked("recordings", "found none, expected one or more"));
+        }
+        let known = |column: &str| sigma.iter().find(|(own, _)| own == column).map(|(_, sigma)| *sigma);
+        let mut problem = Problem {
+            instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
+            free,
+            delay,
+            threads,
+            sigma: Vec::new(),
+            told: Vec::new(),
+            drive_sigma: data.iter().map(|one| known(one.driving).or_else(|| one.noise(one.driving))).collect(),
+            data,
+            weights: None,
+            exact: false,
+            evaluations: 0,
+            differentiated: 0,
+            watch: Box::new(|_| true),
+            kept: None,
+        };
+        let channels: Vec<(usize, &str)> = problem.channels().collect();
+        for (column, sigma) in sigma {
+            let compared = channels.iter().any(|(_, own)| own == column);
+            if !compared && !problem.data.iter().any(|one| one.driving == column) {
+                return Err(FitError::asked("sigma", format!("{column} is not compared and does not drive")));
+            }
+            if !(sigma.is_finite() && *sigma >= 0.0 && (*sigma > 0.0 || !compared)) {
+                return Err(FitError::asked("sigma", format!("{column} is {sigma}; expected positive numbers")));
+            }
+        }
+        let told: Vec<Option<f64>> =
+            channels.iter().map(|(i, column)| known(column).or_else(|| problem.data[*i].noise(column))).collect();
+        let usual = |column: &str| COLUMNS.iter().find(|(own, ..)| *own == column).map_or(1.0, |(.., sigma)| *sigma);
+        let sigma: Vec<f64> =
+            channels.iter().zip(&told).map(|((_, column), told)| told.unwrap_or_else(|| usual(column))).collect();
+        if let Some(at) = sigma.iter().position(|sigma| *sigma <= 0.0) {
+            let column = channels[at].1;
+            return Err(FitError::asked(
+                "sigma",
+                format!("{column} shows no noise at all; expected its noise to be said"),
+            ));
+        }
+        (problem.told, problem.sigma) = (told, sigma);
+        Ok(problem)
+    }
+
+    /// Recording and column of every channel, in the order of the residuals.
+    pub fn channels(&self) -> impl Iterator<Item = (usize, &'static str)> + '_ {
+        self.data.iter().enumerate().flat_map(|(i, one)| one.columns.iter().map(move |column| (i, *column)))
+    }
+
+    /// Recording of a channel, and its place among that recording's columns.
+    pub(super) fn place(&self, channel: usize) -> (usize, usize) {
+        let mut first = 0;
+        for (i, one) in self.data.iter().enumerate() {
+            if channel < first + one.columns.len() {
+                return (i, channel - first);
+            }
+            first += one.columns.len();
+        }
+        unreachable!("there are no more channels than columns")
+    }
+
+    /// What a channel is called: its column, and which recording where there are several.
+    pub fn title(&self, channel: usize) -> String {
+        let (i, column) = self.place(channel);
+        let column = self.data[i].columns[column];
+        if self.data.len() == 1 { column.to_owned() } else { format!("{column} of recording {i}") }
+    }
+
+    /// How many delays there are: none, or one for every channel.
+    pub fn delays(&self) -> usize {
+        if self.delay { self.sigma.len() } else { 0 }
+    }
+
+    /// Residuals.
+    pub fn rows(&self) -> usize {
+        self.data.iter().map(|one| one.rows() * one.columns.len()).sum()
+    }
+
+    /// Columns that drive and of whose noise nothing is known.
+    pub fn silent(&self) -> Vec<&'static str> {
+        let unknown = self.data.iter().zip(&self.drive_sigma).filter(|(_, sigma)| sigma.is_none());
+        let mut found: Vec<&'static str> = unknown.map(|(one, _)| one.driving).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Lower and upper bounds of the inner parameters.
+    pub fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        let delays = std::iter::repeat_n([-LONGEST_DELAY_MS, LONGEST_DELAY_MS], self.delays());
+        self.free.iter().map(Free::bounds).chain(delays).map(|[low, high]| (low, high)).unzip()
+    }
+
+    /// Brings a point within its bounds, and a little away from them.
+    pub(super) fn keep_inside(&self, point: &mut [f64]) {
+        let (low, high) = self.bounds();
+        for (k, x) in point.iter_mut().enumerate() {
+            let margin = 1e-6 * (high[k] - low[k]);
+            *x = x.clamp(low[k] + margin, high[k] - margin);
+        }
+    }
+
+    /// Outer values of a point's parameters.
+    pub fn outer(&self, point: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(point).map(|(one, p)| one.outer(*p)).collect()
+    }
+
+    /// The instrument at a point; `None` where it cannot be so.
+    pub fn at(&self, point: &[f64]) -> Option<Instrument> {
+        varied(&self.instrument, &self.free, &self.outer(point))
+    }
+
+    pub(super) fn workers(&self) -> Workers {
+        Workers { threads: self.threads, ..Workers::all() }
+    }
+
+    /// Every recording at every point, all points of one recording side by side; a point that cannot be played is not a number.
+    ///
+    /// # Errors
+    /// An interruption, or a setting that is wrong for all.
+    pub fn simulate(&mut self, points: &[Vec<f64>]) -> Result<Curves, FitError> {
+        let variants: Vec<Option<Instrument>> = points.iter().map(|point| self.at(point)).collect();
+        let places: Vec<usize> = (0..points.len()).filter(|&row| variants[row].is_some()).collect();
+        let instruments: Vec<Instrument> = variants.into_iter().flatten().collect();
+        let mut all = Vec::with_capacity(self.data.len());
+        for i in 0..self.data.len() {
+            let one = &self.data[i];
+            let none = || vec![vec![f64::NAN; one.time_s.len()]; one.columns.len()];
+            let mut curves: Vec<Vec<Vec<f64>>> = points.iter().map(|_| none()).collect();
+            if let Some(first) = instruments.first() {
+                let inputs =
+                    |at: usize| one.stroke.inputs(&instruments[at].finger).map(|stroke| Job { instrument: at, stroke });
+                let jobs = (0..instruments.len()).map(inputs).collect::<Result<Vec<_>, _>>()?;
+                let played =
+                    sampled(first, &instruments, one, jobs, self.workers(), self.evaluations, &mut self.watch)?;
+                for (row, found) in places.iter().zip(played) {
+                    if let Some(found) = found {
+                        curves[*row] = found;
+                    }
+                }
+            }
+            self.evaluations += points.len() as u64;
+            all.push(curves);
+        }
+        self.go_on()?;
+        Ok(all)
+    }
+
+    pub(super) fn go_on(&mut self) -> Result<(), FitError> {
+        if (self.watch)(self.evaluations) { Ok(()) } else { Err(SimulationError::Interrupted.into()) }
+    }
+
+    /// How much later than the drive a channel was written down, s.
+    pub fn delay_s(&self, point: &[f64], channel: usize) -> f64 {
+        if self.delay { 1e-3 * point[self.free.len() + channel] } else { 0.0 }
+    }
+
+    /// What each channel should read, its delay included, at a point that was played as this row.
+    pub fn fitted(&self, point: &[f64], played: &Curves, row: usize) -> Vec<Vec<f64>> {
+        (0..self.sigma.len())
+            .map(|channel| {
+                let (i, column) = self.place(channel);
+                let one = &self.data[i];
+                let late = moved(&one.time_s, &played[i][row][column], self.delay_s(point, channel));
+                late[one.compared.clone()].to_vec()
+            })
+            .collect()
+    }
+
+    /// Residuals, weighted, at a point that was played as this row; not finite where it could not be played.
+    pub fn left(&self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
+        let mut left = Vec::with_capacity(self.rows());
+        for (channel, curve) in self.fitted(point, played, row).iter().enumerate() {
+            let (i, column) = self.place(channel);
+            let measured = &self.data[i].measured[column];
+            left.extend(curve.iter().zip(measured).map(|(fitted, measured)| (fitted - measured) / self.sigma[channel]));
+        }
+        self.weigh(&mut left);
+        left
+    }
+
+    pub(super) fn weigh(&self, rows: &mut [f64]) {
+        if let Some(weights) = &self.weights {
+            rows.iter_mut().zip(weights).for_each(|(row, weight)| *row *= weight);
+        }
+    }
+
+    /// Residuals at a point: fitted less measured, over the noise.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn residuals(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
+        if let Some((of, left)) = &self.kept
+            && of == point
+        {
+            return Ok(left.clone());
+        }
+        let played = self.simulate(&[point.to_vec()])?;
+        let mut left = self.left(point, &played, 0);
+        if left.iter().any(|x| !x.is_finite()) {
+            left.fill(WORST);
+        }
+        self.kept = Some((point.to_vec(), left.clone()));
+        Ok(left)
+    }
+
+    /// Whether residuals are those of what cannot be played.
+    pub fn is_unplayable(residuals: &[f64]) -> bool {
+        residuals.iter().all(|x| *x == WORST)
+    }
+
+    /// Forgets what was worked out last: noise or weights have changed.
+    pub fn forget(&mut self) {
+        self.kept = None;
+    }
+
+    /// 1 for rows up to shortly after the blow, 0 for later ones.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn until_the_blow(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
+        let mut weights = Vec::with_capacity(self.rows());
+        let (own, workers) = (self.at(point), self.workers());
+        for one in &self.data {
+            let blow_s = match &own {
+                None => None,
+                Some(instrument) => {
+                    let stroke = one.stroke.inputs(&instrument.finger)?;
+                    let count = self.evaluations;
+                    let watch = &mut self.watch;
+                    let job = vec![Job { instrument: 0, stroke }];
+                    let played =
+                        play_all(std::slice::from_ref(instrument), job, &one.setup(), workers, &mut |_| watch(count))?;
+                    let first = played.into_iter().next().and_then(Result::ok);
+                    first.and_then(|played| played.events.hammer_contact_s)
+                }
+            };
+            let counts = |t: &f64| f64::from(blow_s.is_none_or(|blow_s| *t <= blow_s + AFTER_THE_BLOW_S));
+            for _ in &one.columns {
+                weights.extend(one.time_s[one.compared.clone()].iter().map(counts));
+            }
+        }
+        Ok(weights)
+    }
+
+    /// Estimates the noise of every channel of which nothing tells it from what is left over at a point; whether it stays as it was.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn estimate_noise(&mut self, point: &[f64]) -> Result<bool, FitError> {
+        let left = self.residuals(point)?;
+        let share = 1.0 - point.len() as f64 / left.len() as f64;
+        let before = self.sigma.clone();
+        let mut first = 0;
+        for channel in 0..self.sigma.len() {
+            let rows = self.data[self.place(channel).0].rows();
+            let own = &left[first..first + rows];
+            first += rows;
+            if self.told[channel].is_none() {
+                let mean = own.iter().map(|x| x * x).sum::<f64>() / rows as f64;
+                self.sigma[channel] *= (mean / share).sqrt().max(1e-9);
+            }
+        }
+        self.forget();
+        Ok(self.sigma.iter().zip(&before).all(|(now, before)| (now / before - 1.0).abs() < 0.02))
+    }
+}
+
+/// Plays jobs over a recording and samples what is compared, column by column; `None` where it could not be played.
+pub(super) fn sampled(
+    first: &Instrument,
+    instruments: &[Instrument],
+    one: &Data,
+    jobs: Vec<Job<'_>>,
+    workers: Workers,
+    before: u64,
+    watch: &mut Watch,
+) -> Result<Vec<Option<Vec<Vec<f64>>>>, FitError> {
+    // Key, hammer and force are columns of every instrument.
+    let sampling = Sampling::of(first, &one.columns, one.every)
+        .map_err(|error| FitError::Recording { recording: one.name.clone(), message: error.to_string() })?;
+    let count = jobs.len() as f64;
+    let mut tell = |share: f64| watch(before + (share * count) as u64);
+    let results = sample_all(instruments, jobs, &one.setup(), &sampling, workers, &mut tell)?;
+    let of = |result: Result<crate::study::Played, SimulationError>| {
+        let mut samples = result.ok()?.samples;
+        samples.resize(one.columns.len(), Vec::new());
+        samples.iter_mut().for_each(|own| own.resize(one.time_s.len(), f64::NAN));
+        Some(samples)
+    };
+    Ok(results.into_iter().map(of).collect())
+}
+
+/// A curve as it reads when it is written down so much later; at its ends it stays as it was.
+pub(super) fn moved(times: &[f64], curve: &[f64], late_s: f64) -> Vec<f64> {
+    if late_s == 0.0 {
+        return curve.to_vec();
+    }
+    let last = times.len() - 1;
+    let of = |t: f64| {
+        let t = t - late_s;
+        if t <= times[0] {
+            return curve[0];
+        }
+        if t >= times[last] {
+            return curve[last];
+        }
+        let k = times.partition_point(|time| *time <= t) - 1;
+        curve[k] + (curve[k + 1] - curve[k]) * (t - times[k]) / (times[k + 1] - times[k])
+    };
+    times.iter().map(|t| of(*t)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_are_moved() {
+        let (times, curve) = ([0.0, 1.0, 2.0, 3.0], [0.0, 10.0, 20.0, 0.0]);
+        assert_eq!(moved(&times, &curve, 0.5), [0.0, 5.0, 15.0, 10.0]);
+        assert_eq!(moved(&times, &curve, -0.5), [5.0, 15.0, 10.0, 0.0]);
+        assert_eq!(moved(&times, &curve, 0.0), curve);
+    }
+}

@@ -1,0 +1,96 @@
+//! A key of a keyboard with strings under a constant force: its hammer's first blow.
+
+use moreau::Settings;
+
+use erard::instrument::Instrument;
+use erard::player::ActionError;
+use erard::{Action, Input};
+
+/// Steps, s.
+pub const STEP_S: f64 = 50e-6;
+/// How far the hammer's force is followed after it met the string, s.
+const FOLLOWED_S: f64 = 10e-3;
+/// A key that has not sounded after this time does not, s.
+const PATIENCE_S: f64 = 0.5;
+/// Forces of published playing, N.
+const FORCES_N: [f64; 2] = [0.3, 35.0];
+/// A force is found when it is known to this share.
+const CLOSE: f64 = 5e-3;
+
+/// The first blow of a hammer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blow {
+    /// Speed of the hammer when it meets the string, m/s.
+    pub speed_m_s: f64,
+    /// From its first touch to its last within 10 ms, waves that come back and part them for a moment among it, s.
+    pub contact_s: f64,
+    /// In how many pulses.
+    pub pulses: u32,
+    /// The largest force, N.
+    pub peak_n: f64,
+    /// How fast it leaves, m/s.
+    pub back_m_s: f64,
+}
+
+/// An action at rest.
+pub fn rest(instrument: &Instrument) -> Result<Action, ActionError> {
+    Action::with(instrument, Settings::new(STEP_S))
+}
+
+/// The first blow under a constant force, from rest; `None`: it does not sound.
+pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
+    let (mut first, mut blow, mut touching) = (None, None, false);
+    for n in 0..((PATIENCE_S + FOLLOWED_S) / STEP_S) as usize {
+        let reading = action.step(Input::Force(force_n));
+        if let (Some(strike), None) = (action.blow(), first) {
+            first = Some(n);
+            blow = Some(Blow { speed_m_s: strike.speed_m_s, contact_s: 0.0, pulses: 0, peak_n: 0.0, back_m_s: 0.0 });
+        }
+        let (Some(since), Some(blow)) = (first, &mut blow) else {
+            if n as f64 * STEP_S > PATIENCE_S {
+                break;
+            }
+            continue;
+        };
+        if (n - since) as f64 * STEP_S > FOLLOWED_S {
+            break;
+        }
+        if reading.string_n > 0.0 {
+            blow.pulses += u32::from(!touching);
+            (blow.contact_s, blow.back_m_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_s);
+            blow.peak_n = blow.peak_n.max(reading.string_n);
+        }
+        touching = reading.string_n > 0.0;
+    }
+    blow
+}
+
+/// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none is. `going` ends it by returning false.
+pub fn blow_of_speed(
+    action: &mut Action,
+    speed_m_s: f64,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<Option<Blow>, Stopped> {
+    let still = action.save();
+    let mut fast_enough = |force_n: f64| -> Result<Option<Blow>, Stopped> {
+        if !going() {
+            return Err(Stopped);
+        }
+        action.restore(&still).expect("it is the action's own");
+        Ok(blow(action, force_n).filter(|blow| blow.speed_m_s >= speed_m_s))
+    };
+    let [mut low, mut high] = FORCES_N;
+    let Some(mut found) = fast_enough(high)? else { return Ok(None) };
+    while high / low > 1.0 + CLOSE {
+        let middle = (low * high).sqrt();
+        match fast_enough(middle)? {
+            Some(blow) => (high, found) = (middle, blow),
+            None => low = middle,
+        }
+    }
+    Ok(Some(found))
+}
+
+/// Somebody asked to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopped;

@@ -1,0 +1,314 @@
+//! Blows from the softest to the loudest: when the key is down and when the hammer is there.
+//!
+//! Three protocols, fixed before any number of an instrument was moved for them:
+//!
+//! - *constant*: a force that is there at once and stays. Nobody plays so; it is the plainest of drives.
+//! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises from nothing at a constant rate, to the end of the run
+//!   ([`Gesture::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and Fisette (Machines 8 (2020) 76) ask of an
+//!   actuator that is to play as a pianist does.
+//! - *led*: the same hand is led to 10.5 mm below the key's rest along the path of least jerk, by muscle of 1500 N/m and 14 N s/m, and stays
+//!   there ([`Gesture::led`]). The slowest that sounds is the softest.
+//!
+//! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down ([`erard::events`]). Accelerometers see key
+//! bottom where the key is slowed down most, a millisecond or more later.
+
+use crate::measure::MeasureError;
+use erard::instrument::Instrument;
+use erard::player::{self, Gesture, press_by_hand};
+use erard::run::Run;
+use erard::simulation::{Setup, SimulationError, simulate};
+use moreau::Settings;
+
+/// Step, s.
+const STEP_S: f64 = 50e-6;
+/// A blow is over after this time, s: twice the slowest published.
+const DURATION_S: f64 = 0.5;
+/// The forces of published playing, N: 0.5 starts a key, 15 is ff, and 35 is more than any.
+const FORCES_N: [f64; 2] = [0.3, 35.0];
+/// Rates at which a hand's force rises, N/s: from one with which the key takes a third of a second to the fastest of a pianist.
+const RATES_N_S: [f64; 2] = [4.0, 2500.0];
+/// Times within which a hand is led down, s: twice the longest published key stroke, and one that no led hand keeps.
+const SLOWEST_S: f64 = 0.5;
+const QUICKEST_S: f64 = 0.02;
+/// A force is found when it is known to this share.
+const CLOSE: f64 = 1e-3;
+/// A key that has gone so far has started, m: past the cloths on which it breathes.
+const STARTED_M: f64 = 1e-3;
+/// Forces of the curve against loudness, from the softest to the largest.
+const POINTS: usize = 25;
+/// Hammer speeds of the marks, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
+pub(super) const PP_M_S: f64 = 0.5;
+pub(super) const FF_M_S: f64 = 5.0;
+pub(super) const MF_M_S: f64 = 1.99;
+const F_M_S: f64 = 3.15;
+/// The key stroke that a published f has, s.
+const F_STROKE_S: f64 = 0.025;
+
+/// How the key is pressed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// By a constant force, N, that is there at once.
+    Constant(f64),
+    /// By a hand whose muscle's force rises at so many N/s ([`Gesture::pressed`]).
+    Pressed(f64),
+    /// By a hand that is led down within so many s ([`Gesture::led`]).
+    Led(f64),
+}
+
+/// One blow. SI units; `None` did not happen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressedBlow {
+    /// How the key was pressed.
+    pub drive: Drive,
+    /// From key start to key bottom, s. Key bottom is the first touch of the front punching.
+    pub key_stroke_s: Option<f64>,
+    /// From key start to the hammer on the string, s.
+    pub to_string_s: Option<f64>,
+    /// How long before key bottom the hammer meets the string, s; negative: after it.
+    pub hammer_ahead_s: Option<f64>,
+    /// Speed of the hammer at the string, m/s.
+    pub hammer_speed_m_s: Option<f64>,
+    /// Largest speed of the key front before the hammer meets the string, m/s.
+    pub key_speed_m_s: f64,
+    /// How long the hammer touches the string the first time, s.
+    pub contact_s: Option<f64>,
+    /// Farthest travel of the key front, m.
+    pub deepest_m: f64,
+}
+
+/// What blows show. Drives that are not found are `None`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loudness {
+    /// Smallest force that starts the key, N.
+    pub starting_force_n: Option<f64>,
+    /// Constant force of a key stroke of 20 ms, N.
+    pub force_of_a_20_ms_stroke_n: Option<f64>,
+    /// The softest constant force that sounds and reaches key bottom.
+    pub softest: Option<PressedBlow>,
+    /// At 0.8, 15 and 35 N.
+    pub at_0_8_n: PressedBlow,
+    /// A blow under 15 N.
+    pub at_15_n: PressedBlow,
+    /// A blow under 35 N.
+    pub at_35_n: PressedBlow,
+    /// Constant forces for the hammer speeds of the marks.
+    pub mf: Option<PressedBlow>,
+    /// The f blow.
+    pub f: Option<PressedBlow>,
+    /// The constant force with the key stroke of a published f.
+    pub f_by_stroke: Option<PressedBlow>,
+    /// Hammer speed where hammer and key bottom come together under constant forces, m/s.
+    pub crossover_m_s: Option<f64>,
+    /// The curve of constant forces against loudness.
+    pub blows: Vec<PressedBlow>,
+    /// What hands do.
+    pub by_hand: ByHand,
+}
+
+/// Blows of hands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByHand {
+    /// Led so slowly that it just sounds.
+    pub softest: Option<PressedBlow>,
+    /// Led, at the hammer speed of pp.
+    pub pp: Option<PressedBlow>,
+    /// Pressed, with the key stroke of a published f.
+    pub f_by_stroke: Option<PressedBlow>,
+    /// Pressed, at the hammer speed of ff.
+    pub ff: Option<PressedBlow>,
+    /// Pressed as fast as a hand can.
+    pub loudest: PressedBlow,
+    /// Hammer speed where hammer and key bottom come together, pressed, m/s.
+    pub crossover_m_s: Option<f64>,
+    /// The curve of pressed touches against loudness.
+    pub blows: Vec<PressedBlow>,
+}
+
+/// One blow.
+fn blow(
+    instrument: &Instrument,
+    drive: Drive,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<PressedBlow, SimulationError> {
+    let setup = Setup {
+        settings: Settings::new(STEP_S),
+        start_s: 0.0,
+        duration_s: DURATION_S,
+        record_every: None,
+        tolerance: None,
+        ledger: true,
+        pedal: erard::strings::Pedal::default(),
+    };
+    let going = &mut |_| going();
+    let run = match drive {
+        Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, going)?,
+        Drive::Pressed(rate_n_s) => press_by_hand(instrument, &Gesture::pressed(rate_n_s), &setup, going)?,
+        Drive::Led(duration_s) => press_by_hand(instrument, &Gesture::led(duration_s), &setup, going)?,
+    };
+    Ok(PressedBlow::of(instrument, &run, drive))
+}
+
+impl PressedBlow {
+    /// What a run shows.
+    pub(super) fn of(instrument: &Instrument, run: &Run, drive: Drive) -> Self {
+        let e = &run.events;
+        let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
+        let until = run.time_s.partition_point(|&t| t < e.hammer_contact_s.unwrap_or(f64::INFINITY));
+        let speeds = run.key_m[..until].windows(2).zip(run.time_s.windows(2));
+        let key_speed_m_s = speeds.map(|(y, t)| (y[1] - y[0]) / (t[1] - t[0])).fold(0.0, f64::max);
+        let string = instrument.roles.string.map(|zone| &run.zones[zone].normal_n[until.min(run.time_s.len())..]);
+        let contact_s = string.filter(|_| e.hammer_contact_s.is_some()).map(|normal| {
+            // The row of the first touch may still be without force.
+            let first = normal.iter().position(|n| *n > 0.0).unwrap_or(0);
+            let rows = normal[first..].iter().take_while(|n| **n > 0.0).count();
+            rows as f64 * run.work.record_every as f64 * STEP_S
+        });
+        PressedBlow {
+            drive,
+            key_stroke_s: between(e.key_start_s, e.key_bottom_s),
+            to_string_s: between(e.key_start_s, e.hammer_contact_s),
+            hammer_ahead_s: between(e.hammer_contact_s, e.key_bottom_s),
+            hammer_speed_m_s: e.hammer_speed_m_s,
+            key_speed_m_s,
+            contact_s,
+            deepest_m: run.key_m.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// Sounds, and goes all the way.
+    fn whole(&self) -> bool {
+        self.hammer_ahead_s.is_some()
+    }
+}
+
+/// A family of drives from soft to loud, by one number within its ends.
+struct Family {
+    drive: fn(f64) -> Drive,
+    ends: [f64; 2],
+}
+
+const CONSTANT: Family = Family { drive: Drive::Constant, ends: FORCES_N };
+const PRESSED: Family = Family { drive: Drive::Pressed, ends: RATES_N_S };
+/// By the inverse of its time, 1/s, so that more is louder.
+const LED: Family = Family { drive: |per_s| Drive::Led(1.0 / per_s), ends: [1.0 / SLOWEST_S, 1.0 / QUICKEST_S] };
+
+/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its blow; `None` when it does not hold at
+/// the largest.
+fn smallest(
+    instrument: &Instrument,
+    family: &Family,
+    holds: &dyn Fn(&PressedBlow) -> bool,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<Option<PressedBlow>, SimulationError> {
+    let [mut low, mut high] = family.ends;
+    let mut found = blow(instrument, (family.drive)(high), going)?;
+    if !holds(&found) {
+        return Ok(None);
+    }
+    while high / low > 1.0 + CLOSE {
+        let middle = (low * high).sqrt();
+        let tried = blow(instrument, (family.drive)(middle), going)?;
+        if holds(&tried) {
+            (high, found) = (middle, tried);
+        } else {
+            low = middle;
+        }
+    }
+    Ok(Some(found))
+}
+
+/// The blows of a family from a number to its end, in equal ratios.
+fn curve(
+    instrument: &Instrument,
+    family: &Family,
+    from: f64,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<Vec<PressedBlow>, SimulationError> {
+    let share = |n: usize| n as f64 / (POINTS - 1) as f64;
+    (0..POINTS)
+        .map(|n| blow(instrument, (family.drive)(from * (family.ends[1] / from).powf(share(n))), going))
+        .collect()
+}
+
+/// All that the table asks about.
+pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Loudness, MeasureError> {
+    // Counted in blows: ten searches of about 13, two curves and four more.
+    const BLOWS: f64 = 10.0 * 13.0 + 2.0 * POINTS as f64 + 4.0;
+    let mut done = 0.0;
+    let mut going = || {
+        done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
+        progress((done / BLOWS).min(1.0))
+    };
+    let going = &mut going;
+    let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_s.is_some_and(|v| v >= at_least);
+    let stroke = |at_most: f64| move |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= at_most);
+    let starting = smallest(instrument, &CONSTANT, &|b| b.deepest_m > STARTED_M, going)?;
+    let softest = smallest(instrument, &CONSTANT, &PressedBlow::whole, going)?;
+    let quick = smallest(instrument, &CONSTANT, &stroke(0.020), going)?;
+    let f_by_stroke = smallest(instrument, &CONSTANT, &stroke(F_STROKE_S), going)?;
+    let mf = smallest(instrument, &CONSTANT, &speed(MF_M_S), going)?;
+    let f = smallest(instrument, &CONSTANT, &speed(F_M_S), going)?;
+    let force = |blow: &Option<PressedBlow>| match blow {
+        Some(PressedBlow { drive: Drive::Constant(force_n), .. }) => Some(*force_n),
+        _ => None,
+    };
+    let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), going)?;
+    let pressed = curve(instrument, &PRESSED, RATES_N_S[0], going)?;
+    let by_hand = ByHand {
+        softest: smallest(instrument, &LED, &PressedBlow::whole, going)?,
+        pp: smallest(instrument, &LED, &speed(PP_M_S), going)?,
+        f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), going)?,
+        ff: smallest(instrument, &PRESSED, &speed(FF_M_S), going)?,
+        loudest: blow(instrument, Drive::Pressed(RATES_N_S[1]), going)?,
+        crossover_m_s: crossover(&pressed),
+        blows: pressed,
+    };
+    Ok(Loudness {
+        starting_force_n: force(&starting),
+        force_of_a_20_ms_stroke_n: force(&quick),
+        softest,
+        at_0_8_n: blow(instrument, Drive::Constant(0.8), going)?,
+        at_15_n: blow(instrument, Drive::Constant(15.0), going)?,
+        at_35_n: blow(instrument, Drive::Constant(FORCES_N[1]), going)?,
+        mf,
+        f,
+        f_by_stroke,
+        crossover_m_s: crossover(&blows),
+        blows,
+        by_hand,
+    })
+}
+
+/// Hammer speed at which the last change from hammer first to key bottom first lies, m/s: by linear interpolation.
+fn crossover(blows: &[PressedBlow]) -> Option<f64> {
+    let points: Vec<[f64; 2]> = blows.iter().filter_map(|b| Some([b.hammer_speed_m_s?, b.hammer_ahead_s?])).collect();
+    let last = points.windows(2).rev().find(|pair| pair[0][1] > 0.0 && pair[1][1] <= 0.0)?;
+    let [[slow, ahead], [fast, behind]] = [last[0], last[1]];
+    Some(slow + (fast - slow) * ahead / (ahead - behind))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(speed: f64, ahead: f64) -> PressedBlow {
+        PressedBlow {
+            drive: Drive::Constant(1.0),
+            key_stroke_s: None,
+            to_string_s: None,
+            hammer_ahead_s: Some(ahead),
+            hammer_speed_m_s: Some(speed),
+            key_speed_m_s: 0.0,
+            contact_s: None,
+            deepest_m: 0.0,
+        }
+    }
+
+    /// A straight line through zero at 2.5 m/s is found to rounding; one that does not change its sign has no crossover.
+    #[test]
+    fn a_line_crosses_where_it_does() {
+        let line: Vec<PressedBlow> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();
+        assert!((crossover(&line).unwrap() - 2.5).abs() < 1e-12);
+        assert_eq!(crossover(&line[..2]), None);
+    }
+}

@@ -1,0 +1,109 @@
+//! An instrument against what has been measured on real pianos.
+//!
+//! `published` is the table: one row per published number, with its source, its certainty and the range in which a simulated value
+//! meets it. `blows` and `touches` simulate what the technician's sheet ([`crate::measure`]) does not hold: the order of events
+//! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] puts both beside each other; what misses is said to miss.
+
+mod blows;
+mod published;
+mod strings;
+mod touches;
+mod values;
+
+pub use blows::{Drive, PressedBlow};
+pub use blows::{Loudness, measure as loudness};
+pub use published::{Published, PublishedError, Row};
+pub use strings::Skipped;
+pub use values::names;
+
+use crate::measure::flex::{key_flex_m_per_n, shank_flex_m_per_n};
+use crate::measure::{MeasureError, measure};
+use erard::instrument::Instrument;
+use erard::keyboard::Keyboard;
+use strings::Strung;
+use values::Flex;
+
+/// How a simulated value stands to a published one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Verdict {
+    /// Within the published range.
+    Met {
+        /// What was simulated, in the row's unit.
+        simulated: f64,
+    },
+    /// Outside of it.
+    Missed {
+        /// What was simulated, in the row's unit.
+        simulated: f64,
+        /// By how much, in the row's unit: negative is too small.
+        by: f64,
+    },
+    /// It did not happen in the simulation.
+    Absent,
+    /// Nothing was published that it could be held against.
+    Open {
+        /// What was simulated, in the row's unit.
+        simulated: f64,
+    },
+    /// The model has nothing that could be compared.
+    Silent,
+    /// This instrument has nothing that could be compared.
+    Skipped(Skipped),
+}
+
+/// An instrument beside the published measurements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// Instrument name.
+    pub instrument: String,
+    /// One verdict per row of the table, in its order.
+    pub verdicts: Vec<Verdict>,
+    /// Of every row the value under a constant force that stands beside it and does not count, in the row's unit.
+    pub beside: Vec<Option<f64>>,
+    /// Blows of constant forces, soft to loud: the order of events against loudness.
+    pub blows: Vec<PressedBlow>,
+    /// Blows of hands that press, soft to loud.
+    pub pressed: Vec<PressedBlow>,
+}
+
+/// Share of the work that the technician's sheet takes, and the blows after it.
+const SHEET: f64 = 0.6;
+const BLOWS: f64 = 0.2;
+const TOUCHES: f64 = 0.05;
+
+/// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are about other keys. `progress` is told the share
+/// that is done and ends the work by returning false.
+///
+/// # Errors
+/// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no error.
+pub fn validate(
+    instrument: &Instrument,
+    keyboard: Option<&Keyboard>,
+    published: &Published,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Validation, MeasureError> {
+    let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
+    let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;
+    let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + TOUCHES * share))?;
+    let before = SHEET + BLOWS + TOUCHES;
+    let strung = Strung::measure(instrument, keyboard, &mut |share| progress(before + (1.0 - before) * share))?;
+    let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
+    let value = |name: &str| values::value(name, &sheet, &loudness, &touches, &flex);
+    let verdict = |row: &Row| {
+        let Some(name) = row.measure.as_deref() else { return Verdict::Silent };
+        match strung.value(name) {
+            Some(Ok(found)) => row.judge(found),
+            Some(Err(skipped)) => Verdict::Skipped(skipped),
+            None => row.judge(value(name)),
+        }
+    };
+    let verdicts = published.rows.iter().map(verdict).collect();
+    let beside = published.rows.iter().map(|row| row.beside.as_deref().and_then(value)).collect();
+    Ok(Validation {
+        instrument: instrument.name.clone(),
+        verdicts,
+        beside,
+        blows: loudness.blows,
+        pressed: loudness.by_hand.blows,
+    })
+}

@@ -1,0 +1,154 @@
+//! Hammer and strings over the compass: contact, largest force, return, inharmonicity.
+
+use super::blows::{FF_M_S, MF_M_S, PP_M_S};
+use crate::measure::MeasureError;
+use crate::struck::{Blow, Stopped, blow_of_speed, rest};
+use erard::instrument::Instrument;
+use erard::keyboard::Keyboard;
+use erard::simulation::SimulationError;
+
+/// The keys beside the instrument, which is middle C: A0, C6, C8.
+const A0: usize = 1;
+const C6: usize = 64;
+const C8: usize = 88;
+/// Blows that are looked for, and about how many tries each takes.
+const SEARCHES: f64 = 5.0;
+const TRIES: f64 = 11.0;
+/// Cents of the second partial per B: 1200/ln 2 times B n^2/2.
+const CENTS_PER_B: f64 = 1200.0 / std::f64::consts::LN_2 * 0.5 * 4.0;
+
+/// The names that rows may ask for; the unit ends the name.
+pub(super) const NAMES: [&str; 11] = [
+    "contact_a0_mf_ms",
+    "contact_c8_mf_ms",
+    "peak_a0_mf_N",
+    "peak_c4_mf_N",
+    "peak_c8_mf_N",
+    "return_c4_pp",
+    "return_c4_mf",
+    "return_c4_ff",
+    "second_partial_c4_cents",
+    "second_partial_c6_cents",
+    "second_partial_c8_cents",
+];
+
+/// What a rigid string answers, too: a felt of middle C's that stands for string and felt has been given to it. Those of other keys are not graded for that, and it has no partials.
+fn asks_no_string(name: &str) -> bool {
+    name.starts_with("peak_c4") || name.starts_with("return_c4")
+}
+
+/// Why a row on strings is not asked of an instrument.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Skipped {
+    /// Its string does not yield.
+    RigidString,
+    /// The row is about another key, and no keyboard is known.
+    NoKeyboard,
+}
+
+impl Skipped {
+    /// In words.
+    #[must_use]
+    pub fn reason(self) -> &'static str {
+        match self {
+            Skipped::RigidString => "the instrument's string is rigid: the model cannot speak to it",
+            Skipped::NoKeyboard => {
+                "it is played on another key, and the instrument comes from no keyboard: the model cannot speak to it"
+            }
+        }
+    }
+}
+
+/// What was found; `None` did not come about.
+#[derive(Debug, Clone, Default)]
+struct Found {
+    c4: [Option<Blow>; 3],
+    a0: Option<Blow>,
+    c8: Option<Blow>,
+    /// C4, C6, C8.
+    cents: [Option<f64>; 3],
+}
+
+/// The rows on strings for one instrument.
+#[derive(Debug, Clone)]
+pub(super) struct Strung {
+    found: Found,
+    yields: bool,
+    keyboard: bool,
+}
+
+impl Strung {
+    /// Plays what rows ask for: middle C on the instrument, other keys on its keyboard.
+    pub fn measure(
+        instrument: &Instrument,
+        keyboard: Option<&Keyboard>,
+        progress: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Self, MeasureError> {
+        let yields = instrument.has_yielding_strings();
+        let mut done = 0.0;
+        let mut going = || {
+            done += 1.0 / (SEARCHES * TRIES);
+            progress(f64::min(done, 1.0))
+        };
+        let mut play = |one: &Instrument, speed_m_s: f64| -> Result<Option<Blow>, MeasureError> {
+            let mut action = rest(one)?;
+            blow_of_speed(&mut action, speed_m_s, &mut going).map_err(|Stopped| SimulationError::Interrupted.into())
+        };
+        let mut found = Found::default();
+        for (blow, speed_m_s) in found.c4.iter_mut().zip([PP_M_S, MF_M_S, FF_M_S]) {
+            *blow = play(instrument, speed_m_s)?;
+        }
+        if yields {
+            found.cents[0] = cents(instrument);
+        }
+        if let Some(keyboard) = keyboard.filter(|_| yields) {
+            let key = |key: usize| keyboard.key(key).ok().filter(Instrument::has_yielding_strings);
+            if let Some(one) = key(A0) {
+                found.a0 = play(&one, MF_M_S)?;
+            }
+            if let Some(one) = key(C8) {
+                found.c8 = play(&one, MF_M_S)?;
+            }
+            for (found, key) in found.cents[1..].iter_mut().zip([C6, C8].map(key)) {
+                *found = key.as_ref().and_then(cents);
+            }
+        }
+        Ok(Strung { found, yields, keyboard: keyboard.is_some() })
+    }
+
+    /// The value of one of [`NAMES`], in the unit that ends it; why it is not asked for; `None` for another name.
+    pub fn value(&self, name: &str) -> Option<Result<Option<f64>, Skipped>> {
+        if !NAMES.contains(&name) {
+            return None;
+        }
+        if !self.yields && !asks_no_string(name) {
+            return Some(Err(Skipped::RigidString));
+        }
+        if !self.keyboard && !name.contains("_c4") {
+            return Some(Err(Skipped::NoKeyboard));
+        }
+        let contact = |blow: &Option<Blow>| blow.map(|blow| 1e3 * blow.contact_s);
+        let peak = |blow: &Option<Blow>| blow.map(|blow| blow.peak_n);
+        let back = |blow: &Option<Blow>| blow.map(|blow| blow.back_m_s / blow.speed_m_s);
+        let found = &self.found;
+        let [pp, mf, ff] = &found.c4;
+        Some(Ok(match name {
+            "contact_a0_mf_ms" => contact(&found.a0),
+            "contact_c8_mf_ms" => contact(&found.c8),
+            "peak_a0_mf_N" => peak(&found.a0),
+            "peak_c4_mf_N" => peak(mf),
+            "peak_c8_mf_N" => peak(&found.c8),
+            "return_c4_pp" => back(pp),
+            "return_c4_mf" => back(mf),
+            "return_c4_ff" => back(ff),
+            "second_partial_c4_cents" => found.cents[0],
+            "second_partial_c6_cents" => found.cents[1],
+            _ => found.cents[2],
+        }))
+    }
+}
+
+/// By how much the last of a note's strings has its second partial above twice its first's ideal, cents.
+fn cents(instrument: &Instrument) -> Option<f64> {
+    instrument.strings.last().map(|string| CENTS_PER_B * string.inharmonicity())
+}

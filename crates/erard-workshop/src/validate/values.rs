@@ -1,0 +1,134 @@
+//! The simulated values by the names that rows of the table use. The unit ends the name.
+
+use super::blows::{Loudness, PressedBlow};
+use super::touches::Touches;
+use crate::measure::Sheet;
+use crate::measure::flex::POUND_N;
+
+const MS_PER_S: f64 = 1e3;
+const MM_PER_M: f64 = 1e3;
+/// The weight of a kilogram, N.
+const KG_N: f64 = 9.81;
+
+/// Every name that a row may ask for.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    NAMES.into_iter().chain(super::strings::NAMES)
+}
+
+/// The names that are no business of strings.
+const NAMES: [&str; 47] = [
+    "down_weight_g",
+    "up_weight_g",
+    "balance_weight_g",
+    "friction_weight_g",
+    "strike_weight_ratio_weights",
+    "strike_weight_ratio_kinematics",
+    "whippen_weight_g",
+    "dip_mm",
+    "blow_mm",
+    "let_off_mm",
+    "drop_mm",
+    "aftertouch_mm",
+    "check_mm",
+    "effective_inertia_kg",
+    "repetition_rate_hz",
+    "repetition_rate_half_hz",
+    "starting_force_N",
+    "force_of_a_20_ms_stroke_N",
+    "hammer_speed_at_0_8_N_m_s",
+    "hammer_speed_at_15_N_m_s",
+    "key_stroke_at_0_8_N_ms",
+    "key_stroke_at_15_N_ms",
+    "key_stroke_f_ms",
+    "longest_key_stroke_ms",
+    "key_velocity_softest_m_s",
+    "key_velocity_at_15_N_m_s",
+    "key_velocity_mf_m_s",
+    "key_velocity_f_m_s",
+    "hammer_ahead_at_0_8_N_ms",
+    "hammer_ahead_f_ms",
+    "hammer_ahead_softest_ms",
+    "hammer_ahead_at_35_N_ms",
+    "crossover_m_s",
+    "string_contact_mf_ms",
+    "struck_sooner_ms",
+    "struck_plateau_share",
+    "release_to_damper_ms",
+    "hammer_ahead_pressed_f_ms",
+    "hammer_ahead_pressed_ff_ms",
+    "hammer_ahead_pressed_loudest_ms",
+    "crossover_pressed_m_s",
+    "key_stroke_pressed_ff_ms",
+    "hammer_ahead_led_pp_ms",
+    "hammer_ahead_led_softest_ms",
+    "key_stroke_led_pp_ms",
+    "key_flex_mm_per_kg",
+    "shank_flex_mm_per_lb",
+];
+
+/// What the parts give on the bench, m/N; `None` without the part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Flex {
+    /// The key at its playing end.
+    pub key_m_per_n: Option<f64>,
+    /// The shank where the pound hangs.
+    pub shank_m_per_n: Option<f64>,
+}
+
+/// The value of one of them, in the unit that ends it; `None` where it did not come about (or there is no such name).
+pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &Touches, flex: &Flex) -> Option<f64> {
+    let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
+    let of = |blow: &Option<PressedBlow>, get: fn(&PressedBlow) -> Option<f64>| blow.as_ref().and_then(get);
+    let l = loudness;
+    let hand = &l.by_hand;
+    match name {
+        "down_weight_g" => sheet.down_weight_g,
+        "up_weight_g" => sheet.up_weight_g,
+        "balance_weight_g" => sheet.balance_weight_g,
+        "friction_weight_g" => sheet.friction_weight_g,
+        "strike_weight_ratio_weights" => sheet.strike_weight_ratio_weights,
+        "strike_weight_ratio_kinematics" => Some(sheet.strike_weight_ratio_kinematics),
+        "whippen_weight_g" => Some(sheet.whippen_weight_g),
+        "dip_mm" => sheet.dip_mm,
+        "blow_mm" => sheet.blow_mm,
+        "let_off_mm" => sheet.let_off_mm,
+        "drop_mm" => sheet.drop_mm,
+        "aftertouch_mm" => sheet.aftertouch_mm,
+        "check_mm" => sheet.check_mm,
+        "effective_inertia_kg" => Some(sheet.effective_inertia_kg),
+        "repetition_rate_hz" => sheet.repetition_rate_hz,
+        "repetition_rate_half_hz" => sheet.repetition_rate_half_hz,
+        "starting_force_N" => l.starting_force_n,
+        "force_of_a_20_ms_stroke_N" => l.force_of_a_20_ms_stroke_n,
+        "hammer_speed_at_0_8_N_m_s" => l.at_0_8_n.hammer_speed_m_s,
+        "hammer_speed_at_15_N_m_s" => l.at_15_n.hammer_speed_m_s,
+        "key_stroke_at_0_8_N_ms" => ms(l.at_0_8_n.key_stroke_s),
+        "key_stroke_at_15_N_ms" => ms(l.at_15_n.key_stroke_s),
+        "key_stroke_f_ms" => ms(of(&l.f, |b| b.key_stroke_s)),
+        "longest_key_stroke_ms" => ms(of(&l.softest, |b| b.key_stroke_s)),
+        "key_velocity_softest_m_s" => of(&l.softest, |b| Some(b.key_speed_m_s)),
+        "key_velocity_at_15_N_m_s" => Some(l.at_15_n.key_speed_m_s),
+        "key_velocity_mf_m_s" => of(&l.mf, |b| Some(b.key_speed_m_s)),
+        "key_velocity_f_m_s" => of(&l.f, |b| Some(b.key_speed_m_s)),
+        "hammer_ahead_at_0_8_N_ms" => ms(l.at_0_8_n.hammer_ahead_s),
+        "hammer_ahead_f_ms" => ms(of(&l.f_by_stroke, |b| b.hammer_ahead_s)),
+        "hammer_ahead_softest_ms" => ms(of(&l.softest, |b| b.hammer_ahead_s)),
+        "hammer_ahead_at_35_N_ms" => ms(l.at_35_n.hammer_ahead_s),
+        "crossover_m_s" => l.crossover_m_s,
+        "string_contact_mf_ms" => ms(of(&l.mf, |b| b.contact_s)),
+        "struck_sooner_ms" => ms(touches.struck_sooner_s),
+        "struck_plateau_share" => Some(touches.plateau_m? * MM_PER_M / sheet.dip_mm?),
+        "release_to_damper_ms" => ms(touches.release_to_damper_s),
+        "hammer_ahead_pressed_f_ms" => ms(of(&hand.f_by_stroke, |b| b.hammer_ahead_s)),
+        "hammer_ahead_pressed_ff_ms" => ms(of(&hand.ff, |b| b.hammer_ahead_s)),
+        "hammer_ahead_pressed_loudest_ms" => ms(hand.loudest.hammer_ahead_s),
+        "crossover_pressed_m_s" => hand.crossover_m_s,
+        "key_stroke_pressed_ff_ms" => ms(of(&hand.ff, |b| b.key_stroke_s)),
+        "hammer_ahead_led_pp_ms" => ms(of(&hand.pp, |b| b.hammer_ahead_s)),
+        "hammer_ahead_led_softest_ms" => ms(of(&hand.softest, |b| b.hammer_ahead_s)),
+        "key_stroke_led_pp_ms" => ms(of(&hand.pp, |b| b.key_stroke_s)),
+        "key_flex_mm_per_kg" => Some(flex.key_m_per_n? * KG_N * MM_PER_M),
+        "shank_flex_mm_per_lb" => Some(flex.shank_m_per_n? * POUND_N * MM_PER_M),
+        _ => None,
+    }
+}

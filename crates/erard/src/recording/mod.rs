@@ -1,0 +1,240 @@
+//! A recording made ready: its zero, its sign, its clock and its noise.
+//!
+//! What a sensor delivers is seldom what a model can be driven by. [`prepare`] takes the zero from the rest before the touch, turns signs,
+//! moves one channel's clock against the other's, and filters noise by Butterworth's low-pass forth and back; a derivative is that of the
+//! filtered series. It reports all that it has done, and what it has noticed and not done.
+
+mod butterworth;
+mod noise;
+mod report;
+mod rest;
+
+pub use butterworth::{Butterworth, ORDERS};
+pub use noise::{Noise, Whence};
+pub use report::{ChannelReport, Filtered, Report, Zero};
+
+use crate::stroke::{Channel, ForceSeries, MAX_ROWS, PositionSeries, Recording, Role, SampleError, Series};
+use thiserror::Error;
+
+/// What is done to a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preparation {
+    /// Take the mean of the rest before the touch from every channel that has one.
+    pub zero: bool,
+    /// Channels that are positive upward (the hammer's: downward), and are turned.
+    pub inverted: Vec<Role>,
+    /// How much later than the others a channel was written down, s.
+    pub late_s: Vec<(Role, f64)>,
+    /// Noise.
+    pub low_pass: LowPass,
+    /// Order of the low-pass, of one of its two passes.
+    pub order: usize,
+}
+
+/// Where the low-pass begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LowPass {
+    /// Where a channel's own noise begins; a channel without noise passes as it is.
+    Own,
+    /// Nothing is filtered.
+    Off,
+    /// At this frequency for every channel, Hz.
+    At(f64),
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Preparation { zero: true, inverted: Vec::new(), late_s: Vec::new(), low_pass: LowPass::Own, order: 4 }
+    }
+}
+
+impl Preparation {
+    /// Nothing is done.
+    pub fn none() -> Self {
+        Preparation { zero: false, low_pass: LowPass::Off, ..Preparation::default() }
+    }
+}
+
+/// Why a recording cannot be made ready.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PrepareError {
+    /// The order of the filter.
+    #[error("a low-pass of order {0}; expected a number from 1 to 10")]
+    Order(usize),
+    /// The cutoff.
+    #[error("a low-pass at {cutoff_hz} Hz; the {} has {rate_hz:.0} samples per second, and half of that is the limit", .role.name())]
+    Cutoff {
+        /// Which channel.
+        role: Role,
+        /// Hz.
+        cutoff_hz: f64,
+        /// Hz.
+        rate_hz: f64,
+    },
+    /// Sampled so unevenly that an even series of the same fineness would be too long.
+    #[error("the {} is sampled too unevenly to be filtered", .0.name())]
+    Uneven(Role),
+    /// A channel cannot be interpolated.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+}
+
+/// A recording made ready.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// What can drive a key, and be compared.
+    pub series: Series,
+    /// What was done and noticed.
+    pub report: Report,
+}
+
+/// Makes a recording ready.
+///
+/// # Errors
+/// See [`PrepareError`].
+pub fn prepare(recording: &Recording, preparation: &Preparation) -> Result<Prepared, PrepareError> {
+    if !ORDERS.contains(&preparation.order) {
+        return Err(PrepareError::Order(preparation.order));
+    }
+    let mut channels: Vec<Samples> =
+        recording.channels.iter().map(|channel| Samples::new(recording, channel, preparation)).collect();
+    // Nothing rests any more when the first channel has begun to move.
+    let touched_s = channels.iter().filter_map(Samples::rest_ends_s).fold(f64::INFINITY, f64::min);
+    let mut series = Series { force: None, position: None, hammer_head: None };
+    let mut reports = Vec::new();
+    for samples in &mut channels {
+        samples.end_rest(touched_s);
+        let (times, values, report) = samples.ready(preparation)?;
+        reports.push(report);
+        match samples.role {
+            Role::Force => series.force = Some(ForceSeries::new(times, values)?),
+            Role::Position => series.position = Some(PositionSeries::new(times, values)?),
+            Role::HammerHead => series.hammer_head = Some(PositionSeries::new(times, values)?),
+            Role::Time => {}
+        }
+    }
+    Ok(Prepared { series, report: Report { channels: reports } })
+}
+
+/// Jumps from sample to sample that differ by no more than this share are an even clock, written down with few digits.
+const EVEN: f64 = 0.1;
+/// Beyond this, in medians, a step is a gap: its noise is not told of, and nothing is filtered that was not asked for.
+const GAP: f64 = 3.0;
+
+/// A channel's samples that are there.
+struct Samples {
+    role: Role,
+    gaps: crate::stroke::Gaps,
+    times: Vec<f64>,
+    values: Vec<f64>,
+    late_s: f64,
+    inverted: bool,
+    rest: usize,
+}
+
+impl Samples {
+    fn new(recording: &Recording, channel: &Channel, preparation: &Preparation) -> Self {
+        let (mut times, mut values) = channel.samples(&recording.time_s);
+        let inverted = preparation.inverted.contains(&channel.role);
+        if inverted {
+            values.iter_mut().for_each(|value| *value = -*value);
+        }
+        let late_s: f64 =
+            preparation.late_s.iter().filter(|(role, _)| *role == channel.role).map(|(_, late)| late).sum();
+        if late_s != 0.0 {
+            times.iter_mut().for_each(|time| *time -= late_s);
+        }
+        let rest = rest::rest(&times, &values);
+        Samples { role: channel.role, gaps: channel.gaps(&recording.time_s), times, values, late_s, inverted, rest }
+    }
+
+    fn rest_ends_s(&self) -> Option<f64> {
+        self.rest.checked_sub(1).map(|last| self.times[last])
+    }
+
+    fn end_rest(&mut self, touched_s: f64) {
+        self.rest = self.rest.min(self.times.partition_point(|t| *t <= touched_s));
+    }
+
+    /// The usual time between two samples, and the longest, s.
+    fn steps_s(&self) -> (f64, f64) {
+        let mut steps: Vec<f64> = self.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_unstable_by(f64::total_cmp);
+        (steps[steps.len() / 2], steps[steps.len() - 1])
+    }
+
+    /// Everything that is to be done; instants, values and what is told of it.
+    fn ready(&self, preparation: &Preparation) -> Result<(Vec<f64>, Vec<f64>, ChannelReport), PrepareError> {
+        let (usual_s, longest_s) = self.steps_s();
+        let shortest_s = self.times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        let is_even = longest_s - usual_s <= EVEN * usual_s && usual_s - shortest_s <= EVEN * usual_s;
+        let mut values = self.values.clone();
+        let zero = (preparation.zero && self.rest > 0).then(|| {
+            let offset = noise::mean(&self.values[..self.rest]);
+            Zero { offset, until_s: self.times[self.rest - 1], samples: self.rest }
+        });
+        if let Some(zero) = zero {
+            values.iter_mut().for_each(|value| *value -= zero.offset);
+        }
+        let mut report = ChannelReport::new(self.role, &values, self.rest);
+        report.rate_hz = 1.0 / usual_s;
+        report.is_even = is_even;
+        report.inverted = self.inverted;
+        report.late_s = self.late_s;
+        report.gaps = self.gaps;
+        report.zero = zero;
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let count = ((last - first) / usual_s).round() + 1.0;
+        let may_be_even = longest_s <= GAP * usual_s;
+        let asked = matches!(preparation.low_pass, LowPass::At(_));
+        if count < 4.0 || count > MAX_ROWS as f64 || !(may_be_even || asked) {
+            report.told(&values);
+            return if asked { Err(PrepareError::Uneven(self.role)) } else { Ok((self.times.clone(), values, report)) };
+        }
+        // An even series of the same fineness; of an even one its own samples.
+        let rate_hz = (count - 1.0) / (last - first);
+        report.rate_hz = rate_hz;
+        let even_times: Vec<f64> = (0..count as usize).map(|n| first + n as f64 / rate_hz).collect();
+        let even = if is_even && count as usize == values.len() {
+            values.clone()
+        } else {
+            at(&self.times, &values, &even_times)
+        };
+        if may_be_even {
+            report.noise = noise::noise(&even, rate_hz, self.rest);
+            report.band_hz = report.noise.map(|noise| noise::band(&even, rate_hz, &noise));
+        }
+        report.told(&values);
+        let cutoff_hz = match (preparation.low_pass, report.band_hz) {
+            (LowPass::Off, _) | (LowPass::Own, None) => None,
+            (LowPass::At(hz), _) => Some(hz),
+            // Noise and nothing else: what is left is its mean.
+            (LowPass::Own, Some(band)) => Some(band.max(2.0 / (last - first))).filter(|hz| *hz < 0.45 * rate_hz),
+        };
+        let Some(cutoff_hz) = cutoff_hz else { return Ok((self.times.clone(), values, report)) };
+        let filter = Butterworth::low_pass(preparation.order, cutoff_hz, rate_hz).ok_or(PrepareError::Cutoff {
+            role: self.role,
+            cutoff_hz,
+            rate_hz,
+        })?;
+        report.low_pass = Some(Filtered { order: preparation.order, cutoff_hz });
+        let filtered = filter.forth_and_back(&even);
+        let times = if is_even && even_times.len() == self.times.len() { self.times.clone() } else { even_times };
+        Ok((times, filtered, report))
+    }
+}
+
+/// A series at other instants, linearly interpolated; both axes ascend.
+fn at(times: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
+    let mut i = 0;
+    wanted
+        .iter()
+        .map(|&t| {
+            while i + 2 < times.len() && times[i + 1] <= t {
+                i += 1;
+            }
+            let share = ((t - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
+            values[i] + share * (values[i + 1] - values[i])
+        })
+        .collect()
+}

@@ -1,0 +1,200 @@
+//! What was done to a recording, and what was noticed: as data and in words.
+
+use crate::stroke::{Gaps, Role};
+
+use super::noise::{Noise, Whence, range};
+
+/// All channels, in the order of their roles.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Report {
+    /// Them.
+    pub channels: Vec<ChannelReport>,
+}
+
+/// The zero that was taken from a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Zero {
+    /// N or m: subtracted from every value.
+    pub offset: f64,
+    /// The rest before the touch ends here, s.
+    pub until_s: f64,
+    /// Samples of that rest.
+    pub samples: usize,
+}
+
+/// A low-pass that was applied forth and back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Filtered {
+    /// Of one pass.
+    pub order: usize,
+    /// Where an amplitude is halved, Hz.
+    pub cutoff_hz: f64,
+}
+
+/// One channel. SI units: N or m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelReport {
+    /// Which.
+    pub role: Role,
+    /// Lowest and highest value, zero and sign applied, before the low-pass.
+    pub range: (f64, f64),
+    /// Samples per second, usually.
+    pub rate_hz: f64,
+    /// Whether it is sampled evenly.
+    pub is_even: bool,
+    /// What is missing.
+    pub gaps: Gaps,
+    /// Its zero, where one was found and taken.
+    pub zero: Option<Zero>,
+    /// Whether its sign was turned.
+    pub inverted: bool,
+    /// How much later than the others it was written down, s, as was said.
+    pub late_s: f64,
+    /// Its noise, where it shows any.
+    pub noise: Option<Noise>,
+    /// Up to here it is more than its noise, Hz; `None` where no noise was found.
+    pub band_hz: Option<f64>,
+    /// The low-pass.
+    pub low_pass: Option<Filtered>,
+    /// It goes the other way than a key can: its sign should probably be turned.
+    pub looks_inverted: bool,
+    /// It begins so far from zero, and no zero was taken, N or m.
+    pub begins_at: Option<f64>,
+    first: f64,
+}
+
+/// How much farther one way than the other is the wrong way.
+const WRONG_WAY: f64 = 3.0;
+/// How far from zero a channel begins that is said to, as a share of its range.
+const OFF: f64 = 0.02;
+
+impl ChannelReport {
+    pub(super) fn new(role: Role, values: &[f64], rest: usize) -> Self {
+        let first = super::noise::mean(&values[..rest.max(1)]);
+        ChannelReport {
+            role,
+            range: range(values),
+            rate_hz: 0.0,
+            is_even: false,
+            gaps: Gaps::default(),
+            zero: None,
+            inverted: false,
+            late_s: 0.0,
+            noise: None,
+            band_hz: None,
+            low_pass: None,
+            looks_inverted: false,
+            begins_at: None,
+            first,
+        }
+    }
+
+    /// What the numbers themselves give away.
+    pub(super) fn told(&mut self, values: &[f64]) {
+        let (low, high) = self.range;
+        let noise = self.noise.map_or(0.0, |noise| noise.rms);
+        // From where it begins: an offset is no direction.
+        let (down, up) = (values[0].min(self.first) - low, high - values[0].max(self.first));
+        self.looks_inverted = down > WRONG_WAY * up.max(0.0) + 10.0 * noise;
+        let off = self.first.abs() > (OFF * (high - low)).max(6.0 * noise) && self.first != 0.0;
+        self.begins_at = (self.zero.is_none() && off).then_some(self.first);
+    }
+
+    /// Its value as people read it: N or mm.
+    fn shown(&self, value: f64) -> String {
+        match self.role {
+            Role::Force => format!("{value:.4} N"),
+            _ if value.abs() < 1e-4 => format!("{:.2} um", value * 1e6),
+            _ => format!("{:.4} mm", value * 1e3),
+        }
+    }
+
+    /// What was done and found, one fact a line.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if self.gaps.rows > 0 {
+            let longest = if self.gaps.longest_s > 0.0 {
+                format!(", the longest bridges {:.1} ms", self.gaps.longest_s * 1e3)
+            } else {
+                String::new()
+            };
+            lines.push(format!("{} rows are empty{longest}", self.gaps.rows));
+        }
+        if self.inverted {
+            lines.push("its sign is turned".into());
+        }
+        if self.late_s != 0.0 {
+            lines.push(format!("moved by {:.3} ms: it was written down so much later", -self.late_s * 1e3));
+        }
+        if let Some(zero) = self.zero {
+            lines.push(format!(
+                "zero: {} taken away, the mean of {} samples of rest until {:.4} s",
+                self.shown(zero.offset),
+                zero.samples,
+                zero.until_s
+            ));
+        }
+        if let Some(noise) = self.noise {
+            let whence = match noise.whence {
+                Whence::Rest => "in the rest before the touch",
+                Whence::Spectrum => "at the upper end of its spectrum",
+            };
+            let tells = match self.band_hz {
+                Some(band) if band <= 0.0 => "it tells of nothing else".to_owned(),
+                Some(band) => format!("it tells of more than that up to {band:.0} Hz"),
+                None => "up to where is not known".to_owned(),
+            };
+            lines.push(format!("noise: {} rms {whence}; {tells}", self.shown(noise.rms)));
+        }
+        if let Some(filter) = self.low_pass {
+            lines.push(format!(
+                "low-pass: Butterworth's, order {}, forth and back, {:.0} Hz (an amplitude is halved there)",
+                filter.order, filter.cutoff_hz
+            ));
+        }
+        lines
+    }
+
+    /// What should be looked at.
+    pub fn warnings(&self) -> Vec<String> {
+        let name = self.role.name();
+        let mut warnings = Vec::new();
+        if self.looks_inverted {
+            let way = if self.role == Role::HammerHead { "down" } else { "up" };
+            warnings.push(format!(
+                "the {name} goes {way}, from {} to {}: it looks inverted",
+                self.shown(self.first),
+                self.shown(self.range.0)
+            ));
+        }
+        if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
+            warnings
+                .push(format!("the {name}'s noise is not filtered: a model that is driven by it turns it into force"));
+        }
+        if let Some(off) = self.begins_at {
+            warnings.push(format!("the {name} begins at {}, and no zero was taken from it", self.shown(off)));
+        }
+        warnings
+    }
+}
+
+impl Report {
+    /// Of a role.
+    pub fn channel(&self, role: Role) -> Option<&ChannelReport> {
+        self.channels.iter().find(|channel| channel.role == role)
+    }
+
+    /// What was done and what was noticed, a line each, with the channel's name before it.
+    pub fn told(&self) -> Vec<String> {
+        let done = self.channels.iter().flat_map(|channel| {
+            let name = channel.role.name();
+            channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
+        });
+        done.chain(self.warnings().into_iter().map(|warning| format!("look: {warning}"))).collect()
+    }
+
+    /// What should be looked at, all channels.
+    pub fn warnings(&self) -> Vec<String> {
+        self.channels.iter().flat_map(ChannelReport::warnings).collect()
+    }
+}

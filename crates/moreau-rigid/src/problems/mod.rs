@@ -1,0 +1,53 @@
+//! Textbook problems of rigid bodies, with known answers.
+//!
+//! Every reference is a closed form (or a quadrature) that shares no code with the step. It stands beside the problem, with the reason for its
+//! tolerance.
+
+mod ball;
+mod belt;
+mod disc;
+mod finite;
+mod incline;
+mod kane;
+mod loops;
+mod rocking;
+mod rod;
+mod row;
+mod run;
+mod slot;
+mod springs;
+mod stack;
+
+pub use row::{Expected, Order, Row};
+pub use run::{Run, at};
+
+/// A problem: its number and name, and how its rows are computed.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem {
+    /// Its place in the list of all problems. Number 8, the held note, belongs to the piano layer.
+    pub number: u32,
+    /// What it is called.
+    pub name: &'static str,
+    /// Solves it. Takes from milliseconds to some seconds.
+    pub rows: fn() -> Vec<Row>,
+}
+
+/// The problems of rigid bodies, in order.
+#[must_use]
+pub fn problems() -> Vec<Problem> {
+    let problem = |number, name, rows| Problem { number, name, rows };
+    vec![
+        problem(9, "Oscillator on a belt", belt::rows),
+        problem(10, "Block on an incline", incline::rows),
+        problem(11, "Disc from sliding to rolling", disc::rows),
+        problem(12, "Bouncing ball", ball::rows),
+        problem(13, "Painleve's rod", rod::rows),
+        problem(14, "Closed loops", loops::rows),
+        problem(16, "Stack of tilted blocks", stack::rows),
+        problem(17, "Rocking block", rocking::rows),
+        problem(18, "Kane's paradox", kane::rows),
+        problem(19, "Surfaces that end", finite::rows),
+        problem(20, "Scotch yoke", slot::rows),
+        problem(21, "Torsion springs and stiff springs", springs::rows),
+    ]
+}

@@ -1,0 +1,155 @@
+//! Problems 23 and 24: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and one that stands on it.
+
+use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Loss, Settings, Zone};
+
+use crate::felt::{ARM, MASS, throw_at, throw_from};
+use crate::mechanism::Mechanism;
+use moreau_rigid::problems::{Expected, Order, Row};
+
+/// Felts of an action's stiffness: exponent and k.
+const FELTS: [(f64, f64); 3] = [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)];
+
+/// Closed forms after an arrival with 1/2 m v^2 = E, at any speed. F = k g^r (1 + eta Sign(dg/dt)) takes (1 + eta) W to be pressed by G, with W = k
+/// G^(r+1)/(r+1), and gives (1 - eta) W back. With a spring in series with the slider, `slip` as in [`Loss::Elastoplastic`], the way back begins with
+/// the spring, and the loss is 2 eta W (1 - slip)/(1 + slip): in x = g^((r+1)/2) the loop is a triangle's two sides and the diagonal of a
+/// parallelogram. Speed of rebound over that of arrival; compression, m; loss as a part of E.
+fn dry_exact(r: f64, k: f64, eta: f64, slip: f64, speed: f64) -> [f64; 3] {
+    let lost = 2.0 * eta / (1.0 + eta) * (1.0 - slip) / (1.0 + slip);
+    let compression = ((r + 1.0) * MASS * speed * speed / (2.0 * k * (1.0 + eta))).powf(1.0 / (r + 1.0));
+    [(1.0 - lost).sqrt(), compression, lost]
+}
+
+fn throws(loss: impl Fn(f64) -> Loss<f64>, slip: f64) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let because = "second order: a few 1e-7 at h = 1 us where it is smooth, and h2/T2 where the felt turns";
+    for ((r, k), eta) in FELTS.into_iter().zip([0.3, 0.15, 0.6]) {
+        for speed in [0.1, 1.0, 3.0] {
+            let [rebound, compression, lost] = dry_exact(r, k, eta, slip, speed);
+            let t = throw_at(speed, k, r, loss(eta), 1e-6);
+            let name = |s: &str| format!("r = {r}, eta = {eta}, {speed} m/s: {s}");
+            rows.push(Row::new(name("rebound over arrival"), "", rebound, t.rebound / speed, 6e-6, because));
+            rows.push(Row::new(
+                name("largest compression"),
+                "m",
+                compression,
+                t.compression,
+                6e-6 * compression,
+                because,
+            ));
+            let energy = 0.5 * MASS * speed * speed;
+            rows.push(Row::new(name("loss over energy"), "", lost, t.lost / energy, 1e-5, because));
+            rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 6e-6, because));
+        }
+    }
+    // Steps from a thousandth of the contact to all of it: what a felt does is never a gain.
+    let mut least: f64 = 0.0;
+    for h in [2e-6, 1e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3] {
+        for (r, k) in FELTS {
+            for speed in [0.05, 0.3, 1.0, 2.7] {
+                least = least.min(throw_at(speed, k, r, loss(0.4), h).smallest_loss / (0.5 * MASS * speed * speed));
+            }
+        }
+    }
+    let because = "no step of any length gives energy: rounding";
+    let quantity = "smallest loss of a step, h from 2 us to 5 ms, over the energy";
+    rows.push(Row::bounded(quantity, Expected::AtLeast(-1e-12), least, because));
+    // Where within a step the felt turns and slips is a matter of chance: the largest error of eight ways to the felt.
+    let exact = dry_exact(2.0, 5e7, 0.3, slip, 1.0)[0];
+    let order = Order::halving(3.2e-5, 4, |h| {
+        let error = |n: u32| {
+            let ahead = (20.0 + f64::from(n) / 8.0) * h;
+            (throw_from(ahead, 1.0, 5e7, 2.0, loss(0.3), h).rebound - exact).abs()
+        };
+        (0..8).map(error).fold(0.0, f64::max)
+    });
+    let because = "the force is a mean over the step, also where the felt turns or slips";
+    rows.push(Row::new("r = 2: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
+    rows
+}
+
+/// A mass that stands on a felt (r = 2) under a load of 1 N, pushed by an impulse that gives it so much speed, m/s: at the end of an arm as in
+/// [`crate::felt`].
+fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
+    let (k, load) = (5e7, 1.0);
+    let depth = f64::sqrt(load / k);
+    let gravity = load / MASS;
+    let body = Body { mass: MASS, center_of_mass: [ARM, 0.0], inertia: MASS * ARM * ARM, ..Body::inert() };
+    let zone = Zone {
+        disc_body: 0,
+        center: [ARM, 0.0],
+        radius: 0.0,
+        curve_body: GROUND,
+        curve: Curve::Line { point: [0.0, depth], normal: [0.0, 1.0] },
+        felt: Felt { stiffness: k, exponent: Exponent::new(2.0), loss },
+        friction: None,
+    };
+    let description = Description { bodies: &[body], zones: &[zone], gravity, ..Description::default() };
+    let settings = Settings { tolerance: 1e-12, ..Settings::new(1e-6) };
+    let model = description.compile::<1, 1>().expect("sound");
+    (Mechanism::new(model, [0.0], [push / ARM], settings), depth)
+}
+
+/// Problem 23.
+pub(crate) fn set_valued() -> Vec<Row> {
+    let mut rows = throws(|eta| Loss::SetValued { damping: 0.0, eta }, 0.0);
+    let (mut m, _) = standing(Loss::SetValued { damping: 0.0, eta: 0.2 }, 0.0);
+    m.run(0.05);
+    let moved = m.value(m.state.angle[0] * ARM);
+    let because = "locked: the felt holds any load within eta of its own";
+    rows.push(Row::new("held felt, way in 50 ms", "m", 0.0, moved, 0.0, because));
+    let (mut m, depth) = standing(Loss::SetValued { damping: 0.0, eta: 0.2 }, -1e-4);
+    m.run(0.05);
+    // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stands; to first order in the small way.
+    let way = MASS * 1e-8 / (2.0 * 0.2 * 1.0);
+    let because = "the way is so short that the felt is as stiff as at its start: (way / depth)";
+    let moved = m.value(-m.state.angle[0] * ARM);
+    rows.push(Row::new("held felt, way after a push", "m", way, moved, 3.0 * way * way / depth + 2e-12, because));
+    let speed = m.value(m.state.velocity[0] * ARM);
+    rows.push(Row::new(
+        "its speed then",
+        "m/s",
+        0.0,
+        speed,
+        1e-20,
+        "what sticks without a dry pivot is still to rounding",
+    ));
+    rows
+}
+
+/// Problem 24.
+pub(crate) fn elastoplastic() -> Vec<Row> {
+    let (eta, slip) = (0.3, 0.2);
+    let mut rows = throws(|eta| Loss::Elastoplastic { damping: 0.0, eta, slip }, slip);
+    // A small push: the felt vibrates on its spring and its slider's spring, without loss, about the depth where it stands. There
+    // dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, the slider's spring being slack.
+    let (mut m, depth) = standing(Loss::Elastoplastic { damping: 0.0, eta, slip }, 1e-5);
+    let stiffness = 5e7 * depth * (2.0 + 1.5 * eta / slip);
+    let period = 2.0 * std::f64::consts::PI * (MASS / stiffness).sqrt();
+    let (mut crossings, mut first, mut last, mut largest) = (0, None, 0.0, 0.0_f64);
+    while m.time < 0.2 {
+        let before = m.state.angle[0];
+        m.step();
+        let now = m.state.angle[0];
+        if before < 0.0 && now >= 0.0 {
+            last = m.time - m.settings.step * now / (now - before);
+            first = first.or(Some(last));
+            crossings += 1;
+        }
+        if m.time > 0.19 {
+            largest = largest.max(now.abs() * ARM);
+        }
+    }
+    let ours = m.value((last - first.unwrap_or(f64::NAN)) / f64::from(crossings - 1));
+    let because = "swings of a thousandth of the depth: the felt's curvature counts with their square";
+    rows.push(Row::new("held felt, period of a small vibration", "s", period, ours, 1e-5 * period, because));
+    let amplitude = 1e-5 * period / (2.0 * std::f64::consts::PI);
+    let because = "no loss within the slider's bound; the felt is stiffer inward than outward";
+    rows.push(Row::new("its amplitude after 0.2 s", "m", amplitude, m.value(largest), 3e-3 * amplitude, because));
+    rows
+}
+
+/// The speed of rebound over that of arrival, m/s, of 10 g thrown at a felt of a stiffness k, an exponent and a loss; steps of `h` s.
+#[must_use]
+pub fn thrown_back(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> f64 {
+    throw_at(speed, k, r, loss, h).rebound / speed
+}

@@ -1,0 +1,184 @@
+//! The command line of `erard-reproduce`.
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+use erard_cli::answer;
+use erard_cli::command::options::load_instrument;
+use erard_cli::command::out::OutOptions;
+use erard_cli::command::{Speech, run_program, version};
+use erard_cli::failure::Failure;
+use erard_cli::inputs::shown;
+use erard_cli::progress::Progress;
+use erard_cli::say;
+use erard_figures::figure::chart_svg;
+use serde::Serialize;
+
+use crate::page::{Reproduced, page};
+use crate::subjects::{Claim, ReproduceError, Subject, subjects};
+
+#[derive(Serialize)]
+struct Subjects {
+    subjects: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    title: &'static str,
+}
+
+/// What `--json` answers.
+#[derive(Serialize)]
+struct Claims<'a> {
+    instrument: &'a str,
+    hold: usize,
+    of: usize,
+    claims: Vec<ClaimReport>,
+}
+
+#[derive(Serialize)]
+struct ClaimReport {
+    subject: &'static str,
+    source: &'static str,
+    claim: String,
+    measured: String,
+    holds: bool,
+}
+
+impl ClaimReport {
+    fn all(one: &Reproduced) -> Vec<Self> {
+        let report = |claim: &Claim| ClaimReport {
+            subject: one.subject.name,
+            source: claim.source,
+            claim: claim.says.clone(),
+            measured: claim.measured.clone(),
+            holds: claim.holds,
+        };
+        one.section.claims.iter().map(report).collect()
+    }
+}
+
+/// Computes the papers' figures and claims anew, and writes one page that shows which hold.
+#[derive(Debug, Parser)]
+#[command(name = "erard-reproduce", version = version(), about, max_term_width = 100)]
+pub struct Reproduce {
+    /// Instrument: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
+    instrument: String,
+    /// Only these subjects, or all whose names start so: separated by commas, or given again
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    only: Vec<String>,
+    /// List the subjects, and do nothing else
+    #[arg(long, conflicts_with_all = ["only", "figures", "out", "force"])]
+    list: bool,
+    /// End with code 1 when a claim does not hold
+    #[arg(long)]
+    fail_on_miss: bool,
+    /// Write every figure as a file of its own too, NAME-0.svg and so on
+    #[arg(long)]
+    figures: bool,
+    #[command(flatten)]
+    out: OutOptions,
+    #[command(flatten)]
+    speech: Speech,
+}
+
+/// Runs the command line of this process; exit codes as those of `erard`.
+pub fn run() -> ExitCode {
+    let folder = |argument: clap::Arg| argument.default_value("erard-out-reproduce");
+    let definition = Reproduce::command().mut_arg("out", folder);
+    run_program(&definition, |reproduce: &Reproduce| &reproduce.speech, Reproduce::run)
+}
+
+/// The failure that a subject's error is to the user.
+fn failure(error: ReproduceError) -> Failure {
+    match error {
+        ReproduceError::Simulation(error) => error.into(),
+        ReproduceError::Compare(error) => error.into(),
+        ReproduceError::OneDof(error) => error.into(),
+        ReproduceError::Levers(error) => error.into(),
+        ReproduceError::Instrument(text) => Failure::Usage(text),
+    }
+}
+
+impl Reproduce {
+    fn run(&self) -> Result<(), Failure> {
+        if self.list {
+            for subject in subjects() {
+                say!("{:<20} {}", subject.name, subject.title);
+            }
+            let named = |subject: &Subject| Listed { name: subject.name, title: subject.title };
+            return answer::give(&Subjects { subjects: subjects().iter().map(named).collect() });
+        }
+        let chosen = self.chosen()?;
+        let instrument = load_instrument(&self.instrument)?;
+        let mut output = self.out.prepare("reproduce", &["report.html"])?;
+        let all: f64 = chosen.iter().map(|s| s.weight).sum();
+        let mut done = 0.0;
+        let mut reproduced = Vec::new();
+        for subject in chosen {
+            let mut progress = Progress::new(subject.name);
+            let section = (subject.run)(&instrument, &mut |share| progress.tell((done + share * subject.weight) / all))
+                .map_err(failure)?;
+            drop(progress);
+            done += subject.weight;
+            for claim in &section.claims {
+                let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
+                say!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
+                say!("{:<18} {:<13} {}", "", "", claim.measured);
+            }
+            reproduced.push(Reproduced { subject, section });
+        }
+        let html = page(&instrument.name, &reproduced);
+        output.stage("report.html", |w| w.write_all(html.as_bytes()))?;
+        let mut written = vec!["report.html".to_owned()];
+        if self.figures {
+            for one in &reproduced {
+                for (index, chart) in one.section.charts.iter().enumerate() {
+                    let id = format!("{}-{index}", one.subject.name);
+                    let name = format!("{id}.svg");
+                    output.stage(&name, |w| w.write_all(chart_svg(chart, &id).as_bytes()))?;
+                    written.push(name);
+                }
+            }
+        }
+        output.commit()?;
+        let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
+        say!();
+        say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
+        say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
+        let claims: Vec<ClaimReport> = reproduced.iter().flat_map(ClaimReport::all).collect();
+        let failed: Vec<String> =
+            claims.iter().filter(|c| !c.holds).map(|c| format!("{}: {}: {}", c.subject, c.source, c.claim)).collect();
+        answer::give(&Claims {
+            instrument: &instrument.name,
+            hold: claims.len() - failed.len(),
+            of: claims.len(),
+            claims,
+        })?;
+        match failed.len() {
+            count if count > 0 && self.fail_on_miss => {
+                Err(Failure::Unmet(format!("{count} claims do not hold\n       {}", failed.join("\n       "))))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The subjects that were asked for, in their own order.
+    fn chosen(&self) -> Result<Vec<Subject>, Failure> {
+        let known = subjects();
+        for name in &self.only {
+            if name.is_empty() || !known.iter().any(|s| s.name.starts_with(name.as_str())) {
+                let names: Vec<&str> = known.iter().map(|s| s.name).collect();
+                return Err(Failure::Usage(format!(
+                    "--only {name}: there is no such subject; expected one of {}, or how some of them begin",
+                    names.join(", ")
+                )));
+            }
+        }
+        let wanted =
+            |s: &Subject| self.only.is_empty() || self.only.iter().any(|name| s.name.starts_with(name.as_str()));
+        Ok(known.into_iter().filter(wanted).collect())
+    }
+}

@@ -1,0 +1,14 @@
+//! The papers' figures and claims about the grand action, computed anew.
+//!
+//! A program on the command's library: [`subjects`] computes claims, tables and curves, [`page`] shows them on one page, [`command`] is the
+//! command line of `erard-reproduce`.
+
+#![deny(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "`say!` and `tell!` neither panic nor let names steer a terminal"
+)]
+
+pub mod command;
+pub mod page;
+pub mod subjects;

@@ -1,0 +1,7 @@
+//! The program `erard-reproduce`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    erard_reproduce::command::run()
+}

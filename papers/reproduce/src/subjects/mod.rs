@@ -1,0 +1,181 @@
+//! The papers' figures and claims, computed anew: numbers and verdicts, no pictures.
+//!
+//! \[T12\] Thorin, Boutillon, Lozada, Merlhiot, *Simulation of a non-smooth dynamical model of the piano key*;
+//! \[T13\] Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*, Waves 2013;
+//! \[H\] Hirschkorn, Birkett, McPhee, *Kinematic model of a piano action mechanism*.
+//!
+//! [`subjects`] lists what can be reproduced; each is computed by itself, from nothing, and gives a [`Section`]. All numbers are
+//! the same every time, but for times on the clock, which stand in tables that say so and in no figure.
+
+mod blow;
+mod bushings;
+mod conformance_rows;
+mod control;
+mod convergence;
+mod drives;
+mod dynamics;
+mod energy;
+mod felt_losses;
+mod friction;
+mod gives;
+mod levers;
+mod order;
+mod outlook;
+mod release;
+mod solvers;
+mod strings;
+mod touch;
+mod transfer;
+
+use thiserror::Error;
+
+pub(crate) use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
+
+use erard::instrument::Instrument;
+use erard::one_dof::OneDofError;
+use erard::simulation::SimulationError;
+use erard_workshop::compare::CompareError;
+use erard_workshop::kinematics::DeriveError;
+
+/// Something to reproduce.
+#[derive(Clone, Copy)]
+pub struct Subject {
+    /// Its name on the command line, e.g. `paper2-convergence`.
+    pub name: &'static str,
+    /// Its headline.
+    pub title: &'static str,
+    /// Share of the whole work, for progress.
+    pub weight: f64,
+    /// Computes it.
+    pub run: fn(&Instrument, &mut Progress) -> Result<Section, ReproduceError>,
+}
+
+/// Told the share done; ends the work by returning false.
+pub type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
+
+/// What came of a subject.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Section {
+    /// What was done, a paragraph each.
+    pub text: Vec<String>,
+    /// The claims, each with its verdict.
+    pub claims: Vec<Claim>,
+    /// Figures.
+    pub charts: Vec<Chart>,
+    /// Tables.
+    pub tables: Vec<Table>,
+    /// Equations as the program generates them, with a caption.
+    pub listings: Vec<(String, String)>,
+}
+
+/// A claim of a paper (or of this program about itself), and what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Claim {
+    /// Who says it, e.g. `[T12] fig. 3`.
+    pub source: &'static str,
+    /// What is claimed.
+    pub says: String,
+    /// What was measured here.
+    pub measured: String,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+impl Claim {
+    fn new(source: &'static str, says: impl Into<String>, measured: impl Into<String>, holds: bool) -> Self {
+        Claim { source, says: says.into(), measured: measured.into(), holds }
+    }
+}
+
+/// A table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// What it shows.
+    pub caption: String,
+    /// Column names.
+    pub header: Vec<String>,
+    /// Cells.
+    pub rows: Vec<Vec<String>>,
+    /// Times on the clock, which differ from run to run.
+    pub clock: bool,
+}
+
+impl Table {
+    fn new(caption: impl Into<String>, header: &[&str]) -> Self {
+        let header = header.iter().map(|h| (*h).to_owned()).collect();
+        Table { caption: caption.into(), header, rows: Vec::new(), clock: false }
+    }
+
+    fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        self.rows.push(cells.into_iter().collect());
+    }
+}
+
+/// Why a subject cannot be computed.
+#[derive(Debug, Error)]
+pub enum ReproduceError {
+    /// A run.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// A comparison.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    /// The one-degree-of-freedom model.
+    #[error(transparent)]
+    OneDof(#[from] OneDofError),
+    /// The levers.
+    #[error(transparent)]
+    Levers(#[from] DeriveError),
+    /// The instrument does not do what the subject is about.
+    #[error("{0}")]
+    Instrument(String),
+}
+
+/// All subjects, in the order of the report.
+#[must_use]
+pub fn subjects() -> Vec<Subject> {
+    let subject = |name, title, weight, run| Subject { name, title, weight, run };
+    vec![
+        subject("paper1-drives", "Force-driven and motion-driven, six bodies and one", 3.0, drives::section),
+        subject("paper1-transfer", "From force to displacement and back", 1.0, transfer::section),
+        subject(
+            "paper1-fine-structure",
+            "The fine structure of the force, and whether it is felt",
+            1.0,
+            touch::fine_structure,
+        ),
+        subject("touch-scatter", "How much of a touch's scatter the blow has", 6.0, touch::scatter),
+        subject("paper2-felt", "The felt law", 1.0, friction::felt),
+        subject("paper2-rest", "Rest under dry and under regularised friction", 14.0, friction::rest),
+        subject("paper2-convergence", "Convergence and cost, set-valued and regularised", 18.0, convergence::section),
+        subject("paper2-finger", "The finger's softness", 2.0, friction::finger),
+        subject("paper2-run-time", "Run time against real time", 2.0, friction::run_time),
+        subject("paper3-levers", "Kinematics of the three levers", 0.5, levers::section),
+        subject("scheme-order", "Order of the scheme", 6.0, order::section),
+        subject("scheme-control", "Fixed and error-controlled steps", 14.0, control::section),
+        subject("scheme-energy", "Energy ledger", 1.5, energy::section),
+        subject("scheme-solvers", "Agreement of the solvers", 1.5, solvers::section),
+        subject("felt-losses", "Which loss the felts should have", 4.0, felt_losses::section),
+        subject("bushings", "Pivots that give", 1.0, bushings::section),
+        subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
+        subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
+        subject("dynamics", "From gentle to loud in thirty steps", 3.0, dynamics::section),
+        subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
+        subject("strings", "Strings that yield, their dampers and their bridge", 6.0, strings::section),
+        subject("outlook", "What the papers leave for later", 0.1, outlook::section),
+    ]
+}
+
+fn builtin(name: &str) -> Result<Instrument, ReproduceError> {
+    Instrument::builtin(name).map_err(|e| ReproduceError::Instrument(e.to_string()))
+}
+
+/// The instrument asked for, or the concert grand where that does not bend.
+fn bending(asked: &Instrument) -> Result<Instrument, ReproduceError> {
+    if asked.has_bends() { Ok(asked.clone()) } else { builtin("concert-grand") }
+}
+
+/// Two digits, and a plain zero.
+fn small(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}

@@ -1,0 +1,283 @@
+//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay over a bridge that moves; how a blow converges, and what its books lack.
+
+mod books;
+mod convergence;
+mod head;
+
+use super::blow::tell;
+use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use erard::instrument::Instrument;
+use erard::keyboard::{Keyboard, note_name};
+use erard::{Action, Input};
+use erard_workshop::struck::{self, STEP_S, blow};
+
+/// The keyboard and the instrument that this is about.
+const NAME: &str = "concert-grand-strings";
+/// Keys: A0, C2, C4, C6, C8.
+const KEYS: [usize; 5] = [1, 16, 40, 64, 88];
+/// Constant forces on the key, N: pp to ff.
+const FORCES: [(&str, f64); 5] = [("pp", 0.8), ("p", 2.0), ("mf", 4.0), ("f", 8.0), ("ff", 18.0)];
+/// What was published of contact at mf, ms: key, words, range (a third about a single number, or what the source says), source. For contact at other marks, for the largest force and for the return over
+/// the compass no number was found (`validate` has the same rows).
+const PUBLISHED: [(usize, &str, [f64; 2], &str); 3] = [
+    (1, "about 3.7, bass 4 to 5", [3.0, 5.0], "KTH lectures; A. Chaigne's measurements"),
+    (40, "about 2", [1.33, 2.67], "KTH lectures"),
+    (88, "about 0.5, C7 under 1", [0.33, 0.67], "KTH lectures; A. Chaigne's measurements"),
+];
+/// Lifts of the pedal's rail, m.
+const LIFTS_MM: [f64; 20] =
+    [0.0, 1.0, 1.6, 1.8, 1.9, 1.95, 2.0, 2.02, 2.04, 2.06, 2.08, 2.1, 2.12, 2.15, 2.2, 2.25, 2.3, 2.4, 3.0, 5.0];
+
+pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
+    let wrong = |error: String| ReproduceError::Instrument(error);
+    let keyboard = Keyboard::builtin(NAME).ok_or_else(|| wrong(format!("{NAME} cannot be read")))?;
+    let mut section = Section {
+        text: vec![
+            "The built-in keyboard with strings under constant forces. Contact is counted from the hammer's first touch to its last within 10 ms, waves that come back and \
+             part hammer and string for a moment among it; return is the hammer's speed at the end, and its share of the speed before. Numbers were published for contact at mf; for other marks, for the largest force and for the return none was found."
+                .into(),
+            "The damper's curve: C4 is struck by 5 N with the pedal down, the key is let go, the pedal's rail goes to a lift, and the level of the force on the bridge is \
+             followed for at most two seconds, from a tenth of a second after on."
+                .into(),
+        ],
+        ..Section::default()
+    };
+    let mut table = Table::new(
+        "Blows over the compass",
+        &[
+            "note",
+            "force, N",
+            "hammer, m/s",
+            "contact, ms",
+            "pulses",
+            "peak, N",
+            "return, m/s",
+            "share",
+            "published contact, ms",
+            "published peak and return",
+        ],
+    );
+    let mut mf = Vec::new();
+    let mut peaks = Vec::new();
+    for (n, key) in KEYS.into_iter().enumerate() {
+        let instrument = keyboard.key(key).map_err(|error| wrong(error.to_string()))?;
+        for (m, (loud, force_n)) in FORCES.into_iter().enumerate() {
+            tell(progress, 0.4 * (n * FORCES.len() + m) as f64 / (KEYS.len() * FORCES.len()) as f64)?;
+            let mut action = rest(&instrument)?;
+            let found = blow(&mut action, force_n);
+            let cells = match &found {
+                Some(b) => vec![
+                    format!("{:.2}", b.speed_m_s),
+                    format!("{:.2}", 1e3 * b.contact_s),
+                    b.pulses.to_string(),
+                    format!("{:.1}", b.peak_n),
+                    format!("{:.2}", b.back_m_s),
+                    format!("{:.2}", b.back_m_s / b.speed_m_s),
+                ],
+                None => vec!["does not sound".into()],
+            };
+            let cells =
+                cells.into_iter().chain(std::iter::repeat_n(String::new(), if found.is_some() { 0 } else { 5 }));
+            let judged =
+                PUBLISHED.iter().find(|(of, ..)| (*of, "mf") == (key, loud)).map(|(_, says, [least, most], _)| {
+                    let holds = found.as_ref().is_some_and(|b| (*least..=*most).contains(&(1e3 * b.contact_s)));
+                    format!("{says}: {}", if holds { "met" } else { "missed" })
+                });
+            let cells = cells.chain([judged.unwrap_or_else(|| "none found".into()), "none found".into()]);
+            table.row([note_name(key), format!("{force_n} ({loud})")].into_iter().chain(cells));
+            if let (Some(b), "mf") = (&found, loud) {
+                mf.push((key, b.contact_s * 1e3));
+            }
+            if let (Some(b), 40) = (&found, key) {
+                peaks.push((b.speed_m_s, b.peak_n));
+            }
+        }
+    }
+    section.tables.push(table);
+    for (key, says, range, source) in PUBLISHED {
+        if let Some((_, found)) = mf.iter().find(|(one, _)| *one == key) {
+            section.claims.push(Claim::new(
+                source,
+                format!("contact of {} at mf: {says} ms", note_name(key)),
+                format!("{found:.2} ms"),
+                (range[0]..=range[1]).contains(found),
+            ));
+        }
+    }
+    if let (Some(first), Some(last)) = (peaks.first(), peaks.last()) {
+        let exponent = (last.1 / first.1).ln() / (last.0 / first.0).ln();
+        section.claims.push(Claim::new(
+            "this program",
+            "C4: the peak grows with more than the first power of the hammer's speed, so that loud blows are shorter and brighter",
+            format!("{:.1} N at {:.2} m/s, {:.0} N at {:.2} m/s: power {exponent:.2}", first.1, first.0, last.1, last.0),
+            exponent > 1.0,
+        ));
+    }
+    inharmonicity(&keyboard, &mut section)?;
+    damper(&mut section, progress)?;
+    bridge(&mut section, progress)?;
+    let grand = super::builtin(NAME)?;
+    convergence::add(&grand, &mut section, &mut |share| progress(0.7 + 0.25 * share))?;
+    books::add(&grand, &mut section, &mut |share| progress(0.95 + 0.05 * share))?;
+    Ok(section)
+}
+
+/// Young's measurements of six pianos, from the abstract: 1.2 cents in the second partial of middle C, twice that for every eight semitones above it.
+fn inharmonicity(keyboard: &Keyboard, section: &mut Section) -> Result<(), ReproduceError> {
+    // Cents are 1200/ln 2 times B n^2/2.
+    let per_b = 1200.0 / std::f64::consts::LN_2 * 0.5 * 4.0;
+    let mut table = Table::new("Inharmonicity of plain strings", &["note", "B", "B after Young (1952)", "of it"]);
+    let mut worst: f64 = 1.0;
+    for key in [40, 52, 64, 76, 88] {
+        let instrument = keyboard.key(key).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+        let Some(string) = instrument.strings.last() else { continue };
+        let (own, young) = (string.inharmonicity(), 1.2 / per_b * f64::exp2((key as f64 - 40.0) / 8.0));
+        worst = if (own / young).ln().abs() > worst.ln().abs() { own / young } else { worst };
+        table.row([note_name(key), format!("{own:.2e}"), format!("{young:.2e}"), format!("{:.2}", own / young)]);
+    }
+    section.tables.push(table);
+    section.claims.push(Claim::new(
+        "R. W. Young, JASA 24 (1952) 267",
+        "middle C: 1.2 cents in the second partial, doubled every eight semitones above",
+        format!("at most {:.0} % from it, C4 to C8", 100.0 * (worst - 1.0).abs()),
+        (0.67..=1.5).contains(&worst),
+    ));
+    Ok(())
+}
+
+fn rest(instrument: &Instrument) -> Result<Action, ReproduceError> {
+    struck::rest(instrument).map_err(|error| ReproduceError::Simulation(error.into()))
+}
+
+/// Level of the force on the bridge over 20 ms, dB.
+fn level_db(action: &mut Action, input: Input) -> f64 {
+    let steps = (20e-3 / STEP_S) as usize;
+    let (mut squares, mut sum) = (0.0, 0.0);
+    for _ in 0..steps {
+        action.step(input);
+        let n = action.strings().map_or(0.0, erard::strings::Strings::bridge_n);
+        (squares, sum) = (squares + n * n, sum + n);
+    }
+    let mean = sum / steps as f64;
+    10.0 * (squares / steps as f64 - mean * mean).max(1e-30).log10()
+}
+
+/// How long a level takes to fall by 60 dB at the rate at which it falls by 20, or in the time that there is, s.
+fn t60_s(action: &mut Action, input: Input, most_s: f64) -> f64 {
+    let (from, mut windows) = (level_db(action, input), 0);
+    loop {
+        let fallen = from - level_db(action, input);
+        windows += 1;
+        let time_s = f64::from(windows) * 20e-3;
+        if fallen >= 20.0 || time_s >= most_s {
+            return 60.0 * time_s / fallen.max(1e-3);
+        }
+    }
+}
+
+/// The decay of C4 against the pedal's lift.
+fn damper(section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
+    let instrument = super::builtin(NAME)?;
+    let mut struck = rest(&instrument)?;
+    struck.set_pedal(7e-3);
+    for _ in 0..6000 {
+        struck.step(Input::Force(5.0));
+    }
+    for _ in 0..2000 {
+        struck.step(Input::Free);
+    }
+    let struck = struck.save();
+    let (mut t60, mut lying, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+    for (n, mm) in LIFTS_MM.into_iter().enumerate() {
+        tell(progress, 0.4 + 0.25 * n as f64 / LIFTS_MM.len() as f64)?;
+        let mut still = rest(&instrument)?;
+        still.set_pedal(1e-3 * mm);
+        for _ in 0..4000 {
+            still.step(Input::Free);
+        }
+        let weight_n: f64 = still.strings().map_or(0.0, |strings| strings.damper_n().sum());
+        let mut action = rest(&instrument)?;
+        action.restore(&struck).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+        action.set_pedal(1e-3 * mm);
+        for _ in 0..2000 {
+            action.step(Input::Free);
+        }
+        kept.push(mm);
+        t60.push(t60_s(&mut action, Input::Free, 2.0));
+        lying.push(weight_n);
+    }
+    let (down, up) = (t60[0], t60[t60.len() - 1]);
+    let half: Vec<f64> =
+        kept.iter().zip(&t60).filter(|(_, t)| **t > 2.0 * down && **t < 0.5 * up).map(|(mm, _)| *mm).collect();
+    section.claims.push(Claim::new(
+        "this program",
+        "half-damping comes out of the contact: between the damper on the string and off it, a range of lifts damps less, the more of the damper's weight the rail carries",
+        match (half.first(), half.last()) {
+            (Some(from), Some(to)) => {
+                format!("T60 {down:.2} s lying, {up:.1} s lifted; more than twice the one and less than half the other from {from} to {to} mm")
+            }
+            _ => format!("T60 {down:.2} s lying, {up:.1} s lifted, nothing between"),
+        },
+        !half.is_empty(),
+    ));
+    let curve = |label: &str, y: Vec<f64>, colour: usize| ChartCurve {
+        label: label.into(),
+        x: kept.clone(),
+        y,
+        colour,
+        mark: Mark::Points,
+    };
+    let panel = |y_label: &str, y_log: bool, curve: ChartCurve| ChartPanel {
+        y_label: y_label.into(),
+        y_log,
+        y_range: None,
+        curves: vec![curve],
+    };
+    section.charts.push(Chart {
+        title: "A note under its damper".into(),
+        caption: "Decay of C4 after a blow of 5 N, and what of the damper's weight lies on its three strings at rest, against the lift of the pedal's rail. The rail has 2 mm of lost \
+                  motion. Above 60 dB / 2 s the time is what the first two seconds tell."
+            .into(),
+        x_label: "lift of the rail, mm".into(),
+        x_log: false,
+        panels: vec![
+            panel("T60, s", true, curve("bridge force", t60, 0)),
+            panel("damper on strings, N", false, curve("at rest", lying, 1)),
+        ],
+    });
+    Ok(())
+}
+
+/// Decay of C4's first second and of its fifth, over a bridge that stands still and over one that moves.
+fn bridge(section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
+    let mut instrument = super::builtin(NAME)?;
+    let mut table = Table::new("Decay of C4, held, dB/s", &["bridge", "from 0.3 s to 0.8 s", "from 4.5 s to 5 s"]);
+    let mut rates = Vec::new();
+    for (n, (name, rigid)) in [("stands still", true), ("moves (six modes)", false)].into_iter().enumerate() {
+        tell(progress, 0.65 + 0.025 * n as f64)?;
+        instrument.roles.rigid_bridge = rigid;
+        let mut action = rest(&instrument)?;
+        let held = Input::Force(5.0);
+        let mut level_after = |steps: usize| {
+            for _ in 0..steps {
+                action.step(held);
+            }
+            level_db(&mut action, held)
+        };
+        let levels = [level_after(6000), level_after(9600), level_after(73_600), level_after(9600)];
+        let own = [(levels[0] - levels[1]) / 0.5, (levels[2] - levels[3]) / 0.5];
+        table.row([name.to_owned(), format!("{:.1}", own[0]), format!("{:.1}", own[1])]);
+        rates.push(own);
+    }
+    section.tables.push(table);
+    section.claims.push(Claim::new(
+        "G. Weinreich, JASA 62 (1977) 1474",
+        "strings of a note that feel each other through the bridge decay in two stages; without it none is claimed",
+        format!(
+            "first {:.1} dB/s, then {:.1}; over a bridge that stands still {:.1} and {:.1}",
+            rates[1][0], rates[1][1], rates[0][0], rates[0][1]
+        ),
+        rates[1][0] > 1.3 * rates[1][1] && rates[1][0] > rates[0][0],
+    ));
+    Ok(())
+}
