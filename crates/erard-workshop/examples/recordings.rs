@@ -1,4 +1,4 @@
-//! Writes synthetic recordings of a concert grand that is not quite the built-in one, `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-lab --example recordings`.
+//! Writes synthetic recordings of a concert grand that is not quite the built-in one, `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-workshop --example recordings`.
 //!
 //! What is different is [`TRUE`]. Sensors as a laboratory has them, at 4 kHz: a load cell with 20 mN of noise, the key to 10 um, the hammer to 50 um, each with an offset of its own, after
 //! a rest of 0.1 s; they end 3 ms after the blow. Noise is normal and white; all these sizes are estimates.

@@ -7,7 +7,7 @@
 
 use erard_workshop::benchmarks::{Effort, Load, Times, instruction_sets, load_times};
 use erard_workshop::cores;
-use moreau_lanes::Lanes;
+use moreau_kernels::Lanes;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();

@@ -15,7 +15,7 @@ use erard::{Action, Input, Instrument, Outcome, Reading};
 use erard_workshop::benchmarks::callgrind::{CountError, instructions, is_available};
 use erard_workshop::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note, press};
 use moreau::Settings;
-use moreau_sizes::Lanes;
+use moreau_kernels::Lanes;
 
 /// What is counted: its name on the command line, the option that bounds it, how often it is done for every step, and what does so many
 /// steps.

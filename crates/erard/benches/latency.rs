@@ -7,7 +7,7 @@
 
 use erard_workshop::benchmarks::Effort;
 use erard_workshop::benchmarks::latency::{Latency, clock_ns, of_group_steps, of_steps};
-use moreau_lanes::Lanes;
+use moreau_kernels::Lanes;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();

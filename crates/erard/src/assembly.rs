@@ -3,7 +3,7 @@
 use moreau::{
     Body, Curve, Dwell, Exponent, Felt, GROUND, Loss, Model, ModelError, Part, Scalar, Site, Spring, Yields, Zone,
 };
-use moreau_sizes::{Marks, OwnedDescription};
+use moreau_kernels::{Marks, OwnedDescription};
 
 use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};

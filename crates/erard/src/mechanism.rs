@@ -1,6 +1,6 @@
 //! An instrument's mechanism, of any size, behind one interface: what [`crate::Action`] plays.
 
-pub use moreau_sizes::{InputDuring, Mechanism, Saved, Size, Surfaces, View};
+pub use moreau_kernels::{InputDuring, Mechanism, Saved, Size, Surfaces, View};
 
 use moreau::{ModelError, Settings};
 
@@ -13,7 +13,7 @@ use crate::strings::Strings;
 /// # Errors
 /// [`ModelError`] if no size holds it.
 pub fn mechanism(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
-    let mut mechanism = moreau_sizes::mechanism(&describe(instrument), &marks(instrument), settings)?;
+    let mut mechanism = moreau_kernels::mechanism(&describe(instrument), &marks(instrument), settings)?;
     if let Some(strings) = Strings::of(instrument, settings.step) {
         mechanism.set_surfaces(Box::new(strings));
     }

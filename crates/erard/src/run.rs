@@ -187,8 +187,8 @@ pub struct Strike {
     pub speed_m_s: f64,
 }
 
-impl From<moreau_sizes::Meeting> for Strike {
-    fn from(met: moreau_sizes::Meeting) -> Self {
+impl From<moreau_kernels::Meeting> for Strike {
+    fn from(met: moreau_kernels::Meeting) -> Self {
         Strike { time_s: met.time_s, speed_m_s: met.speed_m_s }
     }
 }

@@ -1,3 +1,3 @@
 //! What can be seen of a mechanism from outside.
 
-pub use moreau_sizes::{Meeting, Visible};
+pub use moreau_kernels::{Meeting, Visible};

@@ -6,9 +6,9 @@ use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard_workshop::benchmarks::grand;
 use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
-use moreau_lanes::Lanes;
+use moreau_kernels::Lanes;
 
-type GrandGroup = moreau_lanes::Group<6, 14, 10>;
+type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
 /// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step occurs.
 fn input(n: u64) -> Input<f64> {

@@ -4,9 +4,9 @@ use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
 use erard_workshop::benchmarks::grand;
 use moreau::{Input, Outcome, Settings};
-use moreau_lanes::Lanes;
+use moreau_kernels::Lanes;
 
-type GrandGroup = moreau_lanes::Group<6, 14, 10>;
+type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
 /// With no tolerance at all, an iteration is accepted only when it changes nothing: steps that move run into the bound. Two seconds of blows of 40 N and
 /// releases, with one, two and five iterations allowed.

@@ -2,9 +2,9 @@
 
 use erard_workshop::benchmarks::{GrandWorkspace, grand};
 use moreau::{Input, Outcome, Settings, Sleep, step};
-use moreau_lanes::Lanes;
+use moreau_kernels::Lanes;
 
-type GrandGroup = moreau_lanes::Group<6, 14, 10>;
+type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
 /// Struck, held in check, held harder, let go: each for a while.
 fn input(n: usize) -> Input<f64> {

@@ -70,14 +70,14 @@ fn real_time_functions_reach_nothing_else() {
     let archive = library("liberard_c.a");
     let members = Command::new("ar").arg("t").arg(&archive).output().expect("it runs");
     let members = String::from_utf8(members.stdout).expect("names");
-    let own = members.lines().filter(|name| any(name, &["erard_c.", "erard-", "erard.", "moreau_sizes-", "moreau-"]));
+    let own = members.lines().filter(|name| any(name, &["erard_c.", "erard-", "erard.", "moreau_kernels-", "moreau-"]));
     let status = Command::new("ar").arg("x").arg(&archive).args(own).current_dir(folder.path()).status();
     assert!(status.expect("it runs").success());
 
     let calls = calls(folder.path());
     let is_play = |name: &&String| name.contains("4play4Play") && PLAY.iter().any(|end| name.contains(end));
     let is_engine = |name: &&String| {
-        name.contains("moreau_sizes..engine..Engine")
+        name.contains("moreau_kernels..engine..Engine")
             && name.contains("Mechanism")
             && ENGINE.iter().any(|end| name.contains(end))
     };

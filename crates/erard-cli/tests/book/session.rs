@@ -22,7 +22,7 @@ impl Session {
         let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
         let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         for home in
-            ["erard/instruments", "erard/keyboards", "erard-workshop/linkages", "erard/strokes", "erard-lab/recordings"]
+            ["erard/instruments", "erard/keyboards", "erard-workshop/linkages", "erard/strokes", "erard/recordings"]
         {
             let data = Path::new(home).file_name().unwrap();
             fs::create_dir(folder.0.join(data)).unwrap();

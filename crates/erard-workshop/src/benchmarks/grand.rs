@@ -1,7 +1,7 @@
 //! What is timed: the concert grand in the engine's own types, and one played note.
 
 use moreau::{Input, Model, Outcome, SavedState, Settings, State, Workspace, step};
-use moreau_sizes::{Lanes, OwnedDescription, SideBySide, side_by_side};
+use moreau_kernels::{Lanes, OwnedDescription, SideBySide, side_by_side};
 
 use erard::assembly;
 use erard::instrument::Instrument;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use fastrand::Rng;
 use moreau::{Input, Outcome, Settings};
-use moreau_sizes::Lanes;
+use moreau_kernels::Lanes;
 use serde::Serialize;
 
 use super::grand::{STEP_S, described, group, instrument};

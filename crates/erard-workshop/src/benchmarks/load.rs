@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use moreau::{Input, Outcome, Settings, State, step};
-use moreau_sizes::{Lanes, OwnedDescription};
+use moreau_kernels::{Lanes, OwnedDescription};
 
 use super::grand::{GrandModel, GrandWorkspace, MF_N, STEP_S, STEPS, described, group, instrument};
 use crate::cores::{do_all, job};

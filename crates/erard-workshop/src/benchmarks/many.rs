@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use moreau::Settings;
-use moreau_sizes::Lanes;
+use moreau_kernels::Lanes;
 use serde::Serialize;
 
 use super::grand::MF_N;

@@ -22,7 +22,7 @@ pub use many::{LoadTimes, Many, load_times};
 pub use sampling::{Timed, Times, in_turn};
 pub use single::Single;
 
-use moreau_sizes::Lanes;
+use moreau_kernels::Lanes;
 use serde::Serialize;
 
 use latency::{Latencies, of_group_steps, of_steps};

@@ -1,7 +1,7 @@
 //! Mechanisms side by side: brought to rest, and played.
 
 use moreau::{Input, ModelError, Outcome, SavedState, Settings};
-use moreau_sizes::{EveryBody, Lanes, OwnedDescription, Placed, SideBySide, Size, placed, side_by_side};
+use moreau_kernels::{EveryBody, Lanes, OwnedDescription, Placed, SideBySide, Size, placed, side_by_side};
 
 use super::sampling::{Sampled, Sampling};
 use super::{JobResult, Played, Stroke};

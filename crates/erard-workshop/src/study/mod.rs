@@ -15,7 +15,7 @@ pub use change::{Change, ChangeError, Quantity, quantities, varied};
 pub use parameter::Parameter;
 pub use sampling::{Sampling, SamplingError};
 
-pub use moreau_sizes::Lanes;
+pub use moreau_kernels::Lanes;
 
 use crate::cores::{self, do_all, job};
 use erard::assembly::describe;

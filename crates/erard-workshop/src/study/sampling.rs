@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::run::Run;
-use moreau_sizes::EveryBody;
+use moreau_kernels::EveryBody;
 use thiserror::Error;
 
 /// Which columns of a run's table are sampled, and every how many steps.

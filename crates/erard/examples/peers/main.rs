@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use erard::assembly;
 use erard::instrument::Instrument;
-use moreau_sizes::Size;
+use moreau_kernels::Size;
 
 use play::Action;
 

@@ -8,8 +8,8 @@ use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use moreau::{
     Accuracy, Controller, Halves, Input, Model, Outcome, Settings, Sleep, State, Workspace, controlled_step, step,
 };
-use moreau_lanes::Lanes;
-use moreau_sizes::{OwnedDescription, SideBySide, Size, side_by_side};
+use moreau_kernels::Lanes;
+use moreau_kernels::{OwnedDescription, SideBySide, Size, side_by_side};
 
 /// The stroke whose hammer speed is compared is the mf, pressed, that belongs to the instrument, its force times each of these: a single blow may be met by
 /// luck, a row of them is not.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use moreau_lanes::Lanes;
+use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
 use super::play::{Action, HOLD_N, HOLD_S, SCALES, Steps};

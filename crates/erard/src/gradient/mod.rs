@@ -1,6 +1,6 @@
 //! Derivatives of a key press: how its instants and speeds depend on the numbers of the instrument and on the force, by forward mode.
 //!
-//! The press is played once in numbers that carry derivatives ([`moreau_sizes::Tangents`]), up to eight directions at a time, from the pose as drawn over the
+//! The press is played once in numbers that carry derivatives ([`moreau_kernels::Tangents`]), up to eight directions at a time, from the pose as drawn over the
 //! rest to the blow. What is differentiated is the motion with dry friction that truly sticks and felts that are not smoothed: steps end where
 //! sliding comes to rest or turns round, and there the derivatives jump as they must (the engine's README, "Derivatives"). Of the map from
 //! an instrument's numbers to the mechanism's, which is smooth, differences are taken.
@@ -10,11 +10,11 @@
 
 mod watch;
 
-pub use moreau_sizes::{DIRECTIONS, Number};
+pub use moreau_kernels::{DIRECTIONS, Number};
 pub use watch::{Instants, QUANTITIES};
 
 use moreau::{Input, ModelError, Real, Settings, Stretch, TangentError};
-use moreau_sizes::{Tangents, tangents};
+use moreau_kernels::{Tangents, tangents};
 use thiserror::Error;
 
 use crate::assembly::describe;
@@ -113,7 +113,7 @@ impl Direction {
     pub fn between(low: &Instrument, high: &Instrument, apart: f64) -> Result<Self, GradientError> {
         let [a, b] = [low, high].map(describe::<f64>);
         let [x, y] = [a.numbers(), b.numbers()];
-        let kinds = |d: &moreau_sizes::OwnedDescription| d.zones.iter().map(|z| z.felt.kind()).collect::<Vec<_>>();
+        let kinds = |d: &moreau_kernels::OwnedDescription| d.zones.iter().map(|z| z.felt.kind()).collect::<Vec<_>>();
         if x.len() != y.len() || kinds(&a) != kinds(&b) {
             return Err(GradientError::Makeup);
         }

@@ -1,7 +1,7 @@
 //! The instants of a press in dual numbers: [`crate::events::Watch`] with derivatives.
 
 use moreau::Real;
-use moreau_sizes::{Number, Tangents, met_in_flight};
+use moreau_kernels::{Number, Tangents, met_in_flight};
 
 use super::Places;
 use crate::events::KEY_START_M;

@@ -1,12 +1,12 @@
 //! The assembled actions of a keyboard, stepped together.
 //!
-//! A key that nothing changes sleeps ([`moreau_sizes::Bank`] says why that is exact): keys at rest, and held notes, cost nothing.
+//! A key that nothing changes sleeps ([`moreau_kernels::Bank`] says why that is exact): keys at rest, and held notes, cost nothing.
 
 use moreau::{Outcome, Settings};
-use moreau_sizes::{Bank, View, bank};
+use moreau_kernels::{Bank, View, bank};
 use thiserror::Error;
 
-pub use moreau_sizes::Tick;
+pub use moreau_kernels::Tick;
 
 use crate::assembly::{describe, marks};
 use crate::instrument::Instrument;

@@ -30,7 +30,7 @@
 //! They do not feel each other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them (`pedal.rs`).
 //!
 //! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Their forces are found together
-//! ([`moreau_sizes::Surfaces::together`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
+//! ([`moreau_kernels::Surfaces::together`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
 //! books close exactly (`tests/dampers.rs`).
 
 mod bridge;

@@ -5,7 +5,7 @@ mod surfaces;
 
 use core::f64::consts::PI;
 
-use moreau_sizes::Mechanism;
+use moreau_kernels::Mechanism;
 
 use super::bridge::Bridge;
 use super::damping::{self, Across, Felt, Rocks, across};

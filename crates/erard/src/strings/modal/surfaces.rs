@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use moreau::Surface;
-use moreau_sizes::Surfaces;
+use moreau_kernels::Surfaces;
 
 use super::{Between, POINTS, Strings};
 use crate::strings::bridge::Bridge;

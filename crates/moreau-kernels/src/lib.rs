@@ -6,7 +6,7 @@
 //!
 //! - [`Mechanism`]: one, with its own working memory;
 //! - [`Bank`]: many that are stepped one after the other and sleep while nothing changes;
-//! - [`SideBySide`]: several of one topology in the processor's vector lanes;
+//! - [`SideBySide`]: several of one topology in the processor's vector lanes (on [`Group`], which has a fixed size);
 //! - [`Tangents`]: one, with the derivatives of its motion.
 //!
 //! The first three look at what happens through the same code ([`Marks`], [`Meeting`]).
@@ -15,6 +15,7 @@ mod bank;
 mod description;
 mod engine;
 mod flight;
+mod lanes;
 mod mechanism;
 mod placed;
 mod side_by_side;
@@ -25,8 +26,8 @@ mod tangents;
 pub use bank::{Bank, Tick, bank};
 pub use description::{Marks, OwnedDescription};
 pub use flight::{Meeting, met_in_flight};
+pub use lanes::{Group, Lanes};
 pub use mechanism::{InputDuring, Mechanism, Saved, View, mechanism};
-pub use moreau_lanes::Lanes;
 pub use placed::{Placed, Visible, placed};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};

@@ -1,6 +1,6 @@
 //! What vector numbers have in common, written once for every width and precision.
 //!
-//! A module that uses these macros gives the lane type, the width, and the intrinsics. Its numbers are private to this crate and exist
+//! A module that uses these macros gives the lane type, the width, and the intrinsics. Its numbers are private to this module and exist
 //! only inside the kernels of `kernels.rs`, which are entered after the processor has been asked for their instructions. That is what
 //! makes the intrinsics sound.
 

@@ -1,6 +1,6 @@
-//! Many mechanisms at once: in the lanes of the processor's vectors.
+//! Several mechanisms at once in the lanes of the processor's vectors.
 //!
-//! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this crate gives it numbers that are four (AVX2) or eight
+//! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this module gives it numbers that are four (AVX2) or eight
 //! (AVX-512) wide, compiled for those instructions and chosen when the program runs. Elsewhere the same mechanisms are stepped one
 //! after the other. Either way every mechanism gets the numbers that [`moreau::step()`] gives it alone, to rounding. Twice as many fit
 //! in single precision, for those who can do with it: models and states go in and out in doubles all the same.

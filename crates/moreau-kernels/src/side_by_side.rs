@@ -1,10 +1,9 @@
 //! Several mechanisms of one topology, stepped at once in the processor's vector lanes.
 
 use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
-use moreau_lanes::{Group, Lanes};
 
 use crate::size::with_size;
-use crate::{EveryBody, OwnedDescription, Size};
+use crate::{EveryBody, Group, Lanes, OwnedDescription, Size};
 
 /// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`] allocates.
 pub trait SideBySide: Send {

@@ -1,8 +1,6 @@
 //! The sizes that the engine is compiled for.
 
-use moreau_lanes::Lanes;
-
-use crate::OwnedDescription;
+use crate::{Lanes, OwnedDescription};
 
 /// A size: so many bodies B, zones Z and set-valued laws N at most.
 ///

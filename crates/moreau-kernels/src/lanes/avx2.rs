@@ -1,12 +1,14 @@
 //! Four doubles in one 256-bit register.
 
+#![allow(unsafe_code)]
+
 use core::arch::x86_64::{
     __m256d, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd, _mm256_cmp_pd,
     _mm256_div_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd,
     _mm256_or_pd, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_sub_pd, _mm256_xor_pd,
 };
 
-use crate::number::{mask_of_bits, operator, simd, vector_number};
+use super::number::{mask_of_bits, operator, simd, vector_number};
 
 vector_number! {
     F64x4, M64x4, __m256d, f64, 4,

@@ -1,12 +1,14 @@
 //! Eight numbers of single precision in one 256-bit register.
 
+#![allow(unsafe_code)]
+
 use core::arch::x86_64::{
     __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_blendv_ps, _mm256_cmp_ps,
     _mm256_div_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
     _mm256_or_ps, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
-use crate::number::{mask_of_bits, operator, simd, vector_number};
+use super::number::{mask_of_bits, operator, simd, vector_number};
 
 vector_number! {
     F32x8, M32x8, __m256, f32, 8,

@@ -4,7 +4,7 @@ use moreau::{
     Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Outcome, Settings, Site, State, Workspace,
     Zone, step,
 };
-use moreau_lanes::{Group, Lanes};
+use moreau_kernels::{Group, Lanes};
 
 /// A lever on a felt, hit by a second one: two hinges with dry friction, a rubbing contact and a stop. `i` changes the masses.
 fn pair(i: usize) -> Model<f64, 2, 3> {

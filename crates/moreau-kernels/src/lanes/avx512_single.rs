@@ -1,12 +1,14 @@
 //! Sixteen numbers of single precision in one 512-bit register; comparisons go to mask registers.
 
+#![allow(unsafe_code)]
+
 use core::arch::x86_64::{
     __m512, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_ps, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_div_ps, _mm512_fmadd_ps,
     _mm512_fnmadd_ps, _mm512_mask_blend_ps, _mm512_maskz_mov_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
     _mm512_set1_ps, _mm512_sqrt_ps, _mm512_sub_ps,
 };
 
-use crate::number::{mask_register, operator, simd, vector_number};
+use super::number::{mask_register, operator, simd, vector_number};
 
 vector_number! {
     F32x16, M32x16, __m512, f32, 16,

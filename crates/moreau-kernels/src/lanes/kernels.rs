@@ -1,11 +1,13 @@
 //! The kernel, compiled for each set of instructions.
 
+#![allow(unsafe_code)]
+
 use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step_apart, step_lanes};
 
-use crate::avx2::F64x4;
-use crate::avx2_single::F32x8;
-use crate::avx512::F64x8;
-use crate::avx512_single::F32x16;
+use super::avx2::F64x4;
+use super::avx2_single::F32x8;
+use super::avx512::F64x8;
+use super::avx512_single::F32x16;
 
 /// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one kind.
 ///
