@@ -9,8 +9,8 @@ use serde_json::{Map, Number, Value};
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs::shown;
-use crate::output::is_beside_a_table;
 use crate::say;
+use crate::table::is_beside_a_table;
 
 /// What there is to answer with.
 #[derive(Default)]

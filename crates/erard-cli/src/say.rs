@@ -8,8 +8,6 @@ use std::sync::{Mutex, PoisonError};
 
 use erard::files::printable;
 
-use crate::failure::Failure;
-
 /// Whether words on standard output are left out.
 static QUIET: AtomicBool = AtomicBool::new(false);
 /// Whether the answer is wanted as JSON, in place of words.
@@ -77,11 +75,11 @@ fn keep(result: io::Result<()>) {
 /// Whether all that was said has arrived.
 ///
 /// # Errors
-/// [`Failure::Said`].
-pub fn finish() -> Result<(), Failure> {
+/// The first fault of standard output.
+pub fn finish() -> io::Result<()> {
     keep(io::stdout().flush());
     match FAULT.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        Some(source) => Err(Failure::Said(source)),
+        Some(source) => Err(source),
         None => Ok(()),
     }
 }

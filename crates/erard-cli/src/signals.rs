@@ -1,13 +1,13 @@
 //! Requests to end: Control-C, a terminal that goes away, a polite kill, a limit of time.
 //!
 //! They are heard by a thread of their own, so that nothing that computes, reads or writes need ask. Files appear all at once or not at
-//! all ([`crate::output`]), so that it can end the process at any instant but that one: it waits for it, clears away what was begun, and
+//! all (`crate::output`), so that it can end the process at any instant but that one: it waits for it, clears away what was begun, and
 //! ends the process as the signal would have.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::{output, progress, tell};
+use crate::tell;
 
 /// Exit code after Control-C.
 pub const INTERRUPTED: u8 = 130;
@@ -34,8 +34,12 @@ pub fn yield_to_the_end() {
     }
 }
 
-/// From now on requests to end are heard.
-pub fn listen() {
+/// What clears up before the process ends.
+static CLEAR: Mutex<&[fn()]> = Mutex::new(&[]);
+
+/// From now on requests to end are heard; `clear` clears up before the process ends.
+pub fn listen(clear: &'static [fn()]) {
+    *CLEAR.lock().unwrap_or_else(PoisonError::into_inner) = clear;
     // Where nothing can be set up, they end the process as they do by default, and the next command clears up.
     let _ = listening::start();
 }
@@ -45,8 +49,7 @@ fn clean_up(why: &str) {
     ENDING.store(true, Ordering::Relaxed);
     // Never given back.
     std::mem::forget(hold());
-    progress::clear();
-    output::clear_stages();
+    CLEAR.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(|clear| clear());
     tell!("error: {why}");
 }
 

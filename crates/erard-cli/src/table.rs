@@ -16,6 +16,21 @@ use serde_json::{Value, json};
 
 use crate::identity;
 
+/// How the name of a table in text ends.
+pub(crate) const TABLE: &str = ".csv";
+/// What follows it in the name of the table's metadata: where the W3C's "Metadata Vocabulary for Tabular Data" has programs look.
+const METADATA: &str = "-metadata.json";
+
+/// Name of the metadata of a table.
+pub(crate) fn beside(table: &str) -> String {
+    format!("{table}{METADATA}")
+}
+
+/// Whether a name is that of a table's metadata.
+pub(crate) fn is_beside_a_table(name: &str) -> bool {
+    name.strip_suffix(METADATA).is_some_and(|table| table.ends_with(TABLE))
+}
+
 /// Writes the run, and columns that go with it, as CSV, every number in its shortest form that reads back as the same number.
 ///
 /// # Errors

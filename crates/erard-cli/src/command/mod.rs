@@ -29,7 +29,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use erard::files::steers;
 
 use crate::failure::Failure;
-use crate::{answer, identity, say, signals};
+use crate::{answer, identity, output, progress, say, signals};
 
 /// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
 #[derive(Debug, Parser)]
@@ -149,7 +149,7 @@ pub fn run_program<P: FromArgMatches>(
     speech: impl Fn(&P) -> &Speech,
     work: impl FnOnce(&P) -> Result<(), Failure>,
 ) -> ExitCode {
-    signals::listen();
+    signals::listen(&[progress::clear, output::clear_stages]);
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let program = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
         identity::remember(&arguments, definition, &matches);
@@ -164,7 +164,7 @@ pub fn run_program<P: FromArgMatches>(
         answer::print();
     }
     // A failure is worth more than words that did not arrive.
-    match result.and_then(|()| say::finish()) {
+    match result.and_then(|()| say::finish().map_err(Failure::Said)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

@@ -64,7 +64,7 @@ impl Studio {
         let port = listener.local_addr().map_err(|error| Failure::Internal(error.to_string()))?.port();
         let address = format!("http://localhost:{port}/");
         say!("The studio is at {address} - Control-C ends it.");
-        say::finish()?;
+        say::finish().map_err(Failure::Said)?;
         if !self.no_open {
             open(&address);
         }

@@ -1,9 +1,12 @@
 //! What `erard measure` makes of the sheets: the table, the figures, the page.
 
 pub mod figures;
+mod lines;
 pub mod page;
 pub mod rows;
 pub mod table;
+
+pub use lines::{shown, usual};
 
 use erard::instrument::Instrument;
 use erard::trust::worst_of_each;

@@ -6,10 +6,10 @@ use erard_workshop::measure::norms::{GROUPS, Line};
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::figures::Drawn;
+use super::shown;
 use super::table::usual_of;
 use super::{Measured, doubts};
 use crate::paper::{Headed, html_head};
-use crate::sheet::shown;
 use crate::units::Lengths;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

@@ -6,7 +6,7 @@ use erard_workshop::measure::Sheet;
 use erard_workshop::measure::norms::{GROUPS, Line};
 
 use super::Measured;
-use crate::sheet::{shown, usual};
+use super::{shown, usual};
 use crate::units::Lengths;
 
 /// Width of the labels.

@@ -21,7 +21,8 @@ use std::path::{Path, PathBuf};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
-use crate::{answer, identity, table};
+use crate::table::{self, TABLE, beside, is_beside_a_table};
+use crate::{answer, identity};
 pub use mark::Mark;
 use stage::Stage;
 pub use stage::clear as clear_stages;
@@ -154,21 +155,6 @@ impl Output {
         answer::written(&written(&mut self.names.iter()));
         Ok(written(&mut self.names.iter().filter(|name| !is_beside_a_table(name))))
     }
-}
-
-/// How the name of a table in text ends, and what is put behind it for its metadata: where the W3C's "Metadata Vocabulary for Tabular Data" has
-/// programs look for them.
-const TABLE: &str = ".csv";
-const METADATA: &str = "-metadata.json";
-
-/// Name of the metadata of a table.
-fn beside(table: &str) -> String {
-    format!("{table}{METADATA}")
-}
-
-/// Whether a name is that of a table's metadata.
-pub fn is_beside_a_table(name: &str) -> bool {
-    name.strip_suffix(METADATA).is_some_and(|table| table.ends_with(TABLE))
 }
 
 /// A folder and who wants to write into it.

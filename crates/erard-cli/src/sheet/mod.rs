@@ -3,7 +3,7 @@
 mod page;
 mod report;
 
-pub use page::{html, shown, usual};
+pub use page::html;
 pub use report::Report;
 
 use erard_workshop::advice::{Advice, WeightWork};

@@ -3,11 +3,12 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use erard::keyboard::note_name;
-use erard_workshop::measure::norms::{Line, lines};
+use erard_workshop::measure::norms::lines;
 use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
 use maud::{DOCTYPE, Markup, html};
 
 use super::{Advised, tasks};
+use crate::measure::{shown, usual};
 use crate::paper::html_head;
 use crate::units::Lengths;
 
@@ -120,28 +121,6 @@ fn values(heading: &str, values: &[Value], one: &Advised<'_>) -> Markup {
                 }
             }
         }
-    }
-}
-
-/// A value with its unit, lengths as the ruler shows them.
-pub fn shown(line: &Line, value: Option<f64>, lengths: Lengths) -> String {
-    match value {
-        Some(mm) if line.unit == "mm" => lengths.text(mm, line.decimals),
-        value => line.text(value),
-    }
-}
-
-/// What is usual, lengths as the ruler shows them.
-pub fn usual(line: &Line, key: usize, lengths: Lengths) -> String {
-    if line.unit != "mm" {
-        return line.usual(key);
-    }
-    let number = |mm: f64| lengths.number(mm, line.decimals);
-    match line.range(key) {
-        [Some(low), Some(high)] => format!("{}-{}", number(low), number(high)),
-        [Some(low), None] => format!("from {}", number(low)),
-        [None, Some(high)] => format!("to {}", number(high)),
-        [None, None] => String::new(),
     }
 }
 
