@@ -19,12 +19,14 @@
 mod discs;
 mod exact;
 mod moves;
+mod pose;
 mod stroke;
 mod train;
 
 pub use discs::{DiscLevers, Line, Touch};
 pub use moves::{Move, Regulation};
-pub use stroke::{LeverArms, Stroke, StrokePose, StrokeStop};
+pub use pose::{LeverArms, StrokePose};
+pub use stroke::{Stroke, StrokeStop};
 pub use train::{LeverTrain, Levers};
 
 use crate::direction::Direction;

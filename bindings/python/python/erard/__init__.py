@@ -37,6 +37,7 @@ from ._many import Rollout, Study, rollout, study
 from ._recording import Recording
 from ._run import Run
 from ._table import Table
+from ._version import __version__
 
 if TYPE_CHECKING:
     from . import dataset as dataset
@@ -82,7 +83,6 @@ __all__ = [
     "validate",
     "vary",
 ]
-__version__ = "0.1.0"
 
 #: What is imported when it is asked for first: SciPy takes longer to import than an action to strike.
 _LATER = {"fit": "_fit", "Fit": "_fit", "sample": "_fit", "Posterior": "_fit"}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -12,14 +12,43 @@ from ._common import unit_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ._fit import Fit
-    from ._many import Study
-    from ._run import Run
-
 #: What is drawn unless something else is asked for.
 USUAL = ("force_N", "key_m", "hammer_head_m", "string_N")
 #: Colours that the colour-blind tell apart (Okabe and Ito).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+
+
+class DrawnRun(Protocol):
+    """What a figure of a run needs of it."""
+
+    title: str
+    events: Mapping[str, float]
+
+    @property
+    def hammer_speed(self) -> float | None: ...
+    @property
+    def instrument(self) -> str: ...
+    def __getitem__(self, column: str, /) -> Any: ...
+    def __contains__(self, column: object, /) -> bool: ...
+
+
+class DrawnStudy(Protocol):
+    """What a figure of a study needs of it."""
+
+    @property
+    def axes(self) -> Mapping[str, Any]: ...
+    @property
+    def units(self) -> Mapping[str, str]: ...
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    def __getitem__(self, column: str, /) -> Any: ...
+
+
+class DrawnFit(Protocol):
+    """What a figure of a fit needs of it."""
+
+    @property
+    def channels(self) -> Sequence[Any]: ...
 
 
 def _scaled(column: str, values: Any) -> tuple[Any, str]:
@@ -27,7 +56,7 @@ def _scaled(column: str, values: Any) -> tuple[Any, str]:
     return (1e3 * values, "mm") if unit == "m" else (values, unit)
 
 
-def run_figure(run: Run, columns: Sequence[str], ax: Any) -> Figure:
+def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
     """Columns of a run over the time, one panel below the other; events as lines."""
     import matplotlib.pyplot as plt
 
@@ -67,7 +96,7 @@ def run_figure(run: Run, columns: Sequence[str], ax: Any) -> Figure:
     return figure
 
 
-def study_figure(study: Study, column: str, over: str) -> Figure:
+def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
     """A column over an axis, a curve for every combination of the others (ten at most are told apart)."""
     import matplotlib.pyplot as plt
 
@@ -90,7 +119,7 @@ def study_figure(study: Study, column: str, over: str) -> Figure:
     return figure
 
 
-def fit_figure(fit: Fit) -> Figure:
+def fit_figure(fit: DrawnFit) -> Figure:
     """Measured and fitted above, what is left over in units of its noise below: a column for each channel."""
     import matplotlib.pyplot as plt
 

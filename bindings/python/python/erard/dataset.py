@@ -30,6 +30,7 @@ from ._errors import InputError
 from ._instrument import Instrument, load
 from ._many import rollout
 from ._parts import Folder, digest, in_order, write_parquet, write_whole
+from ._version import __version__
 
 if TYPE_CHECKING:
     import pyarrow
@@ -413,8 +414,6 @@ def opened(plan: Plan, folder: str | os.PathLike[str]) -> Folder:
     Folder
         Its parts, and which are missing.
     """
-    from . import __version__
-
     parts = Folder(folder, {"what": "dataset", "version": __version__, "plan": plan.about()}, plan.parts)
     write_whole(parts.path / "README.md", lambda to: to.write_text(card(plan), encoding="utf-8"))
     return parts
@@ -477,8 +476,6 @@ def card(plan: Plan) -> str:
     str
         Markdown.
     """
-    from . import __version__
-
     sensors = "\n".join(
         f"- `{s.name}_counts`: {s.column}, {1e3 * s.from_m:g} to {1e3 * s.to_m:g} mm, {s.bits} bits, {s.rate_hz:g} Hz, noise "
         f"{s.noise:g} of full scale, curvature {s.curvature:g}"

@@ -6,7 +6,8 @@ use erard::player::Input;
 use erard::run::Events;
 use erard::simulation::{Setup, SimulationError};
 
-use super::{SensitivityError, Variable};
+use super::Variable;
+use super::error::SensitivityError;
 use crate::cores::{do_all, job};
 use crate::measure::weights::{Touch, by_loop, free_way};
 use crate::study::{Job, JobResult, Played, Stroke, Workers, play_all};

@@ -6,19 +6,19 @@
 //! jumps nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
 
 mod differences;
+mod error;
 mod passes;
 mod variable;
 
+pub use error::SensitivityError;
 pub use passes::{Gradient, Sampled, ValueAndSlopes, gradient};
 pub use variable::{Variable, VariableError};
 
-use erard::gradient::{DIRECTIONS, GradientError, Number, QUANTITIES};
+use erard::gradient::{DIRECTIONS, Number, QUANTITIES};
 use erard::instrument::Instrument;
-use erard::simulation::{Setup, SimulationError};
-use thiserror::Error;
+use erard::simulation::Setup;
 
-use crate::cores::{self, Ending};
-use crate::measure::MeasureError;
+use crate::cores;
 use crate::study::Stroke;
 use differences::{Differences, Window};
 use passes::{Passes, passes};
@@ -159,30 +159,6 @@ pub struct Sensitivities {
     pub rows: Vec<Sensitivity>,
     /// Instants at which derivatives jump, from the pose as drawn to the blow, and those that could not be told apart.
     pub switches: [u32; 2],
-}
-
-/// Why there are none.
-#[derive(Debug, Error)]
-pub enum SensitivityError {
-    /// Not differentiated.
-    #[error(transparent)]
-    Gradient(#[from] GradientError),
-    /// Not played.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// Not weighed.
-    #[error(transparent)]
-    Measure(#[from] MeasureError),
-}
-
-impl Ending for SensitivityError {
-    fn is_interruption(&self) -> bool {
-        match self {
-            SensitivityError::Gradient(error) => error.is_interruption(),
-            SensitivityError::Simulation(error) => error.is_interruption(),
-            SensitivityError::Measure(error) => error.is_interruption(),
-        }
-    }
 }
 
 /// Parts of the progress: gradients, strokes for differences, weights.

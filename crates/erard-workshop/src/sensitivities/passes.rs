@@ -8,7 +8,8 @@ use erard::instrument::Instrument;
 use erard::simulation::{Setup, SimulationError};
 use moreau::Settings;
 
-use super::{SensitivityError, Variable};
+use super::Variable;
+use super::error::SensitivityError;
 use crate::cores::{Interrupt, do_all, job};
 use crate::study::Stroke;
 

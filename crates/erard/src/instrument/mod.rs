@@ -22,6 +22,7 @@ mod format;
 #[doc(hidden)]
 pub mod locate;
 mod numbers;
+mod outlived;
 pub(crate) mod provenance;
 #[doc(hidden)]
 pub mod quantity;
@@ -34,14 +35,17 @@ mod screws;
 #[doc(hidden)]
 pub mod serde_fault;
 mod strings;
+mod tuning;
 
 pub use bends::Placement;
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
 pub use numbers::{numbers_at, with_numbers};
-pub use provenance::{Certainty, Citation, CitedNumber, OutlivedNote, Provenance, Source, Spread};
+pub use outlived::OutlivedNote;
+pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
 pub use rewrite::{RewriteError, cited};
 pub use schema::json_schema;
+pub use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
 
 /// Most bodies of an instrument: the engine's capacity.
 pub const MAX_BODIES: usize = 12;

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::{Instrument, InstrumentFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -80,59 +79,9 @@ pub struct Provenance {
     pub numbers: Vec<CitedNumber>,
 }
 
-/// A number that was changed and still carries the note of the built-in instrument that it comes from: the note speaks of the old value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OutlivedNote {
-    /// The number as it is.
-    pub number: CitedNumber,
-    /// What it is in the built-in instrument.
-    pub was: Vec<f64>,
-    /// Name of that instrument, e.g. `concert-grand`.
-    pub builtin: &'static str,
-}
-
 impl Provenance {
-    /// The numbers that differ from a built-in instrument's and have kept its note word for word.
-    #[must_use]
-    pub fn outlived_notes(&self) -> Vec<OutlivedNote> {
-        let note = |number: &CitedNumber| number.citation.as_ref().and_then(|citation| citation.note.clone());
-        let builtin = |name: &'static str| Some((name, InstrumentFile::builtin(name)?.provenance.numbers));
-        let builtins: Vec<(&'static str, Vec<CitedNumber>)> = Instrument::builtin_names().filter_map(builtin).collect();
-        let outlived = |number: &CitedNumber| {
-            let text = note(number)?;
-            let twins: Vec<(&'static str, &CitedNumber)> = builtins
-                .iter()
-                .flat_map(|(name, numbers)| numbers.iter().map(move |number| (*name, number)))
-                .filter(|(_, twin)| twin.key == number.key && note(twin).as_deref() == Some(&text))
-                .collect();
-            let (name, twin) = *twins.first()?;
-            let is_true = twins.iter().any(|(_, twin)| twin.values == number.values);
-            (!is_true).then(|| OutlivedNote { number: number.clone(), was: twin.values.clone(), builtin: name })
-        };
-        self.numbers.iter().filter_map(outlived).collect()
-    }
-
     /// The numbers that carry no source.
     pub fn bare(&self) -> impl Iterator<Item = &CitedNumber> {
         self.numbers.iter().filter(|number| number.citation.is_none())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A capstan that was moved by hand keeps the note of where it was, and is found; the built-in files have no such notes.
-    #[test]
-    fn a_note_that_its_number_has_outlived_is_found() {
-        for name in Instrument::builtin_names() {
-            assert_eq!(InstrumentFile::builtin(name).unwrap().provenance.outlived_notes(), [], "{name}");
-        }
-        let text = Instrument::builtin_text("concert-grand").unwrap();
-        let moved = text.replace("value = [142.23, 18.32]", "value = [132.23, 18.32]");
-        let found = InstrumentFile::parse(&moved, "moved").unwrap().provenance.outlived_notes();
-        let [one] = &found[..] else { panic!("{found:?}") };
-        assert_eq!((one.number.key.as_str(), one.builtin), ("zone.capstan_heel.disc.center_mm", "concert-grand"));
-        assert_eq!((&one.number.values[..], &one.was[..]), (&[132.23, 18.32][..], &[142.23, 18.32][..]));
     }
 }

@@ -6,8 +6,8 @@ use super::error::Fault;
 use super::format::{BridgeModeToml, DamperToml, StringToml};
 use super::quantity::At;
 use super::reader::{G_PER_KG, Limits, MM_PER_M, Reader, index_of, new_name};
+use super::tuning::{STEEL_DENSITY_KG_M3, bending_stiffness, tension_for};
 use super::{BridgeMode, DamperFelt, Instrument, MAX_BRIDGE_MODES, MAX_STRINGS, PianoString, Zone};
-use crate::strings::{STEEL_DENSITY_KG_M3, bending_stiffness, tension_for};
 
 /// Cents in an octave.
 const OCTAVE_CENTS: f64 = 1200.0;

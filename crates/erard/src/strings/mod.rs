@@ -40,14 +40,12 @@ mod pedal;
 mod rows;
 mod seen;
 mod sound;
-mod tuning;
 
+pub use crate::instrument::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
 pub use modal::Strings;
 pub use pedal::{PEDAL_M_S, PEDAL_MOST_M, Pedal, PedalError};
 pub use seen::Seen;
 pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
-pub use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
-pub(crate) use tuning::{bending_stiffness, tension_for};
 
 use crate::instrument::Instrument;
 

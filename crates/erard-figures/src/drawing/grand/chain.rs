@@ -1,7 +1,7 @@
 //! From a component's outline to pieces that bodies carry. A component that bends is a chain of bodies: its outline is cut where they are
 //! hinged, so that it is drawn bent.
 
-use super::{Component, Parts};
+use super::parts::{Component, Parts};
 use crate::drawing::material::Finish;
 use crate::drawing::piece::{Carrier, Piece};
 use crate::drawing::pose::Placement;

@@ -1,8 +1,8 @@
 //! What of a grand action is round, or varies in number or size with more than a place.
 
 use super::chain::{Look, carried};
+use super::parts::{Component, Parts};
 use super::places::{Place, Places};
-use super::{Component, Parts};
 use crate::drawing::fallback::circle;
 use crate::drawing::material::Finish;
 use crate::drawing::piece::{Carrier, Piece};

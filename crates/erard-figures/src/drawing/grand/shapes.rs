@@ -1,11 +1,11 @@
 //! The drawing: every outline's corners, mm, as offsets from the places that it hangs on.
 
-use super::Component;
-use super::Component::{
+use super::made::{self, Scene};
+use super::parts::Component;
+use super::parts::Component::{
     Damper as OnDamper, Ground, Hammer as OnHammer, Jack as OnJack, Key, Lever as OnLever, PedalRail as OnPedalRail,
     Whippen as OnWhippen,
 };
-use super::made::{self, Scene};
 use super::places::Place;
 use super::places::Place::*;
 use crate::drawing::Piece;

@@ -11,7 +11,7 @@ use super::bridge::Bridge;
 use super::damping::{self, Across, Felt, Rocks, across};
 use super::pedal::Rail;
 use super::rows::{Block, Row, WIDE, added, transition};
-use super::tuning::REACH_HZ;
+use crate::instrument::REACH_HZ;
 use crate::instrument::{Instrument, MAX_STRINGS, PianoString};
 
 /// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying for ever, they would end in

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::instrument::PianoString;
+use super::PianoString;
 
 /// Steel wire, kg/m3.
 pub const STEEL_DENSITY_KG_M3: f64 = 7850.0;

@@ -1,0 +1,32 @@
+//! Why derivatives cannot be computed.
+
+use erard::gradient::GradientError;
+use erard::simulation::SimulationError;
+use thiserror::Error;
+
+use crate::cores::Ending;
+use crate::measure::MeasureError;
+
+/// Why there are none.
+#[derive(Debug, Error)]
+pub enum SensitivityError {
+    /// Not differentiated.
+    #[error(transparent)]
+    Gradient(#[from] GradientError),
+    /// Not played.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// Not weighed.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+}
+
+impl Ending for SensitivityError {
+    fn is_interruption(&self) -> bool {
+        match self {
+            SensitivityError::Gradient(error) => error.is_interruption(),
+            SensitivityError::Simulation(error) => error.is_interruption(),
+            SensitivityError::Measure(error) => error.is_interruption(),
+        }
+    }
+}
