@@ -1,8 +1,56 @@
-//! The engine's files form layers: no circle of imports has more than two files.
+//! Imports go downward, between crates and within them: no circle of folders, and no circle of more than two files, in any crate and in the
+//! Python package. Dependencies of development are counted apart.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The crates from bottom to top: one may depend on those before it.
+const FLOORS: [&str; 13] = [
+    "moreau",
+    "moreau-kernels",
+    "moreau-linkage",
+    "moreau-rigid",
+    "moreau-conformance",
+    "erard",
+    "erard-workshop",
+    "erard-figures",
+    "erard-cli",
+    "erard-c",
+    "erard-python",
+    "erard-reproduce",
+    "erard-firmware",
+];
+
+/// Dependencies of development that go upward, each with its reason.
+const UPWARD: [(&str, &str, &str); 1] =
+    [("erard", "erard-workshop", "`cargo bench -p erard` times what `erard bench` times")];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The crates' folders.
+fn crates() -> Vec<PathBuf> {
+    let rooms = ["crates", "bindings", "papers"];
+    let folders = rooms.iter().flat_map(|room| fs::read_dir(root().join(room)).unwrap()).map(|e| e.unwrap().path());
+    let mut crates: Vec<PathBuf> = folders.filter(|folder| folder.join("Cargo.toml").is_file()).collect();
+    crates.sort();
+    crates
+}
+
+/// A manifest, its name, and the names of what one of its tables depends on.
+fn manifest(folder: &Path) -> toml::Table {
+    fs::read_to_string(folder.join("Cargo.toml")).unwrap().parse().unwrap()
+}
+
+fn name(manifest: &toml::Table) -> &str {
+    manifest["package"]["name"].as_str().unwrap()
+}
+
+fn dependencies<'a>(manifest: &'a toml::Table, table: &str) -> Vec<&'a str> {
+    manifest.get(table).and_then(toml::Value::as_table).into_iter().flat_map(|t| t.keys().map(String::as_str)).collect()
+}
 
 /// Modules by their path, e.g. `osnsp::relay`, with their source. A directory's `mod.rs` is the module itself; `lib.rs` is the empty path.
 fn modules(directory: &Path, path: &str, found: &mut BTreeMap<String, String>) {
@@ -14,7 +62,9 @@ fn modules(directory: &Path, path: &str, found: &mut BTreeMap<String, String>) {
             modules(&entry, &inner, found);
         } else if entry.extension().is_some_and(|e| e == "rs") {
             let module = if stem == "mod" || stem == "lib" { path.to_owned() } else { inner };
-            found.insert(module, fs::read_to_string(&entry).unwrap());
+            if stem != "main" {
+                found.insert(module, fs::read_to_string(&entry).unwrap());
+            }
         }
     }
 }
@@ -36,7 +86,28 @@ fn uses(source: &str) -> Vec<(bool, String)> {
             rest = &rest[at + 4..];
         }
     }
+    found.extend(written_out(source).map(|path| (false, path)));
     found
+}
+
+/// Paths that stand in the code itself, `crate::a::b`; the declarations of `use` are among them once more, but for their braces.
+fn written_out(source: &str) -> impl Iterator<Item = String> {
+    let code = source.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
+    let public = |before: &str| {
+        let line = before.rsplit('\n').next().unwrap().trim();
+        line.starts_with("pub") && line.ends_with("use")
+    };
+    let found: Vec<String> = code
+        .match_indices("crate::")
+        .filter(|(at, _)| !code[..*at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == '$'))
+        .filter(|(at, _)| !public(code[..*at].trim_end()))
+        .map(|(at, _)| {
+            let path = &code[at..];
+            let end = path.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(path.len());
+            path[..end].trim_end_matches(':').to_owned()
+        })
+        .collect();
+    found.into_iter()
 }
 
 fn expand(prefix: &str, tree: &str, public: bool, found: &mut Vec<(bool, String)>) {
@@ -159,17 +230,115 @@ fn circles(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<BTreeSet<&str>> {
     circles
 }
 
-#[test]
-fn no_circle_of_imports_has_more_than_two_files() {
-    let mut found = BTreeMap::new();
-    modules(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut found);
-    let graph = graph(&found);
-    // The reading works: some edges that are there for certain, one of them through a re-export.
-    for (from, to) in [("step", "workspace"), ("workspace", "osnsp::system"), ("osnsp::relay", "osnsp::delassus")] {
-        assert!(graph[from].contains(to), "{from} imports from {to}: {:?}", graph[from]);
+/// The graph of folders and files at the top of a crate: from each to those that it imports from.
+fn of_modules(graph: &BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
+    let top = |file: &str| file.split("::").next().unwrap().to_owned();
+    let mut modules: BTreeMap<String, BTreeSet<String>> =
+        graph.keys().map(|file| (top(file), BTreeSet::new())).collect();
+    for (file, imports) in graph.iter().filter(|(file, _)| !file.is_empty()) {
+        let others = imports.iter().map(|import| top(import)).filter(|other| *other != top(file) && !other.is_empty());
+        modules.entry(top(file)).or_default().extend(others);
     }
-    let circles = circles(&graph);
-    assert!(circles.iter().all(|circle| circle.len() <= 2), "{circles:#?}");
+    modules
+}
+
+/// What of a graph of files goes in a circle that it should not.
+fn faults(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
+    let mut faults: Vec<String> =
+        circles(graph).iter().filter(|circle| circle.len() > 2).map(|circle| format!("files {circle:?}")).collect();
+    let modules = of_modules(graph);
+    let is_folder = |module: &str| graph.keys().any(|file| file.starts_with(&format!("{module}::")));
+    let bad = |circle: &BTreeSet<&str>| circle.iter().any(|module| is_folder(module));
+    faults.extend(circles(&modules).iter().filter(|circle| bad(circle)).map(|circle| format!("modules {circle:?}")));
+    faults
+}
+
+#[test]
+fn imports_go_downward_within_every_crate() {
+    let crates = crates();
+    assert!(crates.len() >= FLOORS.len(), "{crates:?}");
+    let mut faults_found = Vec::new();
+    for folder in crates.iter().filter(|folder| folder.join("src").is_dir()) {
+        let mut found = BTreeMap::new();
+        modules(&folder.join("src"), "", &mut found);
+        let graph = graph(&found);
+        if folder.ends_with("moreau") {
+            // The reading works: some edges that are there for certain, one of them through a re-export.
+            for (from, to) in
+                [("step", "workspace"), ("workspace", "osnsp::system"), ("osnsp::relay", "osnsp::delassus")]
+            {
+                assert!(graph[from].contains(to), "{from} imports from {to}: {:?}", graph[from]);
+            }
+        }
+        faults_found.extend(faults(&graph).into_iter().map(|fault| format!("{}: {fault}", folder.display())));
+    }
+    assert!(faults_found.is_empty(), "{faults_found:#?}");
+}
+
+#[test]
+fn crates_depend_on_those_below_them() {
+    let floor = |name: &str| FLOORS.iter().position(|floor| *floor == name);
+    for folder in crates() {
+        let manifest = manifest(&folder);
+        let own = name(&manifest);
+        let Some(here) = floor(own) else {
+            // A workspace that measures others shares nothing with them.
+            let shared: Vec<&str> =
+                dependencies(&manifest, "dependencies").into_iter().filter(|d| floor(d).is_some()).collect();
+            assert!(shared.is_empty(), "{own} stands on no floor and depends on {shared:?}");
+            continue;
+        };
+        for (table, upward_allowed) in
+            [("dependencies", false), ("build-dependencies", false), ("dev-dependencies", true)]
+        {
+            for other in dependencies(&manifest, table) {
+                let Some(there) = floor(other) else { continue };
+                let excused = upward_allowed && UPWARD.iter().any(|(from, to, _)| (*from, *to) == (own, other));
+                assert!(there < here || excused, "{own}: [{table}] names {other}, which stands above it");
+            }
+        }
+    }
+    let excuses = UPWARD.iter().filter(|(from, to, _)| {
+        let folder = crates().into_iter().find(|folder| name(&manifest(folder)) == *from).unwrap();
+        !dependencies(&manifest(&folder), "dev-dependencies").contains(to)
+    });
+    assert_eq!(excuses.count(), 0, "an exception that nothing needs any more");
+}
+
+/// What a module of the Python package imports from its siblings, wherever in the file.
+fn python_imports(source: &str, modules: &BTreeSet<String>) -> BTreeSet<String> {
+    let mut imports = BTreeSet::new();
+    for line in source.lines().map(str::trim) {
+        let Some(rest) = line.strip_prefix("from .") else { continue };
+        let Some((module, names)) = rest.split_once(" import ") else { continue };
+        if module.is_empty() {
+            for name in names.split(',').map(|name| name.split_whitespace().next().unwrap_or("").trim_matches('(')) {
+                let own = if modules.contains(name) { name } else { "__init__" };
+                // The extension is no file of the package.
+                if name != "_erard" && !name.is_empty() {
+                    imports.insert(own.to_owned());
+                }
+            }
+        } else if modules.contains(module) {
+            imports.insert(module.to_owned());
+        }
+    }
+    imports
+}
+
+#[test]
+fn imports_go_downward_within_the_python_package() {
+    let folder = root().join("bindings/python/python/erard");
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let sources: BTreeMap<String, String> = files
+        .filter(|path| path.extension().is_some_and(|e| e == "py"))
+        .map(|path| (path.file_stem().unwrap().to_str().unwrap().to_owned(), fs::read_to_string(&path).unwrap()))
+        .collect();
+    let names: BTreeSet<String> = sources.keys().cloned().collect();
+    let graph = sources.iter().map(|(name, source)| (name.clone(), python_imports(source, &names))).collect();
+    let faults: Vec<_> = circles(&graph).into_iter().filter(|circle| circle.len() > 2).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    assert!(graph["_many"].contains("_instrument") && graph["_fit"].contains("_plot"), "the reading works: {graph:#?}");
 }
 
 /// The search finds a circle where there is one.
@@ -187,4 +356,19 @@ fn a_circle_is_found() {
     let graph = graph(&files);
     assert_eq!(graph["b"], BTreeSet::from(["c".to_owned(), "d".to_owned()]));
     assert_eq!(circles(&graph), [BTreeSet::from(["a", "b", "c"])]);
+    assert_eq!(faults(&graph), [r#"files {"a", "b", "c"}"#]);
+}
+
+/// A folder in a circle is a fault although each of its files goes one way; a path in the code counts as an import.
+#[test]
+fn a_circle_of_folders_is_found() {
+    let files = [
+        ("low", "pub mod inner;\n"),
+        ("low::inner", "fn f() { crate::high::g() }\n"),
+        ("low::plain", "// crate::high::g\n"),
+        ("high", "use crate::low::plain::Plain;\n"),
+        ("", "mod low; mod high;\n"),
+    ];
+    let graph = graph(&files.map(|(name, source)| (name.to_owned(), source.to_owned())).into());
+    assert_eq!(faults(&graph), [r#"modules {"high", "low"}"#]);
 }
