@@ -2,6 +2,7 @@
 
 use crate::svg::escape;
 use erard::instrument::Material;
+use serde::Deserialize;
 use std::fmt::Write;
 
 /// How a finish is painted: lit from above, with a darker edge.
@@ -18,7 +19,8 @@ pub struct Paint {
 }
 
 /// What an outline looks like: a material of instrument files, or what only pictures have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Finish {
     /// Key sticks, whippens, shanks, mouldings.
     Wood,

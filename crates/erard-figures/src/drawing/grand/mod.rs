@@ -1,22 +1,23 @@
 //! A grand action drawn from its own geometry: every outline hangs on the pivots, felts and screws that it depicts, so that what is moved in
 //! the file, by a screw or by a keyboard's grading moves in the picture.
 //!
-//! `shapes` is the drawing: for every outline its corners as offsets from places of the geometry. `places` finds those places in an
+//! `assets/grand-outlines.toml`, read by `outlines`, is the drawing: for every outline its corners as offsets from places of the geometry. `places` finds those places in an
 //! instrument. `made` draws what is round or varies in number. The offsets are a concert grand's, drawn by hand in the style of an action
 //! of the early twentieth century, to no particular maker's drawing; they give the wood its looks, and what touches its exact place comes from the
 //! instrument.
 
 mod chain;
 mod made;
+mod outlines;
 mod parts;
 mod places;
-mod shapes;
 
 use super::pose::{drawn_angles, placements};
 use super::{Drawing, fallback};
 use chain::Look;
 use erard::instrument::{Instrument, Vec2};
 use made::Scene;
+use outlines::{Entry, Made, drawing};
 use parts::Parts;
 use places::Places;
 
@@ -29,8 +30,8 @@ fn is_on_a_string(instrument: &Instrument, zone: usize) -> bool {
 pub(super) fn draws(name: &str) -> bool {
     const MADE: [&str; 8] =
         ["capstan", "key, top", "key lead", "knuckle", "knuckle, core", "damper lever, wire", "damper", "sharp"];
-    let is_shape = |entry: &shapes::Entry| matches!(entry, shapes::Entry::Shape(shape) if shape.name == name);
-    MADE.contains(&name) || shapes::DRAWING.iter().any(is_shape)
+    let is_outline = |entry: &Entry| matches!(entry, Entry::Outline(outline) if outline.name == name);
+    MADE.contains(&name) || drawing().iter().any(is_outline)
 }
 
 /// Draws a grand action; `None` where the instrument is none.
@@ -40,21 +41,28 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
     let places = Places::new(instrument, &parts, &drawn);
     let scene = Scene { instrument, parts: &parts, places: &places, drawn: &drawn };
     let mut pieces = Vec::new();
-    for entry in shapes::DRAWING {
+    for entry in drawing() {
         match entry {
-            shapes::Entry::Shape(shape) => {
+            Entry::Outline(shape) => {
                 let corners: Option<Vec<Vec2>> = shape
                     .corners
                     .iter()
-                    .flat_map(|(place, offsets)| offsets.iter().map(|offset| (*place, *offset)))
+                    .flat_map(|corners| corners.by.iter().map(|offset| (corners.at, *offset)))
                     .map(|(place, offset)| Some(places.find(place)?.offset(offset)))
                     .collect();
                 if let Some(corners) = corners {
-                    let look = Look { name: shape.name, on: shape.on, finish: shape.finish, smooth: shape.smooth };
+                    let look = Look { name: &shape.name, on: shape.on, finish: shape.finish, smooth: !shape.sharp };
                     pieces.extend(chain::carried(instrument, &parts, &drawn, &look, &corners));
                 }
             }
-            shapes::Entry::Made(make) => pieces.extend(make(&scene)),
+            Entry::Made { made } => pieces.extend(match made {
+                Made::Capstan => made::capstan(&scene),
+                Made::DamperHead => made::damper_head(&scene),
+                Made::KeyTop => made::key_top(&scene),
+                Made::Knuckle => made::knuckle(&scene),
+                Made::Leads => made::leads(&scene),
+                Made::Tail => made::tail(&scene),
+            }),
         }
     }
     // What this drawing knows nothing of is shown by its contact curves. Every string has a zone of its own with the one damper that is drawn.

@@ -3,10 +3,12 @@
 use super::parts::{Component, Parts};
 use crate::drawing::pose::Placement;
 use erard::instrument::{Curve, Instrument, Vec2, Zone};
+use serde::Deserialize;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A place of the geometry. Each belongs to one component, whose frame it is given in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum Place {
     // on the ground
     Fulcrum,
