@@ -127,8 +127,6 @@ fn misses_can_fail() {
     let error = String::from_utf8(output.stderr).unwrap();
     assert!(error.contains("rows are missed: "), "{error}");
     assert!(folder.0.join("erard-out-validate/validate.json").exists());
-    // Nothing is missed where nothing is claimed wrongly.
-    folder.good(&["reproduce", "--only", "paper2-rest", "--fail-on-miss"]);
 }
 
 /// Words of a command line of the README, and the file that its output goes to.
@@ -159,13 +157,14 @@ fn an_empty_folder_is_enough_for_the_readme() {
     let readme = include_str!("../../../README.md");
     let block = readme.split("## Try").nth(1).unwrap().split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
     let mut played = 0;
-    for line in block.lines().filter(|line| !line.trim().is_empty()) {
+    // The program that reproduces the papers has tests of its own.
+    let is_ours = |line: &&str| !line.trim().is_empty() && !line.starts_with("cargo run --release -p erard-reproduce ");
+    for line in block.lines().filter(is_ours) {
         let command =
             line.strip_prefix("cargo run --release -- ").unwrap_or_else(|| panic!("not a command of ours: {line}"));
         let (mut words, into) = words(command);
         let shortened = match words[0].as_str() {
             "bench" => &["--quick"][..],
-            "reproduce" => &["--only", "paper2-rest"],
             "keyboard" if !words.contains(&"--weigh".to_owned()) => &["--every", "40"],
             _ => &[],
         };

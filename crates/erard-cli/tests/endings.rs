@@ -67,7 +67,6 @@ fn control_c_is_heard_everywhere() {
         // Strokes are made ready, played side by side, and with derivatives.
         (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass"], &[100, 500]),
         (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass", "--jacobian", "gradient"], &[400, 900]),
-        (&["reproduce"], &[200]),
     ] {
         for &delay_ms in delays_ms {
             let mut child = folder.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();

@@ -8,6 +8,7 @@ mod common;
 use std::path::PathBuf;
 
 use common::Folder;
+use common::schema::{faults, kind};
 use serde_json::{Map, Value, json};
 
 /// Every command, and calls whose answers differ in kind: one schema holds for all of them.
@@ -94,8 +95,6 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             ],
         ],
     ),
-    ("reproduce", &[&["reproduce", "--only", "paper2-rest"]]),
-    ("reproduce-list", &[&["reproduce", "--list"]]),
     ("bench", &[&["bench", "--quick"]]),
     ("list", &[&["list"]]),
 ];
@@ -109,17 +108,6 @@ const MAPS: [&str; 2] = ["options", "table"];
 
 /// Texts that may be null.
 const NULLABLE: [&str; 4] = ["commit", "file", "sha256", "likely_reason"];
-
-fn kind(value: &Value) -> &'static str {
-    match value {
-        Value::Null => "null",
-        Value::Bool(_) => "boolean",
-        Value::Number(_) => "number",
-        Value::String(_) => "string",
-        Value::Array(_) => "array",
-        Value::Object(_) => "object",
-    }
-}
 
 /// The schema of all these values, which stand under the same key.
 fn infer(values: &[&Value], key: &str) -> Value {
@@ -156,37 +144,6 @@ fn infer(values: &[&Value], key: &str) -> Value {
     schema.into()
 }
 
-/// What of a value is not as its schema says.
-fn faults(value: &Value, schema: &Value, path: &str, found: &mut Vec<String>) {
-    let schema = schema.as_object().unwrap();
-    let known = ["$schema", "title", "type", "required", "properties", "items", "additionalProperties"];
-    assert!(schema.keys().all(|key| known.contains(&key.as_str())), "{path}: a keyword that is not checked");
-    let types = match schema.get("type") {
-        Some(Value::Array(types)) => types.clone(),
-        Some(one) => vec![one.clone()],
-        None => vec![kind(value).into()],
-    };
-    if !types.contains(&kind(value).into()) {
-        found.push(format!("{path}: {}, not {types:?}", kind(value)));
-    }
-    if let Value::Object(object) = value {
-        for key in schema.get("required").and_then(Value::as_array).into_iter().flatten() {
-            if !object.contains_key(key.as_str().unwrap()) {
-                found.push(format!("{path}: {key} is missing"));
-            }
-        }
-        for (key, value) in object {
-            let own = schema.get("properties").and_then(|all| all.get(key)).or(schema.get("additionalProperties"));
-            if let Some(own) = own {
-                faults(value, own, &format!("{path}/{key}"), found);
-            }
-        }
-    }
-    if let (Value::Array(items), Some(own)) = (value, schema.get("items")) {
-        items.iter().enumerate().for_each(|(n, item)| faults(item, own, &format!("{path}/{n}"), found));
-    }
-}
-
 #[test]
 fn every_command_answers_by_its_schema() {
     let folder = Folder::new("json");
@@ -217,10 +174,7 @@ fn every_command_answers_by_its_schema() {
             let mut schema = infer(&answers.iter().collect::<Vec<_>>(), "");
             let own = schema.as_object_mut().unwrap();
             own.insert("$schema".into(), "http://json-schema.org/draft-07/schema#".into());
-            own.insert(
-                "title".into(),
-                format!("erard {} --json", name.replace("-list", " --list").replace("-sens", " --sens")).into(),
-            );
+            own.insert("title".into(), format!("erard {} --json", name.replace("-sens", " --sens")).into());
             std::fs::write(home(name), serde_json::to_string_pretty(&schema).unwrap() + "\n").unwrap();
         }
         let Ok(text) = std::fs::read_to_string(home(name)) else {

@@ -2,7 +2,14 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+#[path = "../../../crates/erard-cli/tests/common/schema.rs"]
+mod schema;
+use schema::faults;
 
 /// A folder of its own for a test, gone at its end.
 struct Folder(PathBuf);
@@ -84,4 +91,53 @@ fn the_list() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(text.lines().count(), 22);
     assert!(text.contains("conformance ") && text.contains("scheme-order"));
+}
+
+/// Exit code 0 where every claim holds although misses were to fail; `erard reproduce` says where the program went, with code 2.
+#[test]
+fn misses_fail_when_asked_to() {
+    let folder = Folder::new("misses");
+    let output = folder.erard(&["--only", "paper2-rest", "--fail-on-miss"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// The answer with `--json` has what its schema requires, of the types that it says, and names the program's own command.
+#[test]
+fn answers_have_their_schemas() {
+    let folder = Folder::new("json");
+    for (schema, arguments) in
+        [("reproduce", &["--only", "paper2-rest", "--json"][..]), ("reproduce-list", &["--list", "--json"])]
+    {
+        let output = folder.erard(arguments);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let home = format!("{}/schemas/{schema}.schema.json", env!("CARGO_MANIFEST_DIR"));
+        let schema: Value = serde_json::from_str(&fs::read_to_string(home).unwrap()).unwrap();
+        let mut found = Vec::new();
+        faults(&answer, &schema, "", &mut found);
+        assert!(found.is_empty(), "{arguments:?}: {found:#?}");
+        faults(&Value::Object(serde_json::Map::new()), &schema, "", &mut found);
+        assert!(!found.is_empty(), "{arguments:?}: an empty object conforms");
+        assert!(answer["made_by"]["command"].as_str().unwrap().starts_with("erard-reproduce "), "{answer}");
+    }
+}
+
+/// Control-C while subjects are computed: code 130, and nothing is left.
+#[cfg(unix)]
+#[test]
+fn control_c_is_heard() {
+    // Children start with the default disposition even where whoever started the tests had the signal ignored.
+    let heard = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    signal_hook::flag::register(signal_hook::consts::SIGINT, heard).unwrap();
+    let folder = Folder::new("control-c");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_erard-reproduce"))
+        .current_dir(&folder.0)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "it had finished");
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
 }

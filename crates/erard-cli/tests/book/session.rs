@@ -1,5 +1,6 @@
 //! What a reader does who follows a chapter: files written, commands run, in a folder that looks like the project's.
 
+use std::env::consts::EXE_SUFFIX;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -66,19 +67,28 @@ impl Session {
     fn command(&mut self, line: &str, expected: i32) -> Result<(), String> {
         let words = words(line)?;
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
-        let arguments = match words[..] {
-            ["erard", ref arguments @ ..] | ["cargo", "run", "--release", "--", ref arguments @ ..] => arguments,
+        let erard = Path::new(env!("CARGO_BIN_EXE_erard"));
+        let (program, arguments) = match words[..] {
+            ["erard", ref arguments @ ..] | ["cargo", "run", "--release", "--", ref arguments @ ..] => {
+                (erard.to_owned(), arguments)
+            }
+            // A program of another package, built beside this one.
+            ["erard-reproduce", ref arguments @ ..] => {
+                (erard.with_file_name(format!("erard-reproduce{EXE_SUFFIX}")), arguments)
+            }
             ["cp", from, to] => {
                 let path = |name| self.folder.0.join(name);
                 return fs::copy(path(from), path(to)).map(|_| ()).map_err(|e| e.to_string());
             }
-            _ => return Err("only `erard`, `cargo run --release --` and `cp` are run; mark the block no_run".into()),
+            _ => {
+                return Err(
+                    "only `erard`, `erard-reproduce`, `cargo run --release --` and `cp` are run; mark the block no_run"
+                        .into(),
+                );
+            }
         };
-        let output = Command::new(env!("CARGO_BIN_EXE_erard"))
-            .current_dir(&self.folder.0)
-            .args(arguments)
-            .output()
-            .map_err(|e| e.to_string())?;
+        let failed = |error| format!("{}: {error}; `cargo build --release --workspace` builds it", program.display());
+        let output = Command::new(&program).current_dir(&self.folder.0).args(arguments).output().map_err(failed)?;
         let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         if output.status.code() != Some(expected) {
             return Err(format!("ended with {}, expected {expected}: {err}", output.status));
