@@ -75,7 +75,7 @@ fn main() {
     for _ in 0..ROUNDS {
         directly.round(|n| {
             black_box(native.step(Input::Force(black_box(force(n)))));
-            black_box(native.blow());
+            black_box(native.impact());
         });
         through.round(|n| {
             black_box(unsafe { erard_step_force(action, black_box(force(n)), &raw mut reading) });
@@ -116,7 +116,7 @@ fn play(natively: bool, steps: usize) {
     for n in 0..steps {
         if natively {
             black_box(native.step(Input::Force(black_box(force(n)))));
-            black_box(native.blow());
+            black_box(native.impact());
         } else {
             black_box(unsafe { erard_step_force(action, black_box(force(n)), &raw mut reading) });
         }

@@ -3,7 +3,7 @@
 use std::ffi::{CString, c_char};
 use std::ptr::null_mut;
 
-use erard::strings::Seen;
+use erard::strings::ShapeProbe;
 use erard::{Action, Input, Instrument};
 
 use crate::instrument::{ErardInstrument, parse};
@@ -19,7 +19,7 @@ pub struct ErardAction {
     bodies: Vec<CString>,
     zones: Vec<CString>,
     /// Where a string that yields is looked at, m from the striking point, and what tells its shape there.
-    string: Option<(Vec<f64>, Seen)>,
+    string: Option<(Vec<f64>, ShapeProbe)>,
 }
 
 impl ErardAction {
@@ -29,7 +29,7 @@ impl ErardAction {
                 if matches!(error, erard::ActionError::Step { .. }) { ErardStatus::Range } else { ErardStatus::Model };
             Fault::new(status, error.to_string())
         })?;
-        let string = action.strings().map(|strings| (strings.places_seen_m(), strings.seen()));
+        let string = action.strings().map(|strings| (strings.probe_places_m(), strings.shape_probe()));
         let name = |name: &String| CString::new(name.as_str()).unwrap_or_default();
         Ok(ErardAction {
             play: Play::new(action, instrument.zones.len()),

@@ -159,8 +159,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
             } else if tick.unconverged > 0 && status == ErardStatus::Ok {
                 status = ErardStatus::IterationLimit;
             }
-            for blow in keyboard.keys.strikes() {
-                let (time_s, speed_m_s) = (blow.strike.time_s + keyboard.offset_s, blow.strike.speed_m_s);
+            for blow in keyboard.keys.impacts() {
+                let (time_s, speed_m_s) = (blow.impact.time_s + keyboard.offset_s, blow.impact.hammer_speed_m_s);
                 if let Some(last) = keyboard.blows.get_mut(blow.key - 1) {
                     *last = (time_s, speed_m_s, last.2.wrapping_add(1));
                 }

@@ -112,7 +112,7 @@ impl Play {
                 status = one;
             }
             sum += self.reading.finger_n;
-            blows += u32::from(self.action.blow().is_some());
+            blows += u32::from(self.action.impact().is_some());
         }
         self.under_way = false;
         self.owed_s = (owed_s - steps as f64 * h).max(0.0);
@@ -133,8 +133,8 @@ impl Play {
             Outcome::TooManyLaws => return ErardStatus::Internal,
         };
         let reading = &mut self.reading;
-        if let Some(blow) = self.action.blow() {
-            (reading.blow_time_s, reading.blow_m_s) = (blow.time_s, blow.speed_m_s);
+        if let Some(blow) = self.action.impact() {
+            (reading.blow_time_s, reading.blow_m_s) = (blow.time_s, blow.hammer_speed_m_s);
             reading.blows = reading.blows.wrapping_add(1);
         }
         reading.time_s = self.action.time_s();

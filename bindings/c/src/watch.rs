@@ -2,8 +2,9 @@
 
 use std::ptr::null_mut;
 
-use erard::events::Watch;
+use erard::events::EventDetector;
 use erard::instrument::Instrument;
+use erard::mechanism::Stepping;
 
 use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
@@ -12,7 +13,7 @@ use crate::status::{ErardStatus, Fault, ended, tell, told};
 /// Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until erard_watch_free.
 pub struct ErardWatch {
     instrument: Instrument,
-    watch: Watch,
+    watch: EventDetector,
 }
 
 /// The instants of one press, s on the action's clock, and what follows from them; NaN for what has not happened.
@@ -48,7 +49,10 @@ pub unsafe extern "C" fn erard_watch_new(
     told(null_mut(), status, || {
         // SAFETY: passed on.
         let instrument = unsafe { given(instrument) }?.instrument();
-        Ok(Box::into_raw(Box::new(ErardWatch { instrument: instrument.clone(), watch: Watch::new(instrument) })))
+        Ok(Box::into_raw(Box::new(ErardWatch {
+            instrument: instrument.clone(),
+            watch: EventDetector::new(instrument),
+        })))
     })
 }
 
@@ -65,7 +69,7 @@ pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatu
     tell(|| {
         // SAFETY: the caller's promise: NULL, or a watch.
         let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
-        own.watch = Watch::new(&own.instrument);
+        own.watch = EventDetector::new(&own.instrument);
         Ok(())
     })
 }
@@ -82,7 +86,7 @@ pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const
         if played.angles().len() != own.instrument.bodies.len() || action.play.zones != own.instrument.zones.len() {
             return Err(Fault::new(ErardStatus::Foreign, "the watch is another instrument's"));
         }
-        played.watched_by(&mut own.watch);
+        played.observed_by(&mut own.watch);
         Ok(())
     })
 }
@@ -101,8 +105,8 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
             key_start_s: or_nan(seen.key_start_s),
             toe_contact_s: or_nan(seen.toe_contact_s),
             let_off_s: or_nan(seen.let_off_s),
-            blow_s: or_nan(seen.hammer_contact_s),
-            blow_m_s: or_nan(seen.hammer_speed_m_s),
+            blow_s: or_nan(seen.hammer_contact_s()),
+            blow_m_s: or_nan(seen.hammer_speed_m_s()),
             key_bottom_s: or_nan(seen.key_bottom_s),
             check_s: or_nan(seen.check_s),
             free_flight_s: or_nan(seen.free_flight_s()),
@@ -118,7 +122,8 @@ pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardS
     tell(|| {
         // SAFETY: the caller's promise: NULL, or an action.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
-        action.play.action.mechanism_mut().keep_contacts();
+        let mechanism = action.play.action.mechanism_mut();
+        mechanism.configure(Stepping { keeps_contacts: true, ..*mechanism.readout().stepping });
         Ok(())
     })
 }
@@ -141,7 +146,7 @@ pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mu
         // SAFETY: there is room for at least so many.
         let out = unsafe { core::slice::from_raw_parts_mut(numbers, 5 * zones) };
         out.fill(0.0);
-        let contacts = action.play.action.mechanism().contacts();
+        let contacts = action.play.action.mechanism().readout().contacts;
         for (place, contact) in out.chunks_exact_mut(5).zip(contacts) {
             if let Some(contact) = contact {
                 let ([x, y], [nx, ny]) = (contact.point, contact.normal);

@@ -85,7 +85,7 @@ fn reading(player: &Player) -> Reading {
         hammer_m_per_s: reading.hammer_m_s,
         string_n: reading.string_n,
         converged: reading.outcome == Outcome::Converged,
-        blow: player.blow().map(|blow| (blow.time_s, blow.speed_m_s)),
+        blow: player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_s)),
     }
 }
 

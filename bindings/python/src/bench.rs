@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::path::Path;
 
-use erard::asked::Asked;
 use erard::instrument::Instrument as Inner;
+use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::KEYS;
 use erard::simulation::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
@@ -255,7 +255,8 @@ pub fn keyboard<'py>(
     keys: Vec<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, Bound<'py, PyDict>)> {
-    let keyboard = Asked::of(asked).and_then(Asked::keyboard).map_err(|error| fault::asked(&error))?;
+    let keyboard =
+        InstrumentSpec::of(asked).and_then(InstrumentSpec::keyboard).map_err(|error| fault::asked(&error))?;
     if let Some(key) = keys.iter().find(|key| !(1..=KEYS).contains(*key)) {
         return Err(wrong_argument("keys", format!("found {key}, expected numbers from 1 to {KEYS}")));
     }

@@ -1,7 +1,7 @@
 //! Errors of the crates below as Python's: `InputError` for what the caller gave, with file, line and key; `SimulationError` for what came of it.
 
-use erard::asked::AskedError;
 use erard::instrument::FileError;
+use erard::instrument_spec::InstrumentSpecError;
 use erard::player::ActionError;
 use erard::simulation::SimulationError;
 use erard::stroke::StrokeError;
@@ -60,13 +60,17 @@ pub fn stroke(error: &StrokeError) -> PyErr {
     input(error.to_string(), &Place { file, line: *line, key: column, found, expected })
 }
 
-pub fn asked(error: &AskedError) -> PyErr {
+pub fn asked(error: &InstrumentSpecError) -> PyErr {
     match error {
-        AskedError::File(error) => file(error),
-        AskedError::NoKey { key, .. } => input(error.to_string(), &Place { found: key, ..Place::default() }),
-        AskedError::IsKeyboard { file } => input(error.to_string(), &Place { file, ..Place::default() }),
-        AskedError::UnknownKeyboard { name } => input(error.to_string(), &Place { found: name, ..Place::default() }),
-        AskedError::Unknown(unknown) => input(error.to_string(), &Place { found: &unknown.name, ..Place::default() }),
+        InstrumentSpecError::File(error) => file(error),
+        InstrumentSpecError::NoKey { key, .. } => input(error.to_string(), &Place { found: key, ..Place::default() }),
+        InstrumentSpecError::IsKeyboard { file } => input(error.to_string(), &Place { file, ..Place::default() }),
+        InstrumentSpecError::UnknownKeyboard { name } => {
+            input(error.to_string(), &Place { found: name, ..Place::default() })
+        }
+        InstrumentSpecError::Unknown(unknown) => {
+            input(error.to_string(), &Place { found: &unknown.name, ..Place::default() })
+        }
     }
 }
 

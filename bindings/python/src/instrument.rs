@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use erard::asked::Asked;
 use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenance, numbers_at};
+use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
 use erard::stroke::NUANCES;
 use erard_workshop::kinematics::LinkageFile;
@@ -50,7 +50,8 @@ impl Instrument {
     /// A built-in one, a file, or a key of a keyboard.
     #[staticmethod]
     fn load(asked: &str) -> PyResult<Self> {
-        let (text, file_name) = Asked::of(asked).and_then(Asked::text).map_err(|error| fault::asked(&error))?;
+        let (text, file_name) =
+            InstrumentSpec::of(asked).and_then(InstrumentSpec::text).map_err(|error| fault::asked(&error))?;
         Self::made(text.into(), file_name.into(), Vec::new())
     }
 

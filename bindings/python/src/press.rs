@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use erard::Impact;
 use erard::one_dof::reduce;
 use erard::player::{Inside, Loss, LossRecorder, ReactionRecorder};
-use erard::run::{BodySeries, Events, Run, Strike, ZoneSeries, column_unit};
+use erard::run::{BodySeries, Events, Run, ZoneSeries, column_unit};
 use erard::simulation::{Setup, simulate, simulate_observed};
 use erard::trust::Warning;
 use erard_figures::figure::run_svg;
@@ -109,7 +110,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     let about = PyDict::new(py);
     about.set_item("instrument", &run.instrument)?;
     about.set_item("events", events(py, &run.events)?)?;
-    about.set_item("strikes", run.events.strikes.iter().map(|s| (s.time_s, s.speed_m_s)).collect::<Vec<_>>())?;
+    about.set_item("strikes", run.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_s)).collect::<Vec<_>>())?;
     about.set_item("free_flight_s", run.events.free_flight_s())?;
     about.set_item("peak_force_N", run.peak_force_n)?;
     about.set_item("steps", run.work.steps)?;
@@ -144,10 +145,10 @@ fn events<'py>(py: Python<'py>, events: &Events) -> PyResult<Bound<'py, PyDict>>
     all.set_item("key_start", events.key_start_s)?;
     all.set_item("toe_contact", events.toe_contact_s)?;
     all.set_item("let_off", events.let_off_s)?;
-    all.set_item("hammer_contact", events.hammer_contact_s)?;
+    all.set_item("hammer_contact", events.hammer_contact_s())?;
     all.set_item("key_bottom", events.key_bottom_s)?;
     all.set_item("check", events.check_s)?;
-    all.set_item("hammer_speed", events.hammer_speed_m_s)?;
+    all.set_item("hammer_speed", events.hammer_speed_m_s())?;
     Ok(all)
 }
 
@@ -178,7 +179,8 @@ pub fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &st
     let zones: Vec<(String, String, bool)> = item("zones")?.extract()?;
     let happened = item("events")?;
     let event = |name: &str| -> PyResult<Option<f64>> { happened.get_item(name)?.extract() };
-    let strikes: Vec<(f64, f64)> = item("strikes")?.extract()?;
+    let impacts: Vec<(f64, f64)> = item("strikes")?.extract()?;
+    let impacts = impacts.into_iter().map(|(time_s, hammer_speed_m_s)| Impact { time_s, hammer_speed_m_s });
     let run = Run {
         instrument: item("instrument")?.extract()?,
         time_s: column("time_s")?,
@@ -205,11 +207,9 @@ pub fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &st
             key_start_s: event("key_start")?,
             toe_contact_s: event("toe_contact")?,
             let_off_s: event("let_off")?,
-            hammer_contact_s: event("hammer_contact")?,
-            hammer_speed_m_s: event("hammer_speed")?,
             key_bottom_s: event("key_bottom")?,
             check_s: event("check")?,
-            strikes: strikes.into_iter().map(|(time_s, speed_m_s)| Strike { time_s, speed_m_s }).collect(),
+            impacts: impacts.collect(),
         },
         peak_force_n: 0.0,
         final_pivot_friction_n_m: Vec::new(),

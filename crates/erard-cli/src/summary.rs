@@ -148,11 +148,11 @@ impl Summary {
             control,
             newton_iterations_per_step: w.newton_iterations as f64 / control.map_or(w.steps, |c| c.inner_steps) as f64,
             real_time_factor: setup.duration_s / elapsed_s.max(1e-9),
-            hammer_speed_m_s: e.hammer_speed_m_s,
+            hammer_speed_m_s: e.hammer_speed_m_s(),
             key_start_s: e.key_start_s,
             toe_contact_s: e.toe_contact_s,
             let_off_s: e.let_off_s,
-            hammer_contact_s: e.hammer_contact_s,
+            hammer_contact_s: e.hammer_contact_s(),
             key_bottom_s: e.key_bottom_s,
             check_s: e.check_s,
             free_flight_s: e.free_flight_s(),
@@ -168,7 +168,11 @@ impl Summary {
             },
             smallest_dissipation_J: booked(|l| l.smallest_term),
             final_pivot_friction_N_m: run.final_pivot_friction_n_m.clone(),
-            strikes: e.strikes.iter().map(|s| StrikeReport { time_s: s.time_s, speed_m_s: s.speed_m_s }).collect(),
+            strikes: e
+                .impacts
+                .iter()
+                .map(|s| StrikeReport { time_s: s.time_s, speed_m_s: s.hammer_speed_m_s })
+                .collect(),
             trusted: run.is_trusted(),
             warnings: run.warnings.clone(),
         }

@@ -53,7 +53,7 @@ pub fn recording(grand: &Instrument, nuance: &str, seed: u64) -> String {
     let inputs = stroke.inputs(&grand.finger).expect("a force drives any key");
     let setup = Setup { record_every: Some(1), ..Setup::new(0.12) };
     let run = simulate(grand, inputs.as_ref(), &setup, &mut |_| true).expect("the grand plays");
-    let end_s = run.events.hammer_contact_s.expect("the hammer reaches the string") + AFTER_THE_BLOW_S;
+    let end_s = run.events.hammer_contact_s().expect("the hammer reaches the string") + AFTER_THE_BLOW_S;
     let every = (1.0 / RATE_HZ / setup.settings.step).round() as usize;
     let rest = (REST_S * RATE_HZ) as usize;
     let mut state = seed;

@@ -42,9 +42,15 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
     let (mut first, mut blow, mut touching) = (None, None, false);
     for n in 0..((PATIENCE_S + FOLLOWED_S) / STEP_S) as usize {
         let reading = action.step(Input::Force(force_n));
-        if let (Some(strike), None) = (action.blow(), first) {
+        if let (Some(strike), None) = (action.impact(), first) {
             first = Some(n);
-            blow = Some(Blow { speed_m_s: strike.speed_m_s, contact_s: 0.0, pulses: 0, peak_n: 0.0, back_m_s: 0.0 });
+            blow = Some(Blow {
+                speed_m_s: strike.hammer_speed_m_s,
+                contact_s: 0.0,
+                pulses: 0,
+                peak_n: 0.0,
+                back_m_s: 0.0,
+            });
         }
         let (Some(since), Some(blow)) = (first, &mut blow) else {
             if n as f64 * STEP_S > PATIENCE_S {

@@ -36,7 +36,7 @@ pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, 
     let end_s = force.times_s().last().copied().unwrap_or_default();
     let setup = Setup { record_every: Some(100), ..Setup::new(end_s) };
     match simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going()) {
-        Ok(run) => Ok(Tried { hammer_speed_m_s: run.events.hammer_speed_m_s, warnings: run.warnings }),
+        Ok(run) => Ok(Tried { hammer_speed_m_s: run.events.hammer_speed_m_s(), warnings: run.warnings }),
         Err(error) => match Warning::of_error(&error) {
             Some(warning) => Ok(Tried { warnings: vec![warning], ..silent }),
             None => Err(error),

@@ -90,16 +90,16 @@ fn every_key_escapes_checks_and_repeats() {
     for instrument in &concert_grand().1 {
         let run = simulate(instrument, &player::force(&twice), &setup, &mut |_| true).expect("runs");
         let (name, events) = (&instrument.name, &run.events);
-        let strikes: Vec<f64> = events.strikes.iter().map(|s| s.time_s).collect();
+        let strikes: Vec<f64> = events.impacts.iter().map(|s| s.time_s).collect();
         assert!(strikes.len() == 2 && strikes[0] < 0.12 && strikes[1] > 0.22, "{name} repeats: {strikes:?}");
-        let (let_off, contact) = (events.let_off_s.expect("escapes"), events.hammer_contact_s.expect("strikes"));
+        let (let_off, contact) = (events.let_off_s.expect("escapes"), events.hammer_contact_s().expect("strikes"));
         let toe = events.toe_contact_s.expect("meets the button");
         // The heavy hammers of the bass wind knuckle and shank up: theirs are pushed until they are there, to some hundredths of a millisecond.
         assert!(toe < let_off && let_off < contact + 5e-5, "{name} flies free: {toe} {let_off} {contact}");
         assert!(events.check_s.is_some_and(|check| (0.0..0.06).contains(&(check - contact))), "{name} is caught");
         assert_eq!(run.work.unconverged_steps, 0, "{name}");
         // The hammers get lighter toward the treble, and faster for the same finger: mf is 1.5 to 3.5 m/s.
-        let speed = events.hammer_speed_m_s.expect("strikes");
+        let speed = events.hammer_speed_m_s().expect("strikes");
         assert!((1.5..3.5).contains(&speed) && speed > before - 0.01, "{name}: {speed} m/s after {before}");
         before = speed;
     }

@@ -372,7 +372,7 @@ fn lower_let_off(instrument: &mut Instrument, by_m: f64) {
 fn let_off_distance(instrument: &Instrument) -> f64 {
     let press = slow_loop(instrument, 10e-3, &go).unwrap();
     let string = instrument.roles.string.unwrap();
-    -Action::new(instrument).unwrap().gap(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
+    -Action::new(instrument).unwrap().compression(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
 
 /// From twice as far the hammer flies longer, and has to be let go faster, to reach the string at all: v = sqrt(2 a d), with a

@@ -44,7 +44,7 @@ fn mis_set() -> Instrument {
 /// the key does not come home. The margin is small: a finger that stops short of the bottom by a tenth misses some.
 fn blows_at_eight_hertz(instrument: &Instrument, dip_m: f64) -> usize {
     let play = Play::Tremolo { top: 3e-3, bottom: dip_m + 0.1e-3, frequency: 8.0 };
-    play.run(instrument, Settings::new(USUAL_STEP_S), 2.0).events.strikes.len()
+    play.run(instrument, Settings::new(USUAL_STEP_S), 2.0).events.impacts.len()
 }
 
 /// A mis-set action meets every norm again, to 0.05 mm and 2 %, and repeats at 8 Hz as it did not before.

@@ -78,7 +78,7 @@ fn action_note(instrument: &Instrument, steps: u64) -> f64 {
             action.step(Input::Force(force_n));
         assert_eq!(outcome, Outcome::Converged);
         sum += key_m + key_m_s + finger_n + hammer_m + hammer_m_s + string_n;
-        sum += action.blow().map_or(0.0, |blow| blow.time_s + blow.speed_m_s);
+        sum += action.impact().map_or(0.0, |blow| blow.time_s + blow.hammer_speed_m_s);
     }
     sum
 }

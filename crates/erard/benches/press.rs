@@ -38,7 +38,7 @@ fn action(bencher: Bencher) {
         grand.restore(&rest).expect("its own");
         for n in 0..STEPS {
             black_box(grand.step(Input::Force(if n < STEPS / 2 { MF_N } else { 0.0 })));
-            black_box(grand.blow());
+            black_box(grand.impact());
         }
     });
 }

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use erard::instrument::Instrument;
-use erard::player::{Gesture, press_by_hand};
+use erard::player::{HandStroke, press_by_hand};
 use erard::run::Run;
 use erard::simulation::Setup;
 use moreau::Settings;
@@ -32,11 +32,12 @@ const HOLD_N: f64 = 3.0;
 /// One touch by the number that makes it louder, up to the blow and then whole.
 fn play(grand: &Instrument, touch: &str, louder: f64, setup: &Setup) -> Run {
     let short = Setup { duration_s: 0.4, ..*setup };
-    let held = |gesture: Gesture| gesture.relaxing_at_the_blow(grand, &short, HOLD_N).expect("the concert grand runs");
+    let held =
+        |gesture: HandStroke| gesture.relaxing_at_the_blow(grand, &short, HOLD_N).expect("the concert grand runs");
     let gesture = match touch {
-        "led" => Gesture::led(1.0 / louder),
-        "pressed" => held(Gesture::pressed(louder)),
-        _ => held(Gesture::struck(louder)),
+        "led" => HandStroke::led(1.0 / louder),
+        "pressed" => held(HandStroke::pressed(louder)),
+        _ => held(HandStroke::struck(louder)),
     };
     press_by_hand(grand, &gesture.leaving(LET_GO_S, RELEASE_S), setup, &mut |_| true).expect("the concert grand runs")
 }
@@ -46,7 +47,7 @@ fn found(grand: &Instrument, touch: &str, speed: f64, [mut low, mut high]: [f64;
     let setup = Setup { settings: Settings::new(25e-6), record_every: Some(u64::MAX), ..Setup::new(0.45) };
     for _ in 0..24 {
         let middle = (low * high).sqrt();
-        let reached = play(grand, touch, middle, &setup).events.hammer_speed_m_s.unwrap_or(0.0);
+        let reached = play(grand, touch, middle, &setup).events.hammer_speed_m_s().unwrap_or(0.0);
         if reached < speed { low = middle } else { high = middle }
     }
     high
@@ -70,10 +71,10 @@ fn write(folder: &Path, name: &str, how: &str, published: &str, run: &Run) {
     println!(
         "{name:12} {how:38} peak {:5.1} N  hammer {:.3} m/s  to the string {:5.1} ms  key stroke {:5.1} ms (published {published})  blows {}",
         run.peak_force_n,
-        e.hammer_speed_m_s.unwrap_or(0.0),
-        ms(e.hammer_contact_s) - start,
+        e.hammer_speed_m_s().unwrap_or(0.0),
+        ms(e.hammer_contact_s()) - start,
         ms(e.key_bottom_s) - start,
-        e.strikes.len()
+        e.impacts.len()
     );
 }
 

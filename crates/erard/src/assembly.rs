@@ -3,7 +3,7 @@
 use moreau::{
     Body, Curve, Dwell, Exponent, Felt, GROUND, Loss, Model, ModelError, Part, Scalar, Site, Spring, Yields, Zone,
 };
-use moreau_kernels::{Marks, OwnedDescription};
+use moreau_kernels::{OwnedDescription, Probes};
 
 use crate::grand::KEY_DOWN;
 use crate::instrument::{self, Instrument};
@@ -18,10 +18,10 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
     describe(instrument).model()
 }
 
-/// What is looked at after every step: the hammer's strike point and the string.
-pub fn marks(instrument: &Instrument) -> Marks {
+/// What is observed after every step: the hammer's strike point and the string.
+pub fn probes(instrument: &Instrument) -> Probes {
     let roles = &instrument.roles;
-    Marks { point: roles.hammer.map(|hammer| (hammer, roles.hammer_head_m)), zone: roles.string }
+    Probes { point: roles.hammer.map(|hammer| (hammer, roles.hammer_head_m)), zone: roles.string }
 }
 
 /// An instrument as the engine's mechanism, in single or double precision.

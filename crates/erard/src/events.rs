@@ -1,8 +1,8 @@
 //! The instants of a key press, found while it runs.
 
 use crate::instrument::{Instrument, Roles};
-use crate::run::{Events, Strike};
-use crate::sight::{Meeting, Visible};
+use crate::mechanism::{Impact, Observation};
+use crate::run::Events;
 
 /// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths breathe
 /// and a hundredth of its dip.
@@ -11,9 +11,9 @@ pub const KEY_START_M: f64 = 1e-4;
 /// A check is looked for within this distance of the string, m.
 const NEAR_M: f64 = 0.02;
 
-/// Watches a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
+/// Finds the events of a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
 #[derive(Debug, Clone)]
-pub struct Watch {
+pub struct EventDetector {
     roles: Roles,
     events: Events,
     previous: Option<Sample>,
@@ -23,7 +23,7 @@ pub struct Watch {
     released_at_apex_s: Option<f64>,
 }
 
-/// What the watch looks at in one instant.
+/// What is compared from step to step.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     time_s: f64,
@@ -35,10 +35,10 @@ struct Sample {
     check: f64,
 }
 
-impl Watch {
-    /// A watch for an instrument's roles.
+impl EventDetector {
+    /// A detector for an instrument's roles.
     pub fn new(instrument: &Instrument) -> Self {
-        Watch {
+        EventDetector {
             roles: instrument.roles.clone(),
             events: Events::default(),
             previous: None,
@@ -48,18 +48,26 @@ impl Watch {
         }
     }
 
-    /// Looks once: after every step, and before the first. `key_m` is the key front's travel, `hammer_m` the head's rise, `met` the meeting of
-    /// hammer and string in the step, if there was one.
-    pub fn look(&mut self, time_s: f64, key_m: f64, hammer_m: f64, met: Option<Meeting>, mechanism: &dyn Visible) {
-        if self.sees_blows_only() {
-            self.events.strikes.extend(met.map(Strike::from));
+    /// Call before the first step and after every one. `key_m` is the key front's travel, `hammer_m` the head's rise, `impact` the impact of the
+    /// hammer on the string in the step, if there was one.
+    pub fn observe(
+        &mut self,
+        time_s: f64,
+        key_m: f64,
+        hammer_m: f64,
+        impact: Option<Impact>,
+        mechanism: &dyn Observation,
+    ) {
+        if self.awaits_impacts_only() {
+            self.events.impacts.extend(impact);
             return;
         }
         let (roles, events) = (&self.roles, &self.events);
-        let gap = |zone: Option<usize>| zone.map_or(f64::NEG_INFINITY, |z| mechanism.gap(z));
+        let compression = |zone: Option<usize>| zone.map_or(f64::NEG_INFINITY, |z| mechanism.compression(z));
         // What has happened once is not looked for again.
-        let once = |event: Option<f64>, zone: Option<usize>| if event.is_none() { gap(zone) } else { f64::INFINITY };
-        let struck = events.hammer_contact_s.is_some();
+        let once =
+            |event: Option<f64>, zone: Option<usize>| if event.is_none() { compression(zone) } else { f64::INFINITY };
+        let struck = !events.impacts.is_empty();
         let now = Sample {
             time_s,
             key_m,
@@ -67,30 +75,30 @@ impl Watch {
             key_bottom: once(events.key_bottom_s, roles.key_bottom),
             toe: once(events.toe_contact_s, roles.let_off),
             knuckle: match struck {
-                false => roles.knuckle.iter().map(|&z| mechanism.gap(z)).fold(f64::NEG_INFINITY, f64::max),
+                false => roles.knuckle.iter().map(|&z| mechanism.compression(z)).fold(f64::NEG_INFINITY, f64::max),
                 true => f64::NEG_INFINITY,
             },
             // Only after the blow does a check count; the sample before it is the first that is needed.
-            check: if struck || gap(roles.string) > -NEAR_M {
+            check: if struck || compression(roles.string) > -NEAR_M {
                 once(events.check_s, roles.check)
             } else {
                 f64::NEG_INFINITY
             },
         };
         if let Some(before) = self.previous {
-            self.compare(&before, &now, met);
+            self.compare(&before, &now, impact);
         }
         self.previous = Some(now);
     }
 
-    /// Nothing has moved until this instant, s: as if it had been looked at in every step.
+    /// Nothing has moved until this instant, s: as if it had been observed in every step.
     pub fn stood(&mut self, time_s: f64) {
         if let Some(previous) = &mut self.previous {
             previous.time_s = time_s;
         }
     }
 
-    fn compare(&mut self, before: &Sample, now: &Sample, met: Option<Meeting>) {
+    fn compare(&mut self, before: &Sample, now: &Sample, impact: Option<Impact>) {
         let rising = |a: f64, b: f64| (a <= 0.0 && b > 0.0).then(|| before.at_zero(a, b, now));
         let events = &mut self.events;
         let first = |event: &mut Option<f64>, at: Option<f64>| *event = event.or(at);
@@ -110,37 +118,35 @@ impl Watch {
             self.released_at_apex_s = self.released_s;
         }
 
-        if let Some(strike @ Strike { time_s, speed_m_s }) = met.map(Strike::from) {
-            if events.hammer_contact_s.is_none() {
-                events.hammer_contact_s = Some(time_s);
-                events.hammer_speed_m_s = Some(speed_m_s);
+        if let Some(impact) = impact {
+            if events.impacts.is_empty() {
                 events.let_off_s = self.released_s;
             }
-            events.strikes.push(strike);
+            events.impacts.push(impact);
         }
-        if events.hammer_contact_s.is_some() {
+        if !events.impacts.is_empty() {
             first(&mut events.check_s, rising(before.check, now.check));
         }
     }
 
-    /// Whether all that happens once has happened, so that nothing is left to be seen but further blows.
-    pub fn sees_blows_only(&self) -> bool {
+    /// Whether all that happens once has happened, so that only further impacts are left to be found.
+    pub fn awaits_impacts_only(&self) -> bool {
         let (roles, events) = (&self.roles, &self.events);
         let over = |event: Option<f64>, zone: Option<usize>| event.is_some() || zone.is_none();
         events.key_start_s.is_some()
-            && events.hammer_contact_s.is_some()
+            && !events.impacts.is_empty()
             && over(events.toe_contact_s, roles.let_off)
             && over(events.key_bottom_s, roles.key_bottom)
             && over(events.check_s, roles.check)
     }
 
-    /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
+    /// The events found. Where the hammer never reached the string, let-off is the last push before its highest point.
     pub fn finish(mut self) -> Events {
         self.conclude();
         self.events
     }
 
-    /// What has been seen so far, as if the run ended now.
+    /// The events found so far, as if the run ended now.
     pub fn so_far(&self) -> Events {
         let mut now = self.clone();
         now.conclude();
@@ -148,14 +154,14 @@ impl Watch {
     }
 
     fn conclude(&mut self) {
-        if self.events.hammer_contact_s.is_none() && self.events.key_start_s.is_some() {
+        if self.events.impacts.is_empty() && self.events.key_start_s.is_some() {
             self.events.let_off_s = self.released_at_apex_s.filter(|_| self.events.toe_contact_s.is_some());
         }
     }
 }
 
 impl Sample {
-    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero; that of `now` where a was not looked at.
+    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero; that of `now` where a was not observed.
     fn at_zero(&self, a: f64, b: f64, now: &Sample) -> f64 {
         if a == f64::NEG_INFINITY {
             return now.time_s;

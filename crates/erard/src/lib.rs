@@ -12,11 +12,12 @@
 //! ```
 //!
 //! Data flows one way: instrument file and stroke -> the player ([`Action`], [`keyboard::Keys`]) -> readings, observers
-//! ([`player::Recorder`], [`player::LedgerBook`], [`events::Watch`]) -> runs ([`press`], [`simulation::simulate`]).
+//! ([`player::Recorder`], [`player::LedgerBook`], [`events::EventDetector`]) -> runs ([`press`], [`simulation::simulate`]).
+//!
+//! The loop over the steps of a run is [`Action::play`]; each step solves the equations at the top of [`moreau::step()`].
 //!
 //! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 
-pub mod asked;
 pub mod assembly;
 pub mod equilibrium;
 pub mod events;
@@ -24,6 +25,7 @@ pub mod files;
 pub mod gradient;
 pub mod grand;
 pub mod instrument;
+pub mod instrument_spec;
 pub mod keyboard;
 pub mod mechanism;
 pub mod one_dof;
@@ -31,16 +33,16 @@ pub mod player;
 #[cfg(feature = "recordings")]
 pub mod recording;
 pub mod run;
-pub mod sight;
 pub mod simulation;
 pub mod strings;
 pub mod stroke;
 pub mod trust;
 
 pub use instrument::Instrument;
+pub use mechanism::Impact;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
 pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
-pub use run::{Events, Run, Strike};
+pub use run::{Events, Run};
 pub use simulation::{Setup, SimulationError, press, simulate, simulate_hand, simulate_observed};
 
 /// The examples of the README are tests.

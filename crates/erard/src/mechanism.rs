@@ -1,10 +1,13 @@
 //! An instrument's mechanism, of any size, behind one interface: what [`crate::Action`] plays.
 
-pub use moreau_kernels::{InputDuring, Mechanism, Saved, Size, Surfaces, View};
+pub use moreau_kernels::{
+    Impact, InputDuring, Mechanism, Observation, Readout, Saved, Size, StepOutput, Stepping, Surfaces, open_ledger,
+    take_stock,
+};
 
 use moreau::{ModelError, Settings};
 
-use crate::assembly::{describe, marks};
+use crate::assembly::{describe, probes};
 use crate::instrument::Instrument;
 use crate::strings::Strings;
 
@@ -13,9 +16,6 @@ use crate::strings::Strings;
 /// # Errors
 /// [`ModelError`] if no size holds it.
 pub fn mechanism(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
-    let mut mechanism = moreau_kernels::mechanism(&describe(instrument), &marks(instrument), settings)?;
-    if let Some(strings) = Strings::of(instrument, settings.step) {
-        mechanism.set_surfaces(Box::new(strings));
-    }
-    Ok(mechanism)
+    let strings = Strings::of(instrument, settings.step).map(|strings| Box::new(strings) as Box<dyn Surfaces>);
+    moreau_kernels::mechanism(&describe(instrument), &probes(instrument), settings, strings)
 }

@@ -62,7 +62,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     let action = Action::with(full, settings)?;
     let rest = action.mechanism();
 
-    let rows: Vec<Vec<f64>> = full.roles.transmits.iter().map(|&z| rest.gap_row(z)).collect();
+    let rows: Vec<Vec<f64>> = full.roles.transmits.iter().map(|&z| rest.compression_row(z)).collect();
     let ratios = ratios(&rows, key, full.bodies.len()).ok_or_else(|| undetermined(full, &rows, key))?;
 
     let inertia = 2.0 * rest.energies_at(&ratios).kinetic;
@@ -81,7 +81,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     for spring in &full.springs {
         let parent = full.bodies[spring.body].parent;
         let relative = ratios[spring.body] - parent.map_or(0.0, |p| ratios[p]);
-        let angles = rest.angles();
+        let angles = rest.readout().angles;
         let drawn = full.bodies[spring.body].angle_rad - parent.map_or(0.0, |p| full.bodies[p].angle_rad);
         let turned = angles[spring.body] - parent.map_or(0.0, |p| angles[p]) - drawn;
         moment += (spring.torque_n_m - spring.stiffness_n_m_per_rad * turned) * relative;

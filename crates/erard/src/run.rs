@@ -2,6 +2,7 @@
 
 use moreau::Ledger;
 
+use crate::mechanism::Impact;
 use crate::trust::{Extremes, Warning};
 
 /// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
@@ -154,42 +155,38 @@ pub struct Events {
     pub toe_contact_s: Option<f64>,
     /// The knuckle is pushed for the last time before the string.
     pub let_off_s: Option<f64>,
-    /// The hammer meets the string.
-    pub hammer_contact_s: Option<f64>,
-    /// Speed of the strike point at that instant, m/s.
-    pub hammer_speed_m_s: Option<f64>,
     /// The key meets its front punching.
     pub key_bottom_s: Option<f64>,
     /// The tail meets the back check after the blow.
     pub check_s: Option<f64>,
-    /// Every blow on the string.
-    pub strikes: Vec<Strike>,
+    /// Every impact of the hammer on the string.
+    pub impacts: Vec<Impact>,
 }
 
 impl Events {
+    /// The first impact of the hammer on the string.
+    pub fn first_impact(&self) -> Option<Impact> {
+        self.impacts.first().copied()
+    }
+
+    /// Instant of the first impact, s.
+    pub fn hammer_contact_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.time_s)
+    }
+
+    /// Total speed of the strike point at the first impact, m/s.
+    pub fn hammer_speed_m_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.hammer_speed_m_s)
+    }
+
     /// From let-off to the string, s.
     pub fn free_flight_s(&self) -> Option<f64> {
-        Some(self.hammer_contact_s? - self.let_off_s?)
+        Some(self.hammer_contact_s()? - self.let_off_s?)
     }
 
     /// From the blow to the key's bottom, s: negative where the key is down before the hammer strikes.
     pub fn key_bottom_after_blow_s(&self) -> Option<f64> {
-        Some(self.key_bottom_s? - self.hammer_contact_s?)
-    }
-}
-
-/// One blow on the string.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strike {
-    /// The strike point meets the string, s.
-    pub time_s: f64,
-    /// Speed of the strike point, m/s.
-    pub speed_m_s: f64,
-}
-
-impl From<moreau_kernels::Meeting> for Strike {
-    fn from(met: moreau_kernels::Meeting) -> Self {
-        Strike { time_s: met.time_s, speed_m_s: met.speed_m_s }
+        Some(self.key_bottom_s? - self.hammer_contact_s()?)
     }
 }
 

@@ -5,8 +5,8 @@ use thiserror::Error;
 
 use crate::equilibrium::EquilibriumError;
 use crate::instrument::Instrument;
-use crate::player::course::Course;
 use crate::player::hand::MovingHand;
+use crate::player::run_loop::RunLoop;
 use crate::player::{Action, ActionError, Drive, Hand, HandError, Input, Observer};
 use crate::run::Run;
 use crate::strings::Pedal;
@@ -258,13 +258,13 @@ fn simulate_before<'a>(
         action.settle(instrument, finger, &mut || progress(0.0)).map_err(SimulationError::settling)?;
     }
 
-    let mut course = Course::new(instrument, drive, setup, steps, action, observer);
+    let mut run = RunLoop::new(instrument, drive, setup, steps, action, observer);
     match setup.tolerance {
-        None => course.fixed(progress)?,
-        Some(tolerance) => course.controlled(tolerance, progress)?,
+        None => run.fixed(progress)?,
+        Some(tolerance) => run.adaptive(tolerance, progress)?,
     }
     progress(1.0);
-    Ok(course.finish(instrument))
+    Ok(run.finish(instrument))
 }
 
 /// The pedal where it is at the start, and the action at rest over it.
@@ -310,8 +310,8 @@ pub fn simulate_hand(
     let fitted = hand.fitted(instrument);
     let mut action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
     put_pedal(&mut action, &fitted, setup, &mut || progress(0.0))?;
-    let mut course = Course::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
-    course.fixed(progress)?;
+    let mut run = RunLoop::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
+    run.fixed(progress)?;
     progress(1.0);
-    Ok(course.finish(&fitted))
+    Ok(run.finish(&fitted))
 }

@@ -1,7 +1,7 @@
 //! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
 
 use erard::instrument::Instrument;
-use erard::mechanism::mechanism;
+use erard::mechanism::{mechanism, open_ledger, take_stock};
 use erard_workshop::benchmarks::grand;
 use moreau::{Input, Outcome, Settings};
 use moreau_kernels::Lanes;
@@ -20,21 +20,21 @@ fn the_bound_is_reached_and_nothing_blows_up() {
     for newton_limit in [1, 2, 5] {
         let settings = Settings { tolerance: 0.0, newton_limit, ..Settings::new(50e-6) };
         let mut m = mechanism(&grand, settings).expect("assembles");
-        let mut ledger = m.open_ledger();
+        let mut ledger = open_ledger(m.as_mut());
         let (mut limited, mut most_sets) = (0, 0);
         for n in 0..40_000 {
             let force = if n % 4000 < 2000 { 40.0 } else { 0.0 };
-            let report = m.step(&Input::Force(force));
+            let report = m.step(&Input::Force(force)).report;
             m.book(&mut ledger);
             assert!(report.newton <= newton_limit, "{report:?}");
             assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
             limited += u32::from(report.outcome == Outcome::IterationLimit);
             most_sets = most_sets.max(report.solver);
             if n % 100 == 0 {
-                m.take_stock(&mut ledger);
+                take_stock(m.as_ref(), &mut ledger);
                 let (stored, put_in) = (ledger.now.total() - ledger.start.total(), ledger.drive_work);
                 assert!(stored.is_finite() && stored <= put_in + 0.01 * ledger.drive_work_in, "step {n}: {ledger:?}");
-                assert!(m.angles().iter().chain(m.velocities()).all(|x| x.is_finite()), "step {n}");
+                assert!(m.readout().angles.iter().chain(m.readout().velocities).all(|x| x.is_finite()), "step {n}");
             }
         }
         println!(
@@ -53,15 +53,15 @@ fn one_sweep_is_no_disaster() {
     let mut m = mechanism(&grand, settings).expect("assembles");
     let mut limited = 0;
     for n in 0..20_000 {
-        let report = m.step(&Input::Force(if n < 10_000 { 40.0 } else { 0.0 }));
+        let report = m.step(&Input::Force(if n < 10_000 { 40.0 } else { 0.0 })).report;
         assert!(report.newton <= 4 && report.solver <= 4, "{report:?}");
         assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
         limited += u32::from(report.outcome == Outcome::IterationLimit);
     }
-    let energies = m.energies_at(m.velocities());
+    let energies = m.energies_at(m.readout().velocities);
     println!("{limited} of 20000 steps ran into the bound; energies {energies:?}");
     assert!(limited > 1000 && energies.total().is_finite());
-    assert!(m.angles().iter().all(|q| q.abs() < 1.0), "{:?}", m.angles());
+    assert!(m.readout().angles.iter().all(|q| q.abs() < 1.0), "{:?}", m.readout().angles);
 }
 
 /// The same in the lanes of the batch: with no tolerance every moving step runs into its bound; each lane says so for itself, goes on, and

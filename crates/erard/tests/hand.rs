@@ -20,7 +20,7 @@ fn a_hand_of_a_gram_is_a_force() {
     let hand = Hand { mass_kg: 1e-3, damping_n_s_per_m: 0.0, ..Hand::default() };
     let setup = Setup::new(0.4);
     let force = erard::press(&grand(), &player::force(|t| if t < 0.2 { 5.0 } else { 0.0 }), &setup).unwrap();
-    let [by_hand, by_force] = [pressed(hand, 5.0, 50e-6), force].map(|run| run.events.hammer_speed_m_s.unwrap());
+    let [by_hand, by_force] = [pressed(hand, 5.0, 50e-6), force].map(|run| run.events.hammer_speed_m_s().unwrap());
     // A gram beside the 0.3 kg that the finger feels.
     assert!((by_hand / by_force - 1.0).abs() < 5e-3, "{by_hand} {by_force}");
 }
@@ -34,7 +34,7 @@ fn its_mass_is_felt_at_the_bottom() {
         println!(
             "peak {:.1} N, hammer {:.2} m/s, bottom after {:.1} ms",
             run.peak_force_n,
-            run.events.hammer_speed_m_s.unwrap(),
+            run.events.hammer_speed_m_s().unwrap(),
             1e3 * run.events.key_bottom_s.unwrap()
         );
     }

@@ -23,7 +23,7 @@ fn keys() -> Keys {
 
 /// What an observer of the tremolo sees in a tick.
 fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
-    let blows = tremolo.keys().strikes().iter().map(|b| (b.key, b.strike.speed_m_s.to_bits()));
+    let blows = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_s.to_bits()));
     let mut blows: Vec<_> = blows.collect();
     blows.sort_unstable();
     (blows, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
@@ -41,8 +41,8 @@ fn ten_fingers_play_all_keys() {
         let tick = tremolo.tick();
         assert_eq!((tick.unconverged, tick.non_finite), (0, 0));
         most_awake = most_awake.max(tick.stepped);
-        for blow in tremolo.keys().strikes() {
-            speeds[blow.key].push(blow.strike.speed_m_s);
+        for blow in tremolo.keys().impacts() {
+            speeds[blow.key].push(blow.impact.hammer_speed_m_s);
         }
     }
     let all = || speeds.iter().flatten().copied();

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::stroke::{Cursor, Series, Touch};
-use erard::{Action, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError, Strike};
+use erard::{Action, Impact, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError};
 
 /// The force of the mf stroke at the middle of a step.
 fn mf() -> impl Fn(u64) -> Input {
@@ -33,11 +33,11 @@ fn readings_are_a_runs_rows() {
             let centred: f64 = 0.5 * before_n + 0.5 * reading.finger_n;
             assert!((centred - run.force_n[row - 1]).abs() < 1e-12, "row {row}");
         }
-        blows.extend(action.blow());
+        blows.extend(action.impact());
     }
     assert!(!blows.is_empty());
-    assert_eq!(blows, run.events.strikes);
-    assert_eq!(Some(blows[0].speed_m_s), run.events.hammer_speed_m_s);
+    assert_eq!(blows, run.events.impacts);
+    assert_eq!(Some(blows[0].hammer_speed_m_s), run.events.hammer_speed_m_s());
 }
 
 /// The speeds of a reading are the derivatives of its places: by central differences of 50 us, whose own error is the third derivative's.
@@ -63,7 +63,7 @@ fn a_snapshot_goes_on_to_the_bit() {
     let (mut probe, force) = (Action::new(&grand).unwrap(), mf());
     let blow_step = (0..4000).find(|&n| {
         probe.step(force(n));
-        probe.blow().is_some()
+        probe.impact().is_some()
     });
     let at = blow_step.expect("mf strikes");
     let mut first = Action::new(&grand).unwrap();
@@ -84,8 +84,8 @@ fn a_snapshot_goes_on_to_the_bit() {
         let input = if n < 4000 { force(n) } else { Input::Force(if n / 2000 % 2 == 0 { 9.0 } else { 0.0 }) };
         let (a, b) = (first.step(input), second.step(input));
         if n == at {
-            assert_eq!(first.blow(), second.blow());
-            assert!(first.blow().is_some());
+            assert_eq!(first.impact(), second.impact());
+            assert!(first.impact().is_some());
         }
         if n % 1000 == 0 || n == at {
             assert_eq!(a, b, "step {n}");
@@ -157,7 +157,7 @@ fn nothing_allocates() {
             let r = action.step(force(n));
             sum += r.key_m + r.key_m_s + r.finger_n + r.hammer_m + r.hammer_m_s + r.string_n;
             sum += action.angles()[0] + action.velocities()[1] + action.contact_force(3) + action.tangential_force(3);
-            blows += usize::from(action.blow().is_some());
+            blows += usize::from(action.impact().is_some());
             if n % 1000 == 500 {
                 let snapshot = action.save();
                 action.restore(&snapshot).expect("its own");
@@ -176,8 +176,10 @@ fn larger_sizes_play() {
         assert_eq!(instrument.bodies.len(), bodies);
         let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, Settings::new(USUAL_STEP_S), 0.5);
         let ledger = run.ledger.expect("it is kept");
-        println!("{bodies} bodies: {:?}, residual {:.1e}", run.events.strikes, ledger.residual_relative());
-        let Some(Strike { speed_m_s, .. }) = run.events.strikes.first().copied() else { panic!("{bodies} strikes") };
+        println!("{bodies} bodies: {:?}, residual {:.1e}", run.events.impacts, ledger.residual_relative());
+        let Some(Impact { hammer_speed_m_s: speed_m_s, .. }) = run.events.impacts.first().copied() else {
+            panic!("{bodies} strikes")
+        };
         assert!((0.5..4.0).contains(&speed_m_s), "{bodies}: {speed_m_s}");
         assert_eq!(run.work.unconverged_steps, 0, "{bodies}");
         assert!(ledger.residual_relative() < 1e-3, "{bodies}: {}", ledger.residual_relative());

@@ -54,7 +54,7 @@ fn a_pendulum_hangs_on_its_pin() {
     for _ in 0..6000 {
         let before = action.angles()[0];
         action.step(Input::Free);
-        reactions.look(action.mechanism());
+        reactions.observe(action.mechanism());
         // The step's forces belong to its middle.
         let phi = -0.5 * (before + action.angles()[0]);
         let along = m * g * phi.sin() + m * l * (2.0 * m * g * l * phi.sin() / j);
@@ -118,7 +118,7 @@ impl Observer for Witness {
     }
 
     fn step(&mut self, _: f64, _: bool, m: &dyn Mechanism) {
-        self.reactions.look(m);
+        self.reactions.observe(m);
         let pins = self.reactions.pin_n();
         let mut sum: Vec<Vec2> =
             self.instrument.bodies.iter().map(|b| [0.0, -b.mass_kg * self.instrument.gravity_m_s2]).collect();
@@ -132,13 +132,13 @@ impl Observer for Witness {
             push(body.parent, pins[i], -1.0);
         }
         for (z, zone) in self.instrument.zones.iter().enumerate() {
-            let Some(c) = &m.contacts()[z] else { continue };
-            let t = m.tangential_force(z);
+            let Some(c) = &m.readout().contacts[z] else { continue };
+            let t = m.readout().tangential_forces[z];
             let by = [c.force * c.normal[0] + t * c.normal[1], c.force * c.normal[1] - t * c.normal[0]];
             push(zone.disc_body, by, 1.0);
             push(zone.curve_body, by, -1.0);
         }
-        push(self.instrument.roles.key, [0.0, -m.drive_force()], 1.0);
+        push(self.instrument.roles.key, [0.0, -m.readout().output.drive_n], 1.0);
         self.force.push(sum);
         self.center.push(self.centers(m));
         self.moment.push(self.reactions.moment_n_m().to_vec());
@@ -237,7 +237,7 @@ impl Observer for Books {
     }
 
     fn step(&mut self, _: f64, _: bool, m: &dyn Mechanism) {
-        self.losses.as_mut().unwrap().look(m);
+        self.losses.as_mut().unwrap().observe(m);
     }
 }
 

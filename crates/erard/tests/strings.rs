@@ -5,7 +5,7 @@ mod common;
 use common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keys;
-use erard::mechanism::{Mechanism, mechanism};
+use erard::mechanism::{Mechanism, mechanism, open_ledger, take_stock};
 use erard::strings::Strings;
 use erard::stroke::Touch;
 use erard::{Action, Input, Settings};
@@ -101,7 +101,7 @@ fn blow(instrument: &Instrument, h: f64, speed: f64) -> Blow {
         }
         touching = force > 0.0;
     }
-    blow.back_m_s = -m.velocities()[0];
+    blow.back_m_s = -m.readout().velocities[0];
     // The peak between samples: a parabola through three.
     let top = (1..forces.len() - 1).max_by(|&a, &b| forces[a].total_cmp(&forces[b])).unwrap();
     let [a, b, c] = [forces[top - 1], forces[top], forces[top + 1]];
@@ -172,7 +172,7 @@ fn blows_converge_with_the_second_order() {
         for _ in 0..(8e-3 / h).round() as usize {
             m.step(&moreau::Input::Free);
         }
-        let surfaces = m.surfaces().unwrap();
+        let surfaces = m.readout().surfaces.unwrap();
         let mut numbers = Vec::new();
         surfaces.save(&mut |number| numbers.push(number));
         let of = |n: u32| {
@@ -222,7 +222,7 @@ fn nothing_is_won_from_a_hammer_that_stays() {
         let erard::instrument::Curve::Line { normal, .. } = &mut instrument.zones[0].curve else { unreachable!() };
         *normal = [0.0, 1.0];
         let mut m = thrown(&instrument, h, -2.0);
-        let mut ledger = m.open_ledger();
+        let mut ledger = open_ledger(m.as_mut());
         let (mut lost, mut least) = (0.0, 0.0_f64);
         let (steps, mut pressed) = ((1.0 / h) as usize, 0.0);
         for n in 0..steps {
@@ -232,7 +232,7 @@ fn nothing_is_won_from_a_hammer_that_stays() {
             least = least.min(ledger.surface - lost);
             lost = ledger.surface;
         }
-        m.take_stock(&mut ledger);
+        take_stock(m.as_ref(), &mut ledger);
         let residual = ledger.residual_relative();
         println!("{h:e}: residual {residual:.1e}, lost in strings {lost:.3e} J, least {least:.1e}");
         assert!(residual < 1e-6, "{h}: {residual:e}");
@@ -251,7 +251,7 @@ fn strings_lose_what_their_dashpots_take() {
     for _ in 0..100 {
         m.step(&moreau::Input::Free);
     }
-    let surfaces = m.surfaces().unwrap();
+    let surfaces = m.readout().surfaces.unwrap();
     let (energy, modes) = (surfaces.energy(), strings(m.as_ref()).modes());
     assert!(energy > 1e-3 && modes == 96);
     let mut numbers = Vec::new();
@@ -279,7 +279,7 @@ fn strings_lose_what_their_dashpots_take() {
     for _ in 0..4000 {
         m.step(&moreau::Input::Free);
     }
-    let lost = m.surfaces().unwrap().lost() - before;
+    let lost = m.readout().surfaces.unwrap().lost() - before;
     assert!((lost / taken - 1.0).abs() < 1e-6, "{lost} {taken}");
 }
 
@@ -329,7 +329,7 @@ fn the_books_of_a_whole_action_close() {
         let peak = run.zones[string].normal_n.iter().fold(0.0, |a: f64, b| a.max(*b));
         println!(
             "{nuance}: {:.2} m/s, contact {:.2} ms, peak {peak:.1} N, residual {:.1e}, strings {:.2e} J, lost in them {:.2e} J",
-            run.events.hammer_speed_m_s.unwrap_or(0.0),
+            run.events.hammer_speed_m_s().unwrap_or(0.0),
             touching as f64 * 0.05,
             ledger.residual_relative(),
             ledger.now.surface,
@@ -420,7 +420,7 @@ fn keys_and_actions_are_the_same_bits() {
 fn snapshots_hold_the_strings() {
     let instrument = strung();
     let (mut first, mut at) = (Action::new(&instrument).unwrap(), 0);
-    while first.blow().is_none() {
+    while first.impact().is_none() {
         first.step(Input::Force(6.0));
         at += 1;
         assert!(at < 4000);

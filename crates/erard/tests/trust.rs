@@ -145,7 +145,7 @@ fn extremes_are_those_of_the_rows() {
     }
     let string = instrument.roles.string.unwrap();
     let deepest = run.extremes.deepest[string];
-    let contact = run.events.hammer_contact_s.unwrap();
+    let contact = run.events.hammer_contact_s().unwrap();
     assert!((5e-4..2e-3).contains(&deepest.value) && (0.0..2e-3).contains(&(deepest.time_s - contact)), "{deepest:?}");
 }
 
@@ -180,7 +180,10 @@ fn no_rest_is_a_warning_of_its_own() {
 #[test]
 fn a_blow_faster_than_any_is_told() {
     let events = |speed_m_s: f64| erard::Events {
-        strikes: vec![erard::Strike { time_s: 0.1, speed_m_s: 3.0 }, erard::Strike { time_s: 0.2, speed_m_s }],
+        impacts: vec![
+            erard::Impact { time_s: 0.1, hammer_speed_m_s: 3.0 },
+            erard::Impact { time_s: 0.2, hammer_speed_m_s: speed_m_s },
+        ],
         ..erard::Events::default()
     };
     assert!(

@@ -9,10 +9,10 @@
 use moreau::{Input, ModelError, Outcome, Settings, Workspace};
 
 use crate::engine::{Clock, Stepped};
-use crate::mechanism::{Saved, View};
+use crate::mechanism::{Saved, StepOutput};
 use crate::size::with_size;
 use crate::surfaces::{Surfaces, Under};
-use crate::{Marks, Meeting, OwnedDescription, Size};
+use crate::{Impact, OwnedDescription, Probes, Size};
 
 /// What one step of a bank did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,10 +41,10 @@ pub trait Bank: Send {
     fn drive(&mut self, index: usize, input: &Input<f64>);
     /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same results.
     fn let_sleep(&mut self, sleep: bool);
-    /// Steps all that are awake; `met` is told whose marked point has met its zone.
-    fn step(&mut self, met: &mut dyn FnMut(usize, Meeting)) -> Tick;
-    /// What there is to be seen of one after its last step.
-    fn view(&self, index: usize) -> View;
+    /// Steps all that are awake; `impact` is called with every one whose marked point has met its zone.
+    fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick;
+    /// Output of one's last step.
+    fn output(&self, index: usize) -> StepOutput;
     /// Absolute angles of one, rad.
     fn angles(&self, index: usize) -> &[f64];
     /// Absolute angular velocities of one, rad/s.
@@ -53,7 +53,7 @@ pub trait Bank: Send {
     fn save(&self, index: usize) -> Saved;
     /// One goes on from there, to the bit, and is awake.
     fn restore(&mut self, index: usize, saved: &Saved);
-    /// What one's zones press on, where that yields.
+    /// The compliant subsystem under one's zones, where there is one.
     fn surfaces(&self, index: usize) -> Option<&dyn Surfaces>;
     /// The same, to be changed; wakes it.
     fn surfaces_mut(&mut self, index: usize) -> Option<&mut (dyn Surfaces + 'static)>;
@@ -67,24 +67,24 @@ pub trait Bank: Send {
 /// The index of one that no size holds, or that is not sound, and what is wrong.
 pub fn bank(
     descriptions: &[OwnedDescription],
-    marks: &[Marks],
+    probes: &[Probes],
     settings: Settings<f64>,
 ) -> Result<Box<dyn Bank>, (usize, ModelError)> {
     let size = descriptions.iter().map(Size::of).max().unwrap_or(Size::One);
-    with_size!(size, boxed, descriptions, marks, settings)
+    with_size!(size, boxed, descriptions, probes, settings)
 }
 
 fn boxed<const B: usize, const Z: usize, const N: usize>(
     descriptions: &[OwnedDescription],
-    marks: &[Marks],
+    probes: &[Probes],
     settings: Settings<f64>,
 ) -> Result<Box<dyn Bank>, (usize, ModelError)> {
     let workspace = Workspace::<f64, B, Z, N>::new();
-    let each = descriptions.iter().zip(marks).enumerate().map(|(i, (description, marks))| {
-        let core: Stepped<B, Z> = Stepped::new(description, marks).map_err(|error| (i, error))?;
+    let each = descriptions.iter().zip(probes).enumerate().map(|(i, (description, probes))| {
+        let core: Stepped<B, Z> = Stepped::new(description, probes).map_err(|error| (i, error))?;
         // Room for its laws.
         Workspace::<f64, B, Z, N>::for_model(&core.model).map_err(|error| (i, error))?;
-        Ok(Member { core, marks: *marks, input: Input::Free, awake: true, drive_n: 0.0, zone_n: 0.0 })
+        Ok(Member { core, probes: *probes, input: Input::Free, awake: true, drive_n: 0.0, zone_n: 0.0 })
     });
     let members = each.collect::<Result<Vec<_>, _>>()?;
     let awake = (0..members.len()).collect();
@@ -93,7 +93,7 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
 
 struct Member<const B: usize, const Z: usize> {
     core: Stepped<B, Z>,
-    marks: Marks,
+    probes: Probes,
     input: Input<f64>,
     awake: bool,
     /// Forces in the last step, N: of the drive, of the marked zone.
@@ -160,12 +160,12 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         }
     }
 
-    fn step(&mut self, met: &mut dyn FnMut(usize, Meeting)) -> Tick {
+    fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick {
         let Members { members, awake, sleep, settings, workspace, clock } = self;
         let mut tick = Tick::default();
         let mut place = 0;
         while let Some(&index) = awake.get(place) {
-            let Member { core, marks, input, awake: is_awake, drive_n, zone_n } = &mut members[index];
+            let Member { core, probes, input, awake: is_awake, drive_n, zone_n } = &mut members[index];
             // Working memory holds another's contacts, and what is awake is stepped; but while something rings that is out of its reach, it sleeps.
             if core.under.is_none() || !*sleep {
                 core.sleep.wake();
@@ -173,7 +173,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
             let report = core.step(settings, input, workspace);
             if !core.was_left_out() {
                 *drive_n = workspace.drive_force();
-                *zone_n = marks.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, settings, zone));
+                *zone_n = probes.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, settings, zone));
             }
             tick.stepped += 1;
             match report.outcome {
@@ -181,8 +181,8 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
                 Outcome::IterationLimit => tick.unconverged += 1,
                 Outcome::NonFinite | Outcome::TooManyLaws => tick.non_finite += 1,
             }
-            if let Some(meeting) = core.flight_met() {
-                met(index, meeting);
+            if let Some(found) = core.impact() {
+                impact(index, found);
             }
             if core.rests() && *sleep {
                 *is_awake = false;
@@ -195,9 +195,9 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         tick
     }
 
-    fn view(&self, index: usize) -> View {
+    fn output(&self, index: usize) -> StepOutput {
         let Member { core, drive_n, zone_n, .. } = &self.members[index];
-        core.view(*drive_n, *zone_n)
+        core.output(*drive_n, *zone_n, core.report)
     }
 
     fn angles(&self, index: usize) -> &[f64] {

@@ -140,11 +140,11 @@ fn felt<T: Scalar>(felt: &Felt<f64>, f: &mut dyn FnMut(f64) -> T) -> Felt<T> {
     }
 }
 
-/// What is looked at after every step, beside the driven point.
+/// What is observed after every step, beside the driven point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Marks {
+pub struct Probes {
     /// A point of a body, m in the body's frame.
     pub point: Option<(usize, [f64; 2])>,
-    /// The zone that the point meets: instant and speed are taken from its flight before ([`crate::Meeting`]).
+    /// The zone that the point meets: instant and speed are predicted from its flight before ([`crate::Impact`]).
     pub zone: Option<usize>,
 }

@@ -1,38 +1,26 @@
-//! A mechanism of a fixed size with what looks on: the code that every step outside the lanes goes through.
+//! The engine of one size: a mechanism that takes steps, and how it is read. Every step outside the lanes goes through [`Stepped::step`].
 
-use core::cell::{Cell, OnceCell};
+use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Controller, Energies, GROUND, Halves, Input, Ledger, Model, ModelError, Outcome,
-    Pose, Settings, Sleep, State, StepReport, TrackedPoint, Workspace, controlled_step, step_apart,
+    Accuracy, Contact, ControlledStep, Energies, GROUND, Input, Ledger, Model, ModelError, Outcome, Pose, Settings,
+    Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
 };
 
-use crate::flight::Flight;
-use crate::mechanism::View;
-use crate::placed::Sight;
-use crate::surfaces::Under;
-use crate::{InputDuring, Marks, Meeting, OwnedDescription};
-
-/// What a step presses on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Over {
-    /// Nothing that yields.
-    Nothing,
-    /// Surfaces that are still, and the mechanism sleeps.
-    Still,
-    /// Surfaces that ring while it sleeps.
-    Ringing,
-    /// Surfaces, and it moves.
-    Awake,
-}
+use crate::controlled::Control;
+use crate::impact::ImpactPredictor;
+use crate::mechanism::{InputDuring, Mechanism, Readout, Saved, StepOutput, Stepping};
+use crate::observation::{Observation, site_position};
+use crate::surfaces::{Over, Surfaces, Under};
+use crate::{Impact, OwnedDescription, Probes};
 
 /// A mechanism without its working memory, which several may share.
 pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub model: Model<f64, B, Z>,
     pub state: State<f64, B, Z>,
     pub sleep: Sleep<f64>,
-    pub flight: Flight<B>,
-    /// What its zones press on, where that yields.
+    pub predictor: ImpactPredictor<B>,
+    /// The compliant external subsystem under its zones, where there is one.
     pub under: Option<Under>,
     /// The driven point and the drive's direction, which is zero where nothing is driven.
     pub site: (TrackedPoint<f64, B>, [f64; 2]),
@@ -48,7 +36,7 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     clock: Clock,
 }
 
-/// Counts steps, so that the instants of steps of one length are rounded once.
+/// Counts steps, so that the instants of fixed steps are rounded once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Clock {
     pub origin_s: f64,
@@ -76,12 +64,14 @@ impl Clock {
     }
 }
 
+const NO_STEP: StepReport = StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 };
+
 impl<const B: usize, const Z: usize> Stepped<B, Z> {
-    pub fn new(description: &OwnedDescription, marks: &Marks) -> Result<Self, ModelError> {
+    pub fn new(description: &OwnedDescription, probes: &Probes) -> Result<Self, ModelError> {
         let model: Model<f64, B, Z> = description.model()?;
         let state = State::at_rest(description.first_angles());
-        let mut flight = Flight::new(&model, marks);
-        flight.look(&model, 0.0, &state.angle, &state.velocity);
+        let mut predictor = ImpactPredictor::new(&model, probes);
+        predictor.update(&model, 0.0, &state.angle, &state.velocity);
         let nowhere = (TrackedPoint::of(&model, GROUND, [0.0; 2]), [0.0; 2]);
         let site = model.site().map_or(nowhere, |s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
         Ok(Stepped {
@@ -90,40 +80,27 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             model,
             state,
             sleep: Sleep::awake(),
-            flight,
+            predictor,
             under: None,
             site,
             may_rest: true,
-            report: StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 },
+            report: NO_STEP,
             skipped: false,
             clock: Clock::at(0.0),
         })
-    }
-
-    pub fn now_s(&self) -> f64 {
-        self.clock.now_s
-    }
-
-    pub fn clock(&self) -> Clock {
-        self.clock
     }
 
     pub fn set_clock(&mut self, clock: Clock) {
         self.clock = clock;
     }
 
-    /// The present instant is called `now_s`; what has been seen so far is forgotten.
-    pub fn set_now(&mut self, now_s: f64) {
+    /// The mechanism was put where it is at an instant, s: the flight of the marked point begins here.
+    pub fn begin_at(&mut self, now_s: f64) {
         self.clock = Clock::at(now_s);
-        self.look_anew();
-    }
-
-    /// The mechanism was put where it is: the flight begins here.
-    pub fn look_anew(&mut self) {
         self.sleep.wake();
         self.skipped = false;
-        self.flight.forget();
-        self.flight.look(&self.model, self.clock.now_s, &self.state.angle, &self.state.velocity);
+        self.predictor.forget();
+        self.predictor.update(&self.model, now_s, &self.state.angle, &self.state.velocity);
     }
 
     /// It was left out of the steps until this instant, as nothing changed.
@@ -137,7 +114,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.sleep.is_asleep() && self.under.as_ref().is_none_or(|under| under.surfaces.rests())
     }
 
-    /// One step. It is left out where it is known to change nothing.
+    /// Whether the last step was left out.
+    pub fn was_left_out(&self) -> bool {
+        self.skipped
+    }
+
+    /// One step. It is left out where it is known to change nothing ([`Sleep`]).
     #[inline(always)]
     pub fn step<const N: usize>(
         &mut self,
@@ -145,71 +127,56 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         input: &Input<f64>,
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> StepReport {
-        // One call of the step, which is then part of its caller.
-        let over = if self.under.is_some() { self.tell_of_surfaces(settings, input, workspace) } else { Over::Nothing };
-        let report = self.step_alone(settings, input, workspace);
-        if over != Over::Nothing && report.outcome != Outcome::NonFinite {
-            self.press_on_surfaces(over, settings, workspace);
+        let over = match &self.under {
+            None => Over::Nothing,
+            Some(under) => {
+                let sleep = self.may_rest.then_some(&mut self.sleep);
+                under.before_step(settings, input, (&self.model, &self.state, sleep), workspace)
+            }
+        };
+        let before_s = self.clock.now_s;
+        self.clock.tick(settings.step);
+        let known = if self.may_rest { self.sleep.would_rest(input) } else { None };
+        self.skipped |= known.is_some();
+        let report = if let Some(report) = known {
+            report
+        } else {
+            self.velocity_before = self.state.velocity;
+            // A mechanism that moves is not copied: it does not fall asleep in this step.
+            let before = (self.may_rest && self.state.stands()).then(|| self.state.clone());
+            let report = step_out_of_line(&self.model, settings, input, &mut self.state, workspace);
+            if self.may_rest {
+                self.sleep.compare(before.as_ref(), &self.state, input, report);
+            }
+            self.report = report;
+            self.predict_impact(before_s, settings.step);
+            report
+        };
+        if over != Over::Nothing
+            && report.outcome != Outcome::NonFinite
+            && let Some(under) = &mut self.under
+        {
+            under.after_step(over, settings, &self.model, workspace);
         }
         report
     }
 
-    /// Before a step over surfaces that yield: what they do is told. A mechanism that sleeps is left out while they ring, if they cannot reach it.
-    #[cold]
-    #[inline(never)]
-    fn tell_of_surfaces<const N: usize>(
-        &mut self,
-        settings: &Settings<f64>,
-        input: &Input<f64>,
-        workspace: &mut Workspace<f64, B, Z, N>,
-    ) -> Over {
-        let Stepped { under: Some(under), sleep, model, state, may_rest, .. } = self else { return Over::Nothing };
-        let rested = under.surfaces.rests();
-        if !rested && sleep.is_asleep() {
-            // Could a surface touch the mechanism where it is now?
-            let pose = Pose::of(model, &state.angle);
-            let reaches = |(index, &zone): (usize, &usize)| {
-                under.surfaces.may_reach(index) && pose.gap(model, zone) > -model.excursion(zone)
-            };
-            if under.surfaces.zones().iter().enumerate().any(reaches) {
-                sleep.wake();
-            }
+    /// After a step that was taken.
+    #[inline(always)]
+    fn predict_impact(&mut self, before_s: f64, step_s: f64) {
+        if self.skipped {
+            self.skipped = false;
+            self.predictor.stood(before_s, step_s);
         }
-        let asleep = *may_rest && sleep.would_rest(input).is_some();
-        if !asleep {
-            under.tell(settings, workspace);
-        }
-        match (asleep, rested) {
-            (true, true) => Over::Still,
-            (true, false) => Over::Ringing,
-            (false, _) => Over::Awake,
+        if self.report.outcome != Outcome::NonFinite {
+            self.predictor.update(&self.model, self.clock.now_s, &self.state.angle, &self.state.velocity);
         }
     }
 
-    /// After a step: what it pressed with, and the surfaces go on.
-    #[cold]
-    #[inline(never)]
-    fn press_on_surfaces<const N: usize>(
-        &mut self,
-        over: Over,
-        settings: &Settings<f64>,
-        workspace: &mut Workspace<f64, B, Z, N>,
-    ) {
-        let Some(under) = &mut self.under else { return };
-        if over == Over::Awake {
-            workspace.settle_surfaces(&self.model, settings);
-            for (index, &zone) in under.surfaces.zones().iter().enumerate() {
-                under.forces[index] = workspace.normal_force(&self.model, settings, zone);
-            }
-        }
-        if over != Over::Still {
-            under.advance();
-        }
-    }
-
-    /// Whether the last step was left out.
-    pub fn was_left_out(&self) -> bool {
-        self.skipped
+    /// The impact in the last step, if there was one.
+    #[inline(always)]
+    pub fn impact(&self) -> Option<Impact> {
+        if self.skipped { None } else { self.predictor.impact() }
     }
 
     /// Energies of the mechanism as it is, at given velocities, and of what it presses on.
@@ -219,151 +186,107 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         Energies { surface: under.surfaces.energy(), ..mechanism }
     }
 
+    /// Output now; with the forces of drive and marked zone in the last step, N.
     #[inline(always)]
-    fn step_alone<const N: usize>(
-        &mut self,
-        settings: &Settings<f64>,
-        input: &Input<f64>,
-        workspace: &mut Workspace<f64, B, Z, N>,
-    ) -> StepReport {
-        let before_s = self.clock.now_s;
-        self.clock.tick(settings.step);
-        let Stepped { model, state, sleep, .. } = self;
-        if self.may_rest
-            && let Some(report) = sleep.would_rest(input)
-        {
-            self.skipped = true;
-            return report;
-        }
-        self.velocity_before = state.velocity;
-        let report = if self.may_rest {
-            sleep.step(model, settings, input, state, workspace)
-        } else {
-            step_apart(model, settings, input, state, workspace)
-        };
-        self.report = report;
-        if self.skipped {
-            self.skipped = false;
-            self.flight.stood(before_s, settings.step);
-        }
-        if report.outcome != Outcome::NonFinite {
-            self.flight.look(&self.model, self.clock.now_s, &self.state.angle, &self.state.velocity);
-        }
-        report
-    }
-
-    /// The meeting in the last step, if there was one.
-    #[inline(always)]
-    pub fn flight_met(&self) -> Option<Meeting> {
-        if self.skipped { None } else { self.flight.met() }
-    }
-
-    /// What the flight has shown until an instant, up to which nothing changes any more: the two latest samples.
-    pub fn flight_samples(&self, now: &Clock) -> [Option<[f64; 3]>; 2] {
-        let mut flight = self.flight.clone();
-        if self.skipped || now.steps != self.clock.steps {
-            flight.stood(now.now_s, now.now_s - now.before_s);
-        }
-        flight.samples(&self.model)
-    }
-
-    /// Goes on with such samples.
-    pub fn resume_flight(&mut self, samples: [Option<[f64; 3]>; 2]) {
-        self.skipped = false;
-        self.flight.resume(samples);
-    }
-
-    /// Where the driven point and the marked one are, and how fast; with the forces of drive and marked zone in the last step, N.
-    #[inline(always)]
-    pub fn view(&self, drive_n: f64, zone_n: f64) -> View {
+    pub fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
         let State { angle, velocity, .. } = &self.state;
         let (site, [dx, dy]) = &self.site;
-        let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.flight.point()], angle, velocity);
+        let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.predictor.point()], angle, velocity);
         let [site_m, site_m_s] = [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]];
-        View { site_m, site_m_s, drive_n, point_m, point_m_s, zone_n, met: self.flight_met() }
+        StepOutput { site_m, site_m_s, drive_n, point_m, point_m_s, zone_n, impact: self.impact(), report }
+    }
+
+    /// All that the steps from the present instant on depend on.
+    pub fn save(&self) -> Saved {
+        self.save_at(&self.clock)
+    }
+
+    /// All that the steps from an instant on depend on, until which nothing has changed since the last step.
+    pub fn save_at(&self, clock: &Clock) -> Saved {
+        let mut predictor = self.predictor.clone();
+        if self.skipped || clock.steps != self.clock.steps {
+            predictor.stood(clock.now_s, clock.now_s - clock.before_s);
+        }
+        Saved {
+            state: self.state.save().sized(),
+            origin_s: clock.origin_s,
+            steps: clock.steps,
+            now_s: clock.now_s,
+            flight: predictor.samples(&self.model),
+        }
+    }
+
+    pub fn restore(&mut self, saved: &Saved) {
+        let Saved { origin_s, steps, now_s, .. } = *saved;
+        self.state = State::from(saved.state.sized());
+        self.sleep.wake();
+        self.set_clock(Clock { origin_s, steps, now_s, before_s: now_s });
+        self.skipped = false;
+        self.predictor.resume(saved.flight);
+        self.report = NO_STEP;
     }
 }
 
 /// A mechanism with its own working memory.
 pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
-    pub core: Stepped<B, Z>,
-    pub marks: Marks,
-    pub settings: Settings<f64>,
-    pub workspace: Workspace<f64, B, Z, N>,
-    /// While steps are controlled.
-    pub control: Option<Box<Control<B, Z, N>>>,
-    /// The pose now, worked out when it is asked for.
+    core: Stepped<B, Z>,
+    probes: Probes,
+    stepping: Stepping,
+    workspace: Workspace<f64, B, Z, N>,
+    /// While steps are adaptive.
+    control: Option<Box<Control<B, Z, N>>>,
+    /// The pose now, computed when it is asked for.
     pose: OnceCell<Pose<f64, B>>,
-    /// The zones as they acted in the last step, where somebody wants to know of each step.
+    /// The zones as they acted in the last step, where they are kept.
     contacts: Option<Box<[Option<Contact<f64>>; Z]>>,
-    /// What surfaces that yield had lost when the ledger was opened, J.
-    pub lost_before: f64,
-    /// What had been given through them when it was last booked, J.
-    pub given_before: Cell<f64>,
-}
-
-pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
-    controller: Controller<f64, Z>,
-    halves: Halves<f64, B, Z, N>,
-    /// The half that was last.
-    half: usize,
+    /// Of the last step, referred to where the mechanism is now.
+    output: StepOutput,
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
-    pub fn new(description: &OwnedDescription, marks: &Marks, settings: Settings<f64>) -> Result<Self, ModelError> {
-        let core: Stepped<B, Z> = Stepped::new(description, marks)?;
+    pub fn new(
+        description: &OwnedDescription,
+        probes: &Probes,
+        settings: Settings<f64>,
+        surfaces: Option<Box<dyn Surfaces>>,
+    ) -> Result<Self, ModelError> {
+        let mut core: Stepped<B, Z> = Stepped::new(description, probes)?;
         let workspace = Workspace::for_model(&core.model)?;
+        core.under = surfaces.map(|surfaces| Under::new(surfaces, &settings));
         Ok(Engine {
+            output: core.output(0.0, 0.0, NO_STEP),
             core,
-            marks: *marks,
-            settings,
+            probes: *probes,
+            stepping: Stepping { settings, may_rest: true, keeps_contacts: false },
             workspace,
             control: None,
             pose: OnceCell::new(),
             contacts: None,
-            lost_before: 0.0,
-            given_before: Cell::new(0.0),
         })
     }
 
-    /// What acted in the last step, and how it was taken: of a controlled step its last half, else the step itself.
-    pub fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
+    /// What acted in the last step, and how it was taken: of an adaptive step its last half, else the step itself.
+    fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
         match self.control.as_deref() {
-            Some(control) => (&control.halves.settings, &control.halves.workspace[control.half]),
-            None => (&self.settings, &self.workspace),
+            Some(control) => control.last(),
+            None => (&self.stepping.settings, &self.workspace),
         }
     }
 
-    pub fn forget_pose(&mut self) {
+    fn pose(&self) -> &Pose<f64, B> {
+        self.pose.get_or_init(|| Pose::of(&self.core.model, &self.core.state.angle))
+    }
+
+    fn forget_pose(&mut self) {
         // Not `take`, which would move out what is there.
         self.pose = OnceCell::new();
     }
 
-    pub fn sight(&self) -> Sight<'_, B, Z> {
-        let pose = self.pose.get_or_init(|| Pose::of(&self.core.model, &self.core.state.angle));
-        Sight { model: &self.core.model, pose, velocity: &self.core.state.velocity }
-    }
-
-    pub fn pose(&self) -> &Pose<f64, B> {
-        self.sight().pose
-    }
-
-    /// From now on the zones are looked at after every step.
-    pub fn keep_contacts(&mut self) {
-        self.contacts.get_or_insert_with(|| Box::new([None; Z]));
-        self.look_at_contacts();
-    }
-
-    /// The zones as they acted in the last step; none where they are not kept.
-    pub fn contacts(&self) -> &[Option<Contact<f64>>] {
-        self.contacts.as_deref().map_or(&[], |contacts| contacts)
-    }
-
-    fn look_at_contacts(&mut self) {
-        let Engine { core, settings, workspace, control, contacts: Some(contacts), .. } = self else { return };
+    fn update_contacts(&mut self) {
+        let Engine { core, stepping, workspace, control, contacts: Some(contacts), .. } = self else { return };
         let (settings, workspace) = match control.as_deref() {
-            Some(control) => (&control.halves.settings, &control.halves.workspace[control.half]),
-            None => (&*settings, &*workspace),
+            Some(control) => control.last(),
+            None => (&stepping.settings, &*workspace),
         };
         contacts.fill(None);
         for &z in workspace.touched_zones() {
@@ -371,92 +294,183 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         }
     }
 
-    /// A step has been taken.
-    pub fn look_again(&mut self) {
-        self.forget_pose();
-        self.look_at_contacts();
-    }
-
-    /// What there is to be seen now.
     #[inline(always)]
-    pub fn view(&self) -> View {
+    fn update_output(&mut self, report: StepReport) {
         let (settings, workspace) = self.last();
-        let zone_n = self.marks.zone.map_or(0.0, |zone| workspace.normal_force(&self.core.model, settings, zone));
-        self.core.view(workspace.drive_force(), zone_n)
+        let zone_n = self.probes.zone.map_or(0.0, |zone| workspace.normal_force(&self.core.model, settings, zone));
+        self.output = self.core.output(workspace.drive_force(), zone_n, report);
     }
 
-    pub fn step(&mut self, input: &Input<f64>) -> StepReport {
+    /// A half of an adaptive step has ended.
+    fn arrive(&mut self, velocity_before: [f64; B], now_s: f64) {
+        self.forget_pose();
+        self.update_contacts();
+        let core = &mut self.core;
+        core.velocity_before = velocity_before;
+        core.set_clock(Clock::at(now_s));
+        core.predictor.update(&core.model, now_s, &core.state.angle, &core.state.velocity);
+        let report = self.core.report;
+        self.update_output(report);
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
+    fn step(&mut self, input: &Input<f64>) -> &StepOutput {
         self.control = None;
         let rested = self.core.rests();
-        let report = self.core.step(&self.settings, input, &mut self.workspace);
+        let report = self.core.step(&self.stepping.settings, input, &mut self.workspace);
         if report.outcome == Outcome::NonFinite {
             // It is where it was, and when.
             self.core.clock.take_back();
         }
         if !(rested && self.core.rests()) {
-            self.look_again();
+            self.forget_pose();
+            self.update_contacts();
         }
-        report
+        self.update_output(report);
+        &self.output
     }
 
-    /// Books the last step.
-    pub fn book(&self, ledger: &mut Ledger) {
-        let (settings, workspace) = self.last();
-        let Stepped { model, state, velocity_before, .. } = &self.core;
-        if let Some(contacts) = &self.contacts {
-            ledger.record_contacts(model, settings, velocity_before, state, workspace, contacts);
-        }
-        if let Some(under) = &self.core.under {
-            ledger.surface = under.surfaces.lost() - self.lost_before;
-            let given = under.surfaces.given();
-            let work = given - self.given_before.replace(given);
-            ledger.drive_work += work;
-            ledger.drive_work_in += work.max(0.0);
-        }
-    }
-
-    pub fn controlled_step(
+    fn controlled_step(
         &mut self,
         accuracy: &Accuracy<f64>,
         limit: f64,
         ends: &dyn Fn(f64) -> f64,
         input: &mut InputDuring,
-        look: &mut dyn FnMut(&Self),
+        observe: &mut dyn FnMut(&dyn Mechanism),
     ) -> ControlledStep<f64> {
-        let Engine { core, settings, control, .. } = self;
+        let Engine { core, stepping, control, .. } = self;
         core.sleep.wake();
-        let control = control.get_or_insert_with(|| {
-            let controller = Controller::new(settings.step);
-            Box::new(Control { controller, halves: Halves::new(settings), half: 1 })
-        });
+        let control = control.get_or_insert_with(|| Box::new(Control::new(&stepping.settings)));
         let before = core.state.velocity;
-        let Stepped { model, state, .. } = core;
-        let input = |from: f64, h: f64, state: &State<f64, B, Z>| input(from, h, &|| model.site_position(&state.angle));
-        let Control { controller, halves, half } = control.as_mut();
-        let report = controlled_step(model, settings, accuracy, controller, limit, input, state, halves);
-        if report.outcome == Outcome::NonFinite {
-            return report;
-        }
-        *half = 0;
-        let end = std::mem::replace(state, halves.middle.clone());
+        let (report, middle) = control.step(&core.model, &mut core.state, &stepping.settings, accuracy, limit, input);
+        let Some(middle) = middle else { return report };
+        core.report = StepReport { outcome: report.outcome, newton: report.newton, solver: report.solver };
+        let end = core::mem::replace(&mut core.state, middle);
         self.arrive(before, ends(0.5 * report.step));
-        look(self);
+        observe(self);
         let before = self.core.state.velocity;
         self.core.state = end;
         if let Some(control) = &mut self.control {
-            control.half = 1;
+            control.enter_second_half();
         }
         self.arrive(before, ends(report.step));
-        look(self);
+        observe(self);
         report
     }
 
-    /// A half of a controlled step has ended.
-    fn arrive(&mut self, velocity_before: [f64; B], now_s: f64) {
-        self.look_again();
-        let core = &mut self.core;
-        core.velocity_before = velocity_before;
-        core.set_clock(Clock::at(now_s));
-        core.flight.look(&core.model, now_s, &core.state.angle, &core.state.velocity);
+    fn readout(&self) -> Readout<'_> {
+        let Engine { core, stepping, contacts, output, .. } = self;
+        Readout {
+            now_s: core.clock.now_s,
+            last_step_s: self.last().0.step,
+            rests: core.rests(),
+            output,
+            angles: &core.state.angle[..core.bodies],
+            velocities: &core.state.velocity[..core.bodies],
+            pivot_friction: &core.state.pivot_friction[..core.bodies],
+            contacts: contacts.as_deref().map_or(&[], |contacts| contacts),
+            tangential_forces: &core.state.tangential,
+            stepping,
+            surfaces: core.under.as_ref().map(|under| under.surfaces.as_ref()),
+        }
+    }
+
+    fn configure(&mut self, stepping: Stepping) {
+        self.core.sleep.wake();
+        self.core.may_rest = stepping.may_rest;
+        if stepping.settings != self.stepping.settings {
+            self.control = None;
+            if let Some(under) = &mut self.core.under {
+                under.surfaces.set_step(stepping.settings.step);
+            }
+            self.core.set_clock(Clock::at(self.core.clock.now_s));
+            self.forget_pose();
+        }
+        self.stepping = stepping;
+        if !stepping.keeps_contacts {
+            self.contacts = None;
+        } else if self.contacts.is_none() {
+            self.contacts = Some(Box::new([None; Z]));
+            self.update_contacts();
+        }
+    }
+
+    fn begin_at(&mut self, now_s: f64) {
+        self.core.begin_at(now_s);
+        let report = self.core.report;
+        self.update_output(report);
+    }
+
+    fn stop(&mut self) {
+        self.control = None;
+        self.core.sleep.wake();
+        self.core.state.velocity = [0.0; B];
+        let report = self.core.report;
+        self.update_output(report);
+    }
+
+    fn normal_force(&self, zone: usize) -> f64 {
+        let (settings, workspace) = self.last();
+        workspace.normal_force(&self.core.model, settings, zone)
+    }
+
+    fn energies_at(&self, velocities: &[f64]) -> Energies {
+        let mut state = self.core.state.clone();
+        state.velocity[..self.core.bodies].copy_from_slice(velocities);
+        self.core.energies(&state)
+    }
+
+    fn book(&self, ledger: &mut Ledger) {
+        let (settings, workspace) = self.last();
+        let Stepped { model, state, velocity_before, under, .. } = &self.core;
+        if let Some(contacts) = &self.contacts {
+            ledger.record_contacts(model, settings, velocity_before, state, workspace, contacts);
+        }
+        if let Some(under) = under {
+            ledger.record_surfaces(under.surfaces.lost(), under.surfaces.given());
+        }
+    }
+
+    fn save(&self) -> Saved {
+        self.core.save()
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        self.control = None;
+        self.core.restore(saved);
+        // What acted last is not part of it.
+        self.workspace = Workspace::new();
+        self.forget_pose();
+        self.update_contacts();
+        let report = self.core.report;
+        self.update_output(report);
+    }
+
+    fn surfaces_mut(&mut self) -> Option<&mut (dyn Surfaces + 'static)> {
+        self.core.sleep.wake();
+        self.core.under.as_mut().map(|under| under.surfaces.as_mut())
+    }
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Observation for Engine<B, Z, N> {
+    fn site_position(&self) -> f64 {
+        site_position(&self.core.model, self.pose())
+    }
+
+    fn compression(&self, zone: usize) -> f64 {
+        self.pose().compression(&self.core.model, zone)
+    }
+
+    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
+        self.pose().point(body.unwrap_or(GROUND), point)
+    }
+
+    fn compression_row(&self, zone: usize) -> Vec<f64> {
+        self.pose().compression_row(&self.core.model, zone)[..self.core.bodies].to_vec()
+    }
+
+    fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64> {
+        self.pose().velocity_row(&self.core.model, body, point, n)[..self.core.bodies].to_vec()
     }
 }

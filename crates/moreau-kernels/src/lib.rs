@@ -9,26 +9,27 @@
 //! - [`SideBySide`]: several of one topology in the processor's vector lanes (on [`Group`], which has a fixed size);
 //! - [`Tangents`]: one, with the derivatives of its motion.
 //!
-//! The first three look at what happens through the same code ([`Marks`], [`Meeting`]).
+//! The first three observe through the same code ([`Probes`], [`StepOutput`], [`Impact`]).
 
 mod bank;
+mod controlled;
 mod description;
 mod engine;
-mod flight;
+mod impact;
 mod lanes;
 mod mechanism;
-mod placed;
+mod observation;
 mod side_by_side;
 mod size;
 mod surfaces;
 mod tangents;
 
 pub use bank::{Bank, Tick, bank};
-pub use description::{Marks, OwnedDescription};
-pub use flight::{Meeting, met_in_flight};
+pub use description::{OwnedDescription, Probes};
+pub use impact::{Impact, impact_in_flight};
 pub use lanes::{Group, Lanes};
-pub use mechanism::{InputDuring, Mechanism, Saved, View, mechanism};
-pub use placed::{Placed, Visible, placed};
+pub use mechanism::{InputDuring, Mechanism, Readout, Saved, StepOutput, Stepping, mechanism, open_ledger, take_stock};
+pub use observation::{LaneObserver, Observation, lane_observer};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};
 pub use surfaces::Surfaces;

@@ -1,14 +1,14 @@
-//! What yields under zones of a mechanism, and is no part of it: strings, say. The engine asks it before every step, and tells it afterwards what
-//! pressed it.
+//! Compliant external subsystems under zones of a mechanism: strings, say. The engine asks for their surfaces before every step, and reports the
+//! contact forces to them afterwards.
 
 use std::any::Any;
 
-use moreau::{Settings, Surface, TOGETHER, Workspace};
+use moreau::{COUPLED, Input, Model, Pose, Settings, Sleep, State, Surface, Workspace};
 
-/// Things under zones that yield ([`moreau::Yields`]). Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
+/// A compliant external subsystem under zones ([`moreau::Yields`]). The trait inverts a dependency: the subsystem is the caller's. Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
 /// normal, positive away from the disc.
 ///
-/// The zones' surfaces may belong to one thing: a force on one then displaces the others within the same step ([`Surfaces::together`]).
+/// The surfaces may be coupled: a force on one then displaces the others within the same step ([`Surfaces::coupled`]).
 pub trait Surfaces: Send {
     /// The mechanism's zones.
     fn zones(&self) -> &[usize];
@@ -18,9 +18,9 @@ pub trait Surfaces: Send {
     fn follow(&mut self, statically: bool);
     /// What a surface would do in the next step.
     fn surface(&self, index: usize) -> Surface<f64>;
-    /// How many surfaces, from the first one on, belong to one thing. By how much a newton on one displaces another at the next step's end, m/N, the same both
-    /// ways; and what pressed them in the last step, N. [`Surfaces::surface`] then says what each does if nothing presses any of them.
-    fn together(&self, compliance: &mut [[f64; TOGETHER]; TOGETHER], forces: &mut [f64; TOGETHER]) -> usize {
+    /// How many surfaces, from the first one on, are coupled; writes their compliance matrix (the displacement of one at the next step's end per newton on
+    /// another, m/N, symmetric) and the forces of the last step, N. [`Surfaces::surface`] then says what each does if nothing presses any of them.
+    fn coupled(&self, compliance: &mut [[f64; COUPLED]; COUPLED], forces: &mut [f64; COUPLED]) -> usize {
         let _ = (compliance, forces);
         0
     }
@@ -56,6 +56,19 @@ pub trait Surfaces: Send {
 /// Zones that may yield at once.
 pub(crate) const MOST: usize = 8;
 
+/// What a step presses on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    /// Nothing compliant.
+    Nothing,
+    /// Surfaces that are still, and the mechanism sleeps.
+    Still,
+    /// Surfaces that ring while it sleeps.
+    Ringing,
+    /// Surfaces, and it moves.
+    Awake,
+}
+
 /// Surfaces with what the engine keeps for them.
 pub(crate) struct Under {
     pub surfaces: Box<dyn Surfaces>,
@@ -70,8 +83,43 @@ impl Under {
         Under { surfaces, forces: [0.0; MOST] }
     }
 
-    /// Before a step of the mechanism.
-    pub fn tell<const B: usize, const Z: usize, const N: usize>(
+    /// Before a step: hands the surfaces to the workspace. A mechanism that sleeps is left out while they ring, if they cannot reach it.
+    #[cold]
+    #[inline(never)]
+    pub fn before_step<const B: usize, const Z: usize, const N: usize>(
+        &self,
+        settings: &Settings<f64>,
+        input: &Input<f64>,
+        (model, state, sleep): (&Model<f64, B, Z>, &State<f64, B, Z>, Option<&mut Sleep<f64>>),
+        workspace: &mut Workspace<f64, B, Z, N>,
+    ) -> Over {
+        let rested = self.surfaces.rests();
+        let asleep = sleep.is_some_and(|sleep| {
+            if !rested && sleep.is_asleep() && self.reach(model, state) {
+                sleep.wake();
+            }
+            sleep.would_rest(input).is_some()
+        });
+        if !asleep {
+            self.hand_over(settings, workspace);
+        }
+        match (asleep, rested) {
+            (true, true) => Over::Still,
+            (true, false) => Over::Ringing,
+            (false, _) => Over::Awake,
+        }
+    }
+
+    /// Whether a surface could touch the mechanism where it is now.
+    fn reach<const B: usize, const Z: usize>(&self, model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> bool {
+        let pose = Pose::of(model, &state.angle);
+        let reaches = |(index, &zone): (usize, &usize)| {
+            self.surfaces.may_reach(index) && pose.compression(model, zone) > -model.excursion(zone)
+        };
+        self.surfaces.zones().iter().enumerate().any(reaches)
+    }
+
+    fn hand_over<const B: usize, const Z: usize, const N: usize>(
         &self,
         settings: &Settings<f64>,
         workspace: &mut Workspace<f64, B, Z, N>,
@@ -79,15 +127,31 @@ impl Under {
         for (index, &zone) in self.surfaces.zones().iter().enumerate() {
             workspace.set_surface(settings, zone, &self.surfaces.surface(index));
         }
-        let (mut compliance, mut forces) = ([[0.0; TOGETHER]; TOGETHER], [0.0; TOGETHER]);
-        let count = self.surfaces.together(&mut compliance, &mut forces);
-        workspace.set_together(settings, &self.surfaces.zones()[..count], &compliance, &forces);
+        let (mut compliance, mut forces) = ([[0.0; COUPLED]; COUPLED], [0.0; COUPLED]);
+        let count = self.surfaces.coupled(&mut compliance, &mut forces);
+        workspace.set_coupled_surfaces(settings, &self.surfaces.zones()[..count], &compliance, &forces);
     }
 
-    /// The step, under the forces that were set.
-    pub fn advance(&mut self) {
-        let count = self.surfaces.zones().len();
-        self.surfaces.advance(&self.forces[..count]);
+    /// After a step: the surfaces take theirs, under the mechanism's forces.
+    #[cold]
+    #[inline(never)]
+    pub fn after_step<const B: usize, const Z: usize, const N: usize>(
+        &mut self,
+        over: Over,
+        settings: &Settings<f64>,
+        model: &Model<f64, B, Z>,
+        workspace: &mut Workspace<f64, B, Z, N>,
+    ) {
+        if over == Over::Awake {
+            workspace.settle_surfaces(model, settings);
+            for (index, &zone) in self.surfaces.zones().iter().enumerate() {
+                self.forces[index] = workspace.normal_force(model, settings, zone);
+            }
+        }
+        if over != Over::Still {
+            let count = self.surfaces.zones().len();
+            self.surfaces.advance(&self.forces[..count]);
+        }
     }
 
     /// How far a zone's surface is displaced, m; 0 for others.

@@ -1,6 +1,6 @@
 //! One mechanism and the derivatives of its motion.
 
-use moreau::{Driven, Dual, Model, Pose, Real, Settings, Stretch, Tangent, TangentError, TrackedPoint};
+use moreau::{Driven, Dual, Model, Pose, Real, Settings, Tangent, TangentError, TangentReport, TrackedPoint};
 
 use crate::{OwnedDescription, Size};
 
@@ -12,7 +12,7 @@ pub type Number = Dual<DIRECTIONS>;
 /// A mechanism and the derivatives of its motion. Indices follow the description's bodies and zones.
 pub trait Tangents: Send {
     /// Advances by `settings.step`.
-    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> Stretch;
+    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> TangentReport;
     /// Stands still from now on.
     fn stop(&mut self);
     /// World coordinate of the driven point along the drive's direction, m.
@@ -20,7 +20,7 @@ pub trait Tangents: Send {
     /// Force of an elastic drive whose driver is at this position (m, as [`Self::site_position`]) and has this velocity, m/s; N, and 0 where it does not touch.
     fn push(&self, position: Number, velocity: Number) -> Number;
     /// Compression of a zone, m; negative apart.
-    fn gap(&self, zone: usize) -> Number;
+    fn compression(&self, zone: usize) -> Number;
     /// A point of a body, m, in the world, and its velocity, m/s.
     fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2];
     /// Absolute angles, rad.
@@ -62,7 +62,7 @@ struct Differentiated<const B: usize, const Z: usize, const N: usize> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated<B, Z, N> {
-    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> Stretch {
+    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> TangentReport {
         self.tangent.step(settings, input)
     }
 
@@ -82,8 +82,8 @@ impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated
         force.max(Number::ZERO)
     }
 
-    fn gap(&self, zone: usize) -> Number {
-        Pose::of(&self.tangent.model, &self.tangent.state.angle).gap(&self.tangent.model, zone)
+    fn compression(&self, zone: usize) -> Number {
+        Pose::of(&self.tangent.model, &self.tangent.state.angle).compression(&self.tangent.model, zone)
     }
 
     fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2] {

@@ -1,6 +1,6 @@
 //! The broad phase: which zones can be touched at all while the mechanism stays near a pose. A step leaves the others out.
 //!
-//! A zone's gap changes by at most lever times angle for every supporting joint. So a zone with a clearance c at the pose of the broad
+//! A zone's compression changes by at most lever times angle for every supporting joint. So a zone with a clearance c at the pose of the broad
 //! phase cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This is a bound and no estimate: with or without
 //! a broad phase, a step gives the same bits.
 
@@ -91,8 +91,10 @@ impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
     fn take(&mut self, model: &Model<T, B, Z>, kinematics: &Kinematics<T, B>, joint: &[T; B], timing: &Timing<T>) {
         *self = BroadPhase { angle: *joint, reach: timing.reach, ..BroadPhase::none() };
         for z in 0..model.zone_count {
-            let clearance =
-                T::from_f64(ONSET) - model.compiled[z].gap(&kinematics.pose) - timing.reach - model.excursions[z];
+            let clearance = T::from_f64(ONSET)
+                - model.compiled[z].compression(&kinematics.pose)
+                - timing.reach
+                - model.excursions[z];
             let mut speed = T::ZERO;
             for (k, j) in model.supports[z].joints() {
                 speed = speed.add_product(model.supports[z].lever(k), kinematics.joint_velocity[j].abs());

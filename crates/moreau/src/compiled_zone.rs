@@ -82,7 +82,7 @@ impl<T: Real> CompiledZone<T> {
 
     /// Compression at a pose (negative apart), given the disc's centre, and the curve's outward unit normal there.
     #[inline(always)]
-    pub fn gap_and_normal<const B: usize>(&self, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
+    pub fn compression_and_normal<const B: usize>(&self, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
         match self.core {
             Core::Line if self.curve_body >= B => (self.level - dot(center, self.axis), self.axis),
             Core::Line => {
@@ -106,15 +106,15 @@ impl<T: Real> CompiledZone<T> {
 
     /// Compression at a pose (negative apart), without forces.
     #[inline(always)]
-    pub fn gap<const B: usize>(&self, pose: &Pose<T, B>) -> T {
-        self.gap_and_normal(pose, self.center(pose)).0
+    pub fn compression<const B: usize>(&self, pose: &Pose<T, B>) -> T {
+        self.compression_and_normal(pose, self.center(pose)).0
     }
 
     /// The row G at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)),
     /// exact although the contact point moves.
-    pub fn gap_row<const B: usize>(&self, support: &Support<T, B>, pose: &Pose<T, B>) -> [T; B] {
+    pub fn compression_row<const B: usize>(&self, support: &Support<T, B>, pose: &Pose<T, B>) -> [T; B] {
         let center = self.center(pose);
-        let (_, normal) = self.gap_and_normal(pose, center);
+        let (_, normal) = self.compression_and_normal(pose, center);
         let mut row = [T::ZERO; B];
         pose.turning_row(support, center, normal, &mut row);
         let mut dense = [T::ZERO; B];
@@ -124,8 +124,8 @@ impl<T: Real> CompiledZone<T> {
 
     /// The contact point, on the curve.
     #[inline(always)]
-    pub fn contact_point<const B: usize>(&self, pose: &Pose<T, B>, gap: T, normal: Vector<T>) -> Vector<T> {
-        sub(self.center(pose), scale(normal, self.radius - gap))
+    pub fn contact_point<const B: usize>(&self, pose: &Pose<T, B>, compression: T, normal: Vector<T>) -> Vector<T> {
+        sub(self.center(pose), scale(normal, self.radius - compression))
     }
 }
 

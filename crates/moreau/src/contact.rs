@@ -17,7 +17,7 @@ const FAR_OFF: f64 = 1e30;
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
     /// Compression g of the felt at the theta point, m; negative apart.
-    pub gap: T,
+    pub compression: T,
     /// dg/dt, m/s.
     pub rate: T,
     /// Unit normal out of the curve, toward the disc, in the world.
@@ -43,7 +43,7 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub tangent: T,
     /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is asked for.
-    pub gap: T,
+    pub compression: T,
     pub rate: T,
     /// The felt's memory at the step's start, where it has one.
     pub memory: T,
@@ -55,14 +55,22 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
 pub(crate) struct Proximity<T: Real> {
     /// Where it is touched during the step.
     pub touched: T::Mask,
-    pub gap: T,
+    pub compression: T,
     pub normal: Vector<T>,
 }
 
 impl<T: Real, const B: usize> ContactState<T, B> {
     pub fn apart() -> Self {
         let z = T::ZERO;
-        ContactState { in_reach: T::Mask::splat(false), force: z, tangent: z, gap: z, rate: z, memory: z, row: [z; B] }
+        ContactState {
+            in_reach: T::Mask::splat(false),
+            force: z,
+            tangent: z,
+            compression: z,
+            rate: z,
+            memory: z,
+            row: [z; B],
+        }
     }
 
     /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K entries.
@@ -81,15 +89,15 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         margins: &mut Margins<T>,
     ) -> Proximity<T> {
         let center = zone.center(pose);
-        let (mut gap, normal) = zone.gap_and_normal(pose, center);
+        let (mut compression, normal) = zone.compression_and_normal(pose, center);
         if const { YIELDS } {
-            gap -= surface.offset;
+            compression -= surface.offset;
         }
-        let in_reach = candidates.and((-timing.reach).le(gap));
+        let in_reach = candidates.and((-timing.reach).le(compression));
         self.in_reach = in_reach;
         let mut row = support.entries::<K>(&self.row);
         if !in_reach.any() {
-            return Proximity { touched: in_reach, gap, normal };
+            return Proximity { touched: in_reach, compression, normal };
         }
         for k in 0..K {
             row.entry[k] = support.sign(k) * pose.turning(row.joint[k], center, normal);
@@ -99,11 +107,11 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         if const { YIELDS } {
             rate -= surface.drift;
         }
-        (self.gap, self.rate) = (gap, rate);
+        (self.compression, self.rate) = (compression, rate);
         // Where the mean is worked out from end to end, the ends say what is touched: sqrt(3) farther out than the Gauss points.
         let seen = if const { YIELDS } { T::from_f64(1.732_050_807_568_877_2) * rate } else { rate };
-        let touched = in_reach.and(T::from_f64(ONSET).lt(margins.include(gap, seen, timing)));
-        Proximity { touched, gap, normal }
+        let touched = in_reach.and(T::from_f64(ONSET).lt(margins.include(compression, seen, timing)));
+        Proximity { touched, compression, normal }
     }
 
     /// The felt's force and tangent, where it is touched.
@@ -119,7 +127,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         if const { T::LANES == 1 } && zone.felt.yields() {
             return self.press_on(zone, timing, touched, surface, margins);
         }
-        let pressed = zone.felt.press(self.gap, self.rate, timing, touched, &self.memory);
+        let pressed = zone.felt.press(self.compression, self.rate, timing, touched, &self.memory);
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
@@ -137,7 +145,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         margins: &mut Margins<T>,
     ) {
         let carried = Carried { memory: &self.memory, surface };
-        let pressed = zone.felt.press_yielding(self.gap, self.rate, timing, touched, carried);
+        let pressed = zone.felt.press_yielding(self.compression, self.rate, timing, touched, carried);
         margins.include_opening(pressed.opening, touched);
         self.force = pressed.force;
         self.tangent = pressed.tangent;
@@ -145,9 +153,9 @@ impl<T: Real, const B: usize> ContactState<T, B> {
 
     /// The felt's force on a surface that yields, N, and -dF/d(rate), N s/m, where the rate is so much greater.
     pub fn pressed_at(&self, zone: &CompiledZone<T>, timing: &Timing<T>, more: T, surface: &Yielding<T>) -> [T; 2] {
-        let (gap, rate) = (self.gap + timing.h_theta * more, self.rate + more);
+        let (compression, rate) = (self.compression + timing.h_theta * more, self.rate + more);
         let carried = Carried { memory: &self.memory, surface };
-        let pressed = zone.felt.press_yielding(gap, rate, timing, T::Mask::splat(true), carried);
+        let pressed = zone.felt.press_yielding(compression, rate, timing, T::Mask::splat(true), carried);
         [pressed.force, pressed.tangent / timing.h_theta]
     }
 
@@ -164,17 +172,24 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         touched: T::Mask,
         surface: &Yielding<T>,
     ) -> Contact<T> {
-        let (gap, normal) = zone.gap_and_normal(pose, zone.center(pose));
+        let (compression, normal) = zone.compression_and_normal(pose, zone.center(pose));
         let ahead = timing.theta * support.product(&self.row, change);
-        let (rate, ahead_gap) = (self.rate + ahead, gap + timing.h_theta * ahead);
-        let point = zone.contact_point(pose, gap, normal);
+        let (rate, ahead_compression) = (self.rate + ahead, compression + timing.h_theta * ahead);
+        let point = zone.contact_point(pose, compression, normal);
         if const { T::LANES == 1 } && zone.felt.yields() {
-            return self.contact_that_yields(zone, [ahead_gap, rate], [normal, point], timing, touched, surface);
+            return self.contact_that_yields(
+                zone,
+                [ahead_compression, rate],
+                [normal, point],
+                timing,
+                touched,
+                surface,
+            );
         }
-        let pressed = zone.felt.press(ahead_gap, rate, timing, touched, &self.memory);
-        let recalled = zone.felt.recall(ahead_gap, rate, timing, touched, self.memory);
+        let pressed = zone.felt.press(ahead_compression, rate, timing, touched, &self.memory);
+        let recalled = zone.felt.recall(ahead_compression, rate, timing, touched, self.memory);
         Contact {
-            gap: ahead_gap,
+            compression: ahead_compression,
             rate,
             normal,
             point,
@@ -184,27 +199,27 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
     }
 
-    /// The same where the curve gives way, from the gap and rate to where it was: it lies lower, and the felt is pressed by so much less.
+    /// The same where the curve gives way, from the compression and rate to where it was: it lies lower, and the felt is pressed by so much less.
     #[cold]
     #[inline(never)]
     fn contact_that_yields(
         &self,
         zone: &CompiledZone<T>,
-        [gap, rate]: [T; 2],
+        [compression, rate]: [T; 2],
         [normal, point]: [Vector<T>; 2],
         timing: &Timing<T>,
         touched: T::Mask,
         surface: &Yielding<T>,
     ) -> Contact<T> {
-        let (before, carried) = (gap - surface.offset, Carried { memory: &self.memory, surface });
+        let (before, carried) = (compression - surface.offset, Carried { memory: &self.memory, surface });
         let pressed = zone.felt.press_yielding(before, rate, timing, touched, carried);
         let (after, rate) = zone.felt.give_way(before, rate, timing, touched, carried);
         let recalled = zone.felt.recall(after, rate, timing, touched, self.memory);
         Contact {
-            gap: after,
+            compression: after,
             rate,
             normal,
-            point: sub(point, scale(normal, gap - after)),
+            point: sub(point, scale(normal, compression - after)),
             force: pressed.force,
             damping_force: pressed.damping_force,
             gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),
@@ -226,13 +241,13 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             return alone;
         }
         let ahead = timing.theta * support.product(&self.row, change);
-        let (rate, gap) = (self.rate + ahead, self.gap + timing.h_theta * ahead);
-        let (gap, rate) = if const { T::LANES == 1 } && zone.felt.yields() {
-            zone.felt.give_way(gap, rate, timing, touched, Carried { memory: &self.memory, surface })
+        let (rate, compression) = (self.rate + ahead, self.compression + timing.h_theta * ahead);
+        let (compression, rate) = if const { T::LANES == 1 } && zone.felt.yields() {
+            zone.felt.give_way(compression, rate, timing, touched, Carried { memory: &self.memory, surface })
         } else {
-            (gap, rate)
+            (compression, rate)
         };
-        let recalled = zone.felt.recall(gap, rate, timing, touched, self.memory);
+        let recalled = zone.felt.recall(compression, rate, timing, touched, self.memory);
         recalled.map_or(alone, |recalled| T::select(touched, recalled.memory, alone))
     }
 
@@ -252,7 +267,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         if const { T::LANES == 1 } && zone.felt.yields() {
             return self.remainder_on(zone, rate, timing, active, surface);
         }
-        let bend = zone.felt.press(self.gap, self.rate, timing, active, &self.memory).curvature;
+        let bend = zone.felt.press(self.compression, self.rate, timing, active, &self.memory).curvature;
         self.bent(zone, &bend, rate, timing, active)
     }
 
@@ -271,7 +286,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             return T::from_f64(FAR_OFF);
         }
         let carried = Carried { memory: &self.memory, surface };
-        let bend = zone.felt.press_yielding(self.gap, self.rate, timing, active, carried).curvature;
+        let bend = zone.felt.press_yielding(self.compression, self.rate, timing, active, carried).curvature;
         self.bent(zone, &bend, rate, timing, active)
     }
 
@@ -286,7 +301,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
         // Not touched before: all of it.
         let reach = timing.h_theta + timing.node;
-        let deepest = (self.gap + timing.node * self.rate.abs() + reach * rate).max(T::ZERO);
+        let deepest = (self.compression + timing.node * self.rate.abs() + reach * rate).max(T::ZERO);
         let onset = zone.felt.largest_force(deepest, self.rate.abs() + rate);
         T::select(active, bent, T::only(self.in_reach, onset))
     }
@@ -302,7 +317,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         lanes: T::Mask,
         row: &mut [T; B],
     ) {
-        let (before, point) = (*row, zone.contact_point(pose, proximity.gap, proximity.normal));
+        let (before, point) = (*row, zone.contact_point(pose, proximity.compression, proximity.normal));
         pose.turning_row(support, point, [-proximity.normal[1], proximity.normal[0]], row);
         if !lanes.all() {
             for (k, _) in support.joints() {
@@ -318,10 +333,10 @@ mod tests {
     use crate::description::{Body, Curve, Description, GROUND, Zone};
     use crate::felt::{Exponent, Felt, Loss};
 
-    /// Rows against central differences of the gap, for every kind of curve, on a three-body chain: the claim is that
+    /// Rows against central differences of the compression, for every kind of curve, on a three-body chain: the claim is that
     /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
     #[test]
-    fn rows_are_the_gradient_of_the_gap() {
+    fn rows_are_the_gradient_of_the_compression() {
         let body = |parent, pivot| Body { parent, pivot, mass: 1.0, ..Body::inert() };
         let bodies = [body(GROUND, [0.1, 0.2]), body(0, [0.5, -0.1]), body(1, [0.3, 0.2]), body(GROUND, [1.0, 1.0])];
         let felt = Felt { stiffness: 1.0, exponent: Exponent::Two, loss: Loss::Quadratic(1.0) };
@@ -338,7 +353,7 @@ mod tests {
                 let description = Description { bodies: &bodies, zones: &[zone], ..Description::default() };
                 let model = description.compile::<4, 1>().unwrap();
                 let q = [0.3, -0.7, 1.9, 0.4];
-                let gap = |q: &[f64; 4]| Pose::of(&model, q).gap(&model, 0);
+                let compression = |q: &[f64; 4]| Pose::of(&model, q).compression(&model, 0);
                 let (mut contact, timing) = (ContactState::apart(), Timing::new(1e-3, 0.5));
                 let (pose, support, w) = (Pose::of(&model, &q), &model.supports[0], [0.0; 4]);
                 let (zone, margins) = (&model.compiled[0], &mut Margins::new());
@@ -347,13 +362,13 @@ mod tests {
                         .evaluate::<4, false>(zone, support, &pose, &w, &timing, true, &Yielding::still(), margins)
                         .touched
                 );
-                let row = pose.gap_row(&model, 0);
+                let row = pose.compression_row(&model, 0);
                 for i in 0..4 {
                     let e = 1e-6;
                     let (mut up, mut down) = (q, q);
                     up[i] += e;
                     down[i] -= e;
-                    let difference = (gap(&up) - gap(&down)) / (2.0 * e);
+                    let difference = (compression(&up) - compression(&down)) / (2.0 * e);
                     assert!((difference - row[i]).abs() < 1e-8, "{curve:?} {a} {b} {i}");
                 }
             }
@@ -389,11 +404,11 @@ mod tests {
                 );
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend = compiled.felt.press(contact.gap, contact.rate, &timing, true, &0.0).curvature;
+                    let bend = compiled.felt.press(contact.compression, contact.rate, &timing, true, &0.0).curvature;
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;
-                    let deepest = (contact.gap + timing.node * contact.rate.abs() + reach * rate).max(0.0);
+                    let deepest = (contact.compression + timing.node * contact.rate.abs() + reach * rate).max(0.0);
                     let onset = (felt.stiffness + 8e7 * (contact.rate.abs() + rate)) * deepest * deepest;
                     for (active, expected) in [(true, bent), (false, onset)] {
                         let found =

@@ -86,11 +86,11 @@ impl<T: Real> Margins<T> {
 
     /// Takes a zone in. Returns its largest compression during the step, m; not positive where it is not touched.
     #[inline(always)]
-    pub fn include(&mut self, gap: T, rate: T, timing: &Timing<T>) -> T {
+    pub fn include(&mut self, compression: T, rate: T, timing: &Timing<T>) -> T {
         let speed = rate.abs();
         let offset = timing.node * speed;
-        let deepest = gap.add_product(timing.node, speed);
-        self.onset = self.onset.min(gap.abs() - offset);
+        let deepest = compression.add_product(timing.node, speed);
+        self.onset = self.onset.min(compression.abs() - offset);
         self.speed = self.speed.max(speed);
         self.depth = self.depth.max(deepest);
         deepest
@@ -274,11 +274,12 @@ mod tests {
                 &mut margins,
             );
             contact.press(zone, &timing, near.touched, &Yielding::still(), &mut margins);
-            assert!((contact.row[0].abs() - support.lever(0)).abs() < 1e-15 && near.gap > 0.9e-3);
+            assert!((contact.row[0].abs() - support.lever(0)).abs() < 1e-15 && near.compression > 0.9e-3);
             let mut tight = 0.0_f64;
             // Up to half of what would leave the felt: the bound says nothing of more.
             for share in [1e-4, 1e-2, 0.1, 0.4, 0.499] {
-                let change = -contact.row[0].signum() * share * near.gap / (timing.theta * reach * support.lever(0));
+                let change =
+                    -contact.row[0].signum() * share * near.compression / (timing.theta * reach * support.lever(0));
                 for change in [change, -change] {
                     let (terms, sure) = margins.bound(&model.curvatures, &timing, change.abs());
                     let after =

@@ -211,11 +211,11 @@ impl<T: Real> Felt<T> {
     }
 
     /// Energy stored at a compression g: k g^(r+1) / (r+1), J, and what its memory holds.
-    pub(crate) fn stored(&self, gap: T, memory: T) -> T {
+    pub(crate) fn stored(&self, compression: T, memory: T) -> T {
         let r = self.exponent.value();
-        let g = gap.max(T::ZERO);
+        let g = compression.max(T::ZERO);
         let elastic = self.stiffness * g.powf(r + T::ONE) / (r + T::ONE);
-        self.remembering().map_or(elastic, |law| elastic + law.held(gap, memory))
+        self.remembering().map_or(elastic, |law| elastic + law.held(compression, memory))
     }
 }
 
@@ -380,42 +380,42 @@ impl<T: Real> FeltLaw<T> {
     /// leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the scheme is
     /// backward Euler.
     #[inline(always)]
-    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
+    pub fn press(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
         if !self.square {
             return match &self.remembering {
-                None => self.press_points(gap, rate, timing, touched),
-                Some(law) => law.press(gap, rate, timing, touched, *memory),
+                None => self.press_points(compression, rate, timing, touched),
+                Some(law) => law.press(compression, rate, timing, touched, *memory),
             };
         }
-        let whole = self.press_square(gap, rate, timing, touched);
-        let partly = touched.and(gap.le((timing.node * rate).abs()));
+        let whole = self.press_square(compression, rate, timing, touched);
+        let partly = touched.and(compression.le((timing.node * rate).abs()));
         if partly.any() {
             // Each lane by the formula that it would take alone.
-            whole.or(partly, self.press_points(gap, rate, timing, touched))
+            whole.or(partly, self.press_points(compression, rate, timing, touched))
         } else {
             whole
         }
     }
 
     /// Any law on a surface that stands still.
-    fn press_still(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
+    fn press_still(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
         match &self.remembering {
-            None => self.press_points(gap, rate, timing, touched),
-            Some(law) => law.press(gap, rate, timing, touched, *memory),
+            None => self.press_points(compression, rate, timing, touched),
+            Some(law) => law.press(compression, rate, timing, touched, *memory),
         }
     }
 
     /// Any law, its mean along the step's straight path worked out exactly: with V' = k g^r, (V(b) - V(a))/(b - a) from compression to compression, and (b^3 - a^3)/(3 (b - a)) of
     /// g^2, also where the path begins or ends apart. Two-point quadrature leaves part of a felt's work in the books where it is touched in mid step, or where
     /// r is neither 2 nor 3; a hammer that rattles on a string would win or lose by that.
-    fn press_exactly(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
-        let pressed = self.press_still(gap, rate, timing, touched, memory);
+    fn press_exactly(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
+        let pressed = self.press_still(compression, rate, timing, touched, memory);
         if self.remembering.is_some() {
             return pressed;
         }
         let half = timing.step - timing.h_theta;
         let (whole, way) = (half + half, (half + half) * rate);
-        let (a, b) = ((gap - half * rate).max(T::ZERO), (gap + half * rate).max(T::ZERO));
+        let (a, b) = ((compression - half * rate).max(T::ZERO), (compression + half * rate).max(T::ZERO));
         // On a short way the difference of potentials is rounded, and the quadrature is exact to rounding.
         let long = (T::from_f64(1e-3) * (a + b)).lt(way.abs());
         if !long.any() {
@@ -459,34 +459,48 @@ impl<T: Real> FeltLaw<T> {
     /// of that: a margin of zero leaves such a zone to the exact one.
     pub fn press_yielding(
         &self,
-        gap: T,
+        compression: T,
         rate: T,
         timing: &Timing<T>,
         touched: T::Mask,
         carried: Carried<'_, T>,
     ) -> Pressed<T> {
-        let (gap, rate) = self.give_way(gap, rate, timing, touched, carried);
-        let pressed = self.press_exactly(gap, rate, timing, touched, carried.memory);
+        let (compression, rate) = self.give_way(compression, rate, timing, touched, carried);
+        let pressed = self.press_exactly(compression, rate, timing, touched, carried.memory);
         let slope = T::ONE + carried.surface.give * (pressed.tangent / timing.h_theta);
         Pressed { tangent: pressed.tangent / slope, opening: T::ZERO, ..pressed }
     }
 
     /// The compression and its rate at the theta point, with what a surface that yields gives way under the felt's force: from those that there
     /// would be if it were not pressed.
-    pub fn give_way(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, carried: Carried<'_, T>) -> (T, T) {
+    pub fn give_way(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        carried: Carried<'_, T>,
+    ) -> (T, T) {
         let give = carried.surface.give;
-        let behind = |force: T| (gap - timing.h_theta * (give * force), rate - give * force);
+        let behind = |force: T| (compression - timing.h_theta * (give * force), rate - give * force);
         let force = solve(touched, |force| {
-            let (gap, rate) = behind(force);
-            let pressed = self.press_exactly(gap, rate, timing, touched, carried.memory);
+            let (compression, rate) = behind(force);
+            let pressed = self.press_exactly(compression, rate, timing, touched, carried.memory);
             [pressed.force, give * (pressed.tangent / timing.h_theta)]
         });
         behind(force)
     }
 
     /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface that yields.
-    pub fn recall(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Option<Recalled<T>> {
-        self.remembering.as_ref().map(|law| law.recall(gap, rate, timing, touched, memory))
+    pub fn recall(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: T,
+    ) -> Option<Recalled<T>> {
+        self.remembering.as_ref().map(|law| law.recall(compression, rate, timing, touched, memory))
     }
 
     /// The memory after a step in which it was not touched, and by how much the energy that it holds has grown, J.
@@ -497,17 +511,18 @@ impl<T: Real> FeltLaw<T> {
     /// r = 2 and both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is (k + b dg/dt) (g^2 + o^2), o being the
     /// points' distance from the middle.
     #[inline(always)]
-    fn press_square(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
+    fn press_square(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
         let (h_theta, node) = (timing.h_theta, timing.node);
         let (offset, reach) = (node * rate, h_theta + node);
-        let (deepest, shallowest) = (gap + offset.abs(), gap - offset.abs());
+        let (deepest, shallowest) = (compression + offset.abs(), compression - offset.abs());
         let bv = self.damping * rate;
-        let (factor, square) = (self.stiffness + bv, (gap * gap).add_product(offset, offset));
+        let (factor, square) = (self.stiffness + bv, (compression * compression).add_product(offset, offset));
         // One factor for both points: the clamp takes both or none.
         let pushing = touched.and(T::ZERO.lt(factor));
         let only_pushing = |x: T| T::only(pushing, x);
         let twice = factor + factor;
-        let tangent = h_theta * (self.damping * square).add_product(twice, (h_theta * gap).add_product(node, offset));
+        let tangent =
+            h_theta * (self.damping * square).add_product(twice, (h_theta * compression).add_product(node, offset));
         Pressed {
             force: only_pushing(factor * square),
             // What the clamp leaves of the damping undoes the stiffness.
@@ -524,18 +539,18 @@ impl<T: Real> FeltLaw<T> {
 
     /// Any law and any path, point by point.
     #[inline(always)]
-    fn press_points(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
+    fn press_points(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
         let half = T::from_f64(0.5);
         let offset = timing.node * rate;
-        let deepest = gap + offset.abs();
-        let (first, second) = ((gap + offset).max(T::ZERO), (gap - offset).max(T::ZERO));
+        let deepest = compression + offset.abs();
+        let (first, second) = ((compression + offset).max(T::ZERO), (compression - offset).max(T::ZERO));
         let (elastic_a, elastic_b) = (self.elastic(first), self.elastic(second));
         let a = self.at(&elastic_a, first, rate).clamped(first);
         let b = self.at(&elastic_b, second, rate).clamped(second);
         let only_touched = |x: T| T::only(touched, x);
         let (h_theta, node) = (timing.h_theta, timing.node);
         let slope = ((h_theta + node) * a.stiffness).add_product(h_theta - node, b.stiffness);
-        // The gap's change by a change of the rate.
+        // The compression's change by a change of the rate.
         let reach = h_theta + node;
         let bend = self.bend(&elastic_a.max(&elastic_b), deepest, rate);
         let slack = a.slack.min(b.slack);
@@ -545,7 +560,7 @@ impl<T: Real> FeltLaw<T> {
             tangent: only_touched((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO)),
             curvature: Curvature {
                 linear: reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping),
-                quadratic: reach * (reach * bend.by_gap + bend.mixed),
+                quadratic: reach * (reach * bend.by_compression + bend.mixed),
                 slack,
             },
             opening: match self.loss {
@@ -567,13 +582,13 @@ impl<T: Real> FeltLaw<T> {
         }
     }
 
-    /// The law and its partial derivatives, not clamped; `gap` must not be negative.
+    /// The law and its partial derivatives, not clamped; `compression` must not be negative.
     #[inline(always)]
-    fn at(&self, elastic: &Elastic<T>, gap: T, rate: T) -> FeltState<T> {
+    fn at(&self, elastic: &Elastic<T>, compression: T, rate: T) -> FeltState<T> {
         match self.loss {
             Loss::Quadratic(b) => {
-                let bg = b * gap;
-                let damping = bg * gap;
+                let bg = b * compression;
+                let damping = bg * compression;
                 let damping_force = damping * rate;
                 let force = elastic.force + damping_force;
                 let stiffness = elastic.slope.add_product(bg + bg, rate);
@@ -599,23 +614,23 @@ impl<T: Real> FeltLaw<T> {
         let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
         match self.loss {
             Loss::Quadratic(b) => Bend {
-                by_gap: half * elastic.curvature + b * rate.abs(),
+                by_compression: half * elastic.curvature + b * rate.abs(),
                 mixed: two * b * deepest,
                 largest_damping: b * deepest * deepest,
             },
             Loss::HuntCrossley(a) => Bend {
-                by_gap: half * elastic.curvature * (T::ONE + a * rate.abs()),
+                by_compression: half * elastic.curvature * (T::ONE + a * rate.abs()),
                 mixed: a * elastic.slope,
                 largest_damping: a * elastic.force,
             },
-            _ => Bend { by_gap: half * elastic.curvature, mixed: T::ZERO, largest_damping: T::ZERO },
+            _ => Bend { by_compression: half * elastic.curvature, mixed: T::ZERO, largest_damping: T::ZERO },
         }
     }
 
-    /// k g^r and its first and second derivative in g; `gap` must not be negative.
+    /// k g^r and its first and second derivative in g; `compression` must not be negative.
     #[inline(always)]
-    fn elastic(&self, gap: T) -> Elastic<T> {
-        Elastic::of(self.stiffness, &self.exponent, gap)
+    fn elastic(&self, compression: T) -> Elastic<T> {
+        Elastic::of(self.stiffness, &self.exponent, compression)
     }
 }
 
@@ -649,28 +664,28 @@ pub(crate) struct Elastic<T> {
 impl<T: Real> Elastic<T> {
     /// At a compression, which must not be negative.
     #[inline(always)]
-    pub fn of(stiffness: T, exponent: &Exponent<T>, gap: T) -> Self {
+    pub fn of(stiffness: T, exponent: &Exponent<T>, compression: T) -> Self {
         let c = T::from_f64;
         match *exponent {
             Exponent::Two => {
-                let kg = stiffness * gap;
-                Elastic { force: kg * gap, slope: c(2.0) * kg, curvature: c(2.0) * stiffness }
+                let kg = stiffness * compression;
+                Elastic { force: kg * compression, slope: c(2.0) * kg, curvature: c(2.0) * stiffness }
             }
             Exponent::TwoAndHalf => {
-                let k_root = stiffness * gap.sqrt();
-                let kg = k_root * gap;
-                Elastic { force: kg * gap, slope: c(2.5) * kg, curvature: c(3.75) * k_root }
+                let k_root = stiffness * compression.sqrt();
+                let kg = k_root * compression;
+                Elastic { force: kg * compression, slope: c(2.5) * kg, curvature: c(3.75) * k_root }
             }
             Exponent::Three => {
-                let k_gap = stiffness * gap;
-                let kg = k_gap * gap;
-                Elastic { force: kg * gap, slope: c(3.0) * kg, curvature: c(6.0) * k_gap }
+                let k_compression = stiffness * compression;
+                let kg = k_compression * compression;
+                Elastic { force: kg * compression, slope: c(3.0) * kg, curvature: c(6.0) * k_compression }
             }
             Exponent::Other(r) => {
-                let kg = stiffness * gap.powf(r - T::ONE);
-                // r < 2 bends without bound at first touch; a gap of a nanometre is no touch.
-                let curvature = r * (r - T::ONE) * kg / gap.max(c(1e-9));
-                Elastic { force: kg * gap, slope: r * kg, curvature }
+                let kg = stiffness * compression.powf(r - T::ONE);
+                // r < 2 bends without bound at first touch; a compression of a nanometre is no touch.
+                let curvature = r * (r - T::ONE) * kg / compression.max(c(1e-9));
+                Elastic { force: kg * compression, slope: r * kg, curvature }
             }
         }
     }
@@ -689,7 +704,7 @@ impl<T: Real> Elastic<T> {
 /// The second derivatives of a law, at most.
 struct Bend<T> {
     /// 1/2 |F_gg|.
-    by_gap: T,
+    by_compression: T,
     /// |F_gv|.
     mixed: T,
     /// F_v.
@@ -710,7 +725,7 @@ struct FeltState<T> {
 impl<T: Real> FeltState<T> {
     /// Clamped at zero: felt never pulls.
     #[inline(always)]
-    fn clamped(self, gap: T) -> Self {
+    fn clamped(self, compression: T) -> Self {
         let pushing = T::ZERO.lt(self.force);
         let or_zero = |x: T| T::only(pushing, x);
         FeltState {
@@ -718,7 +733,7 @@ impl<T: Real> FeltState<T> {
             damping_force: T::select(pushing, self.damping_force, self.damping_force - self.force),
             stiffness: or_zero(self.stiffness),
             damping: or_zero(self.damping),
-            slack: T::select(T::ZERO.lt(gap), or_zero(self.force), T::from_f64(FAR)),
+            slack: T::select(T::ZERO.lt(compression), or_zero(self.force), T::from_f64(FAR)),
         }
     }
 }
@@ -791,9 +806,9 @@ mod tests {
     #[test]
     fn a_felt_that_opens_so_fast_pushes_no_more() {
         for (felt, law) in laws().filter(|(felt, law)| law.square || matches!(felt.loss, Loss::HuntCrossley(_))) {
-            for gap in [1e-4, 1e-3, 0.02] {
-                assert!(at(&law, gap, -0.999 * law.opening).force > 0.0, "{felt:?}");
-                assert_eq!(at(&law, gap, -1.001 * law.opening).force, 0.0, "{felt:?}");
+            for compression in [1e-4, 1e-3, 0.02] {
+                assert!(at(&law, compression, -0.999 * law.opening).force > 0.0, "{felt:?}");
+                assert_eq!(at(&law, compression, -1.001 * law.opening).force, 0.0, "{felt:?}");
             }
         }
     }
@@ -809,11 +824,11 @@ mod tests {
                     let e = 1e-6 * depth;
                     let (up, down) =
                         (law.at(&law.elastic(depth + e), depth + e, v), law.at(&law.elastic(depth - e), depth - e, v));
-                    let by_gap = 0.5 * (up.stiffness - down.stiffness).abs() / (2.0 * e);
+                    let by_compression = 0.5 * (up.stiffness - down.stiffness).abs() / (2.0 * e);
                     let mixed = (up.damping - down.damping).abs() / (2.0 * e);
                     let rounding = 1.0 + 1e-8;
                     let most = bound.stiffness + bound.stiffness_by_depth * depth + bound.damping * v.abs();
-                    assert!(by_gap <= most * rounding, "{felt:?} {depth} {v}: {by_gap} {most}");
+                    assert!(by_compression <= most * rounding, "{felt:?} {depth} {v}: {by_compression} {most}");
                     assert!(mixed <= 2.0 * bound.damping * depth * rounding, "{felt:?} {depth} {v}");
                 }
             }
@@ -826,7 +841,7 @@ mod tests {
         laws().flat_map(move |(felt, law)| {
             timings.into_iter().flat_map(move |timing| {
                 [(1e-3, 0.3), (2e-3, -0.4), (0.01, 2.0), (0.02, -0.01)]
-                    .map(|(gap, rate)| (felt, law, gap, rate, timing))
+                    .map(|(compression, rate)| (felt, law, compression, rate, timing))
             })
         })
     }
@@ -834,11 +849,13 @@ mod tests {
     /// The closed form for a square is the quadrature, in all that it tells.
     #[test]
     fn the_closed_form_is_the_quadrature() {
-        for (felt, law, gap, rate, timing) in touched().filter(|(_, law, ..)| law.square) {
-            let (closed, points) =
-                (law.press_square(gap, rate, &timing, true), law.press_points(gap, rate, &timing, true));
+        for (felt, law, compression, rate, timing) in touched().filter(|(_, law, ..)| law.square) {
+            let (closed, points) = (
+                law.press_square(compression, rate, &timing, true),
+                law.press_points(compression, rate, &timing, true),
+            );
             let same = |a: f64, b: f64, what: &str| {
-                assert!((a - b).abs() <= 1e-12 * b.abs(), "{felt:?} {gap} {rate} {timing:?}: {what} {a} {b}");
+                assert!((a - b).abs() <= 1e-12 * b.abs(), "{felt:?} {compression} {rate} {timing:?}: {what} {a} {b}");
             };
             same(closed.force, points.force, "force");
             same(closed.damping_force, points.damping_force, "damping force");
@@ -853,9 +870,9 @@ mod tests {
     #[test]
     fn the_clamp_is_as_far_as_it_says() {
         let mut met = 0;
-        for (felt, law, gap, rate, timing) in touched() {
+        for (felt, law, compression, rate, timing) in touched() {
             if let Loss::HuntCrossley(a) = felt.loss {
-                let opening = law.press(gap, rate, &timing, true, &0.0).opening;
+                let opening = law.press(compression, rate, &timing, true, &0.0).opening;
                 assert!((opening - (1.0 / a + rate)).abs() <= 1e-12 / a, "{felt:?} {rate}: {opening}");
                 met += 1;
             }
@@ -867,7 +884,7 @@ mod tests {
     /// theta h (a central difference, right to 1e-8).
     #[test]
     fn the_quadrature_and_its_tangent() {
-        for (felt, law, gap, rate, timing) in touched() {
+        for (felt, law, compression, rate, timing) in touched() {
             let written = |g: f64, v: f64| {
                 let elastic = felt.stiffness * libm::pow(g, felt.exponent.value());
                 match felt.loss {
@@ -877,22 +894,27 @@ mod tests {
                 }
                 .max(0.0)
             };
-            let mean = |gap: f64, rate: f64| {
+            let mean = |compression: f64, rate: f64| {
                 let offset = (timing.step - timing.h_theta) / 3f64.sqrt() * rate;
-                0.5 * (written(gap + offset, rate) + written(gap - offset, rate))
+                0.5 * (written(compression + offset, rate) + written(compression - offset, rate))
             };
-            let pressed = law.press(gap, rate, &timing, true, &0.0);
-            let force = mean(gap, rate);
-            assert!((pressed.force - force).abs() <= 1e-12 * force, "{felt:?} {gap} {rate}: {} {force}", pressed.force);
+            let pressed = law.press(compression, rate, &timing, true, &0.0);
+            let force = mean(compression, rate);
+            assert!(
+                (pressed.force - force).abs() <= 1e-12 * force,
+                "{felt:?} {compression} {rate}: {} {force}",
+                pressed.force
+            );
             let e = 1e-6;
-            let slope =
-                (mean(gap + timing.h_theta * e, rate + e) - mean(gap - timing.h_theta * e, rate - e)) / (2.0 * e);
+            let slope = (mean(compression + timing.h_theta * e, rate + e)
+                - mean(compression - timing.h_theta * e, rate - e))
+                / (2.0 * e);
             let tangent = timing.h_theta * slope;
             // Where it would pull with the rate it is cut off at zero.
             let off = (pressed.tangent - tangent.max(0.0)).abs();
             assert!(
                 off <= 1e-6 * tangent.abs() + 1e-12,
-                "{felt:?} {gap} {rate} {timing:?}: {} {tangent}",
+                "{felt:?} {compression} {rate} {timing:?}: {} {tangent}",
                 pressed.tangent
             );
         }
@@ -906,9 +928,13 @@ mod tests {
                 let e = 1e-5 * g;
                 let state = |g: f64| law.at(&law.elastic(g), g, v);
                 let (up, down, bend) = (state(g + e), state(g - e), law.bend(&law.elastic(g), g, v));
-                let by_gap = 0.5 * (up.stiffness - down.stiffness) / (2.0 * e);
+                let by_compression = 0.5 * (up.stiffness - down.stiffness) / (2.0 * e);
                 let mixed = (up.damping - down.damping) / (2.0 * e);
-                assert!((bend.by_gap - by_gap).abs() < 1e-6 * by_gap, "{felt:?} {g}: {} {by_gap}", bend.by_gap);
+                assert!(
+                    (bend.by_compression - by_compression).abs() < 1e-6 * by_compression,
+                    "{felt:?} {g}: {} {by_compression}",
+                    bend.by_compression
+                );
                 assert!((bend.mixed - mixed).abs() < 1e-6 * mixed, "{felt:?} {g}: {} {mixed}", bend.mixed);
                 assert!(
                     (bend.largest_damping - state(g).damping).abs() <= 1e-14 * bend.largest_damping,

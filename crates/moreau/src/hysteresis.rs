@@ -46,12 +46,12 @@ struct Path<T> {
 
 impl<T: Real> Path<T> {
     #[inline(always)]
-    fn of(gap: T, rate: T, timing: &Timing<T>) -> Self {
+    fn of(compression: T, rate: T, timing: &Timing<T>) -> Self {
         let half = timing.step - timing.h_theta;
         Path {
-            start: gap.sub_product(timing.h_theta, rate),
-            from: gap.sub_product(half, rate),
-            to: gap.add_product(half, rate),
+            start: compression.sub_product(timing.h_theta, rate),
+            from: compression.sub_product(half, rate),
+            to: compression.add_product(half, rate),
         }
     }
 }
@@ -69,20 +69,22 @@ impl<T: Real> Remembering<T> {
 
     /// Force, tangent and what the tangent leaves out, at a compression and rate of the theta point, from the memory at the step's start.
     #[inline(always)]
-    pub fn press(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Pressed<T> {
-        self.recall(gap, rate, timing, touched, memory).pressed
+    pub fn press(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Pressed<T> {
+        self.recall(compression, rate, timing, touched, memory).pressed
     }
 
     /// [`Remembering::press`], and what becomes of the memory.
     #[cold]
     #[inline(never)]
-    pub fn recall(&self, gap: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Recalled<T> {
-        let path = Path::of(gap, rate, timing);
+    pub fn recall(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Recalled<T> {
+        let path = Path::of(compression, rate, timing);
         match self.kind {
             Kind::Elastoplastic { damping, eta, slip } => {
                 self.slide([damping, eta, slip], &path, rate, timing, touched, memory)
             }
-            Kind::Hereditary { relaxed, time } => self.relax(relaxed, time, &path, gap, rate, timing, touched, memory),
+            Kind::Hereditary { relaxed, time } => {
+                self.relax(relaxed, time, &path, compression, rate, timing, touched, memory)
+            }
         }
     }
 
@@ -97,7 +99,7 @@ impl<T: Real> Remembering<T> {
     }
 
     /// The energy that the memory holds beyond the elastic k g^(r+1)/(r+1), J.
-    pub fn held(&self, gap: T, memory: T) -> T {
+    pub fn held(&self, compression: T, memory: T) -> T {
         let (one, r) = (T::ONE, self.exponent.value());
         match self.kind {
             Kind::Elastoplastic { eta, slip, .. } => {
@@ -110,10 +112,10 @@ impl<T: Real> Remembering<T> {
                 let slow = self.stiffness.max(T::from_f64(TINY));
                 let quick = slow / (one - relaxed);
                 let (root, power) = (one / r, r + one);
-                let g = gap.max((memory / quick).powf(root));
+                let g = compression.max((memory / quick).powf(root));
                 let y = (memory / (quick * relaxed).max(T::from_f64(TINY))).powf(root);
                 let total = quick * g.powf(power) / power - memory * g + quick * relaxed * r * y.powf(power) / power;
-                total - self.stiffness * gap.max(T::ZERO).powf(power) / power
+                total - self.stiffness * compression.max(T::ZERO).powf(power) / power
             }
         }
     }
@@ -213,8 +215,8 @@ impl<T: Real> Remembering<T> {
 
     /// x = g^m with its derivative, and the elastic force there.
     #[inline(always)]
-    fn measure(&self, gap: T) -> Measure<T> {
-        let g = gap.max(T::ZERO);
+    fn measure(&self, compression: T) -> Measure<T> {
+        let g = compression.max(T::ZERO);
         let elastic = Elastic::of(self.stiffness, &self.exponent, g);
         let m = self.half_power();
         let (x, slope, root) = match self.exponent {
@@ -275,7 +277,7 @@ impl<T: Real> Remembering<T> {
         relaxed: T,
         time: T,
         path: &Path<T>,
-        gap: T,
+        compression: T,
         rate: T,
         timing: &Timing<T>,
         touched: T::Mask,
@@ -285,7 +287,7 @@ impl<T: Real> Remembering<T> {
         let quick = one / (one - relaxed);
         let elastic = |g: T| Elastic::of(self.stiffness, &self.exponent, g.max(T::ZERO));
         let offset = timing.node * rate;
-        let (a, b) = (elastic(gap + offset), elastic(gap - offset));
+        let (a, b) = (elastic(compression + offset), elastic(compression - offset));
         let slow = half * (a.force + b.force);
         let (start, end) = (quick * elastic(path.start).force, elastic(path.to));
         let fade = decay(timing.step / time);

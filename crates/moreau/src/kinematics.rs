@@ -1,4 +1,4 @@
-//! What a caller may ask of a model at a pose: gaps, rows, the driven point.
+//! What a caller may ask of a model at a pose: compressions, rows, the driven point.
 
 use crate::description::GROUND;
 use crate::model::Model;
@@ -34,13 +34,13 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
     }
 
     /// Compression of a zone at this pose, m; negative apart.
-    pub fn gap<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
-        model.compiled[zone].gap(self)
+    pub fn compression<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
+        model.compiled[zone].compression(self)
     }
 
     /// The row G of a zone at this pose for absolute angular velocities, m: dg/dt = G v, whether the zone touches or not.
-    pub fn gap_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
-        let mut row = model.compiled[zone].gap_row(&model.supports[zone], self);
+    pub fn compression_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
+        let mut row = model.compiled[zone].compression_row(&model.supports[zone], self);
         model.tree.row_to_angles(&mut row);
         row
     }

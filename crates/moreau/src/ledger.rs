@@ -64,7 +64,7 @@ impl Energies {
                 - (model.spring_torque[i] * relative).to_f64();
         }
         for (z, zone) in model.zones().iter().enumerate() {
-            e.felt += zone.felt.stored(pose.gap(model, z) - displacement(z), state.memory[z]).to_f64();
+            e.felt += zone.felt.stored(pose.compression(model, z) - displacement(z), state.memory[z]).to_f64();
         }
         e
     }
@@ -91,6 +91,10 @@ pub struct Ledger {
     pub coulomb: f64,
     /// Lost in surfaces that yield, as their owners say.
     pub surface: f64,
+    /// What surfaces had lost when the ledger was opened, J.
+    pub surface_lost_before: f64,
+    /// Work that had been done through surfaces from outside when it was last booked, J.
+    pub surface_given_before: f64,
     /// The smallest single dissipation term of any step: friction never gives energy, so this is not negative.
     pub smallest_term: f64,
 }
@@ -98,7 +102,11 @@ pub struct Ledger {
 impl Ledger {
     /// Opens the books at a state.
     pub fn open<T: Scalar, const B: usize, const Z: usize>(model: &Model<T, B, Z>, state: &State<T, B, Z>) -> Self {
-        let start = Energies::of(model, state);
+        Ledger::open_at(Energies::of(model, state), 0.0, 0.0)
+    }
+
+    /// Opens the books at stored energies, where surfaces have lost so much before, J, and so much work has been done through them from outside, J.
+    pub fn open_at(start: Energies, surface_lost_before: f64, surface_given_before: f64) -> Self {
         Ledger {
             start,
             now: start,
@@ -109,6 +117,8 @@ impl Ledger {
             felt_damping: 0.0,
             coulomb: 0.0,
             surface: 0.0,
+            surface_lost_before,
+            surface_given_before,
             smallest_term: 0.0,
         }
     }
@@ -190,6 +200,14 @@ impl Ledger {
             lose(&mut self.felt_damping, -gained.to_f64());
         }
         self.smallest_term = smallest;
+    }
+
+    /// Books what surfaces have lost since they were made, J, and what work has been done through them from outside, J.
+    pub fn record_surfaces(&mut self, lost: f64, given: f64) {
+        self.surface = lost - self.surface_lost_before;
+        let work = given - core::mem::replace(&mut self.surface_given_before, given);
+        self.drive_work += work;
+        self.drive_work_in += work.max(0.0);
     }
 
     /// Takes stock of what is stored at a state; the residual refers to the last stock-taking.

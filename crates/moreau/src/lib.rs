@@ -27,7 +27,7 @@
 //! # Ok::<(), ModelError>(())
 //! ```
 //!
-//! The inner step is [`step()`] in `step.rs`; the equations it implements are in this crate's `README.md` beside it.
+//! The inner step is [`step()`]; `step.rs` begins with its equations, symbols and references. The derivations are in this crate's `README.md`.
 //!
 //! Four types, not one: the [`Description`] (what the mechanism is, as its caller writes it), the immutable [`Model`] (the same, checked and
 //! compiled), the mutable [`State`] (where it is now) and the [`Workspace`] (what a step needs and what it leaves to be read: forces,
@@ -46,6 +46,7 @@ mod adaptive;
 mod broad_phase;
 mod compiled_zone;
 mod contact;
+mod coupled;
 mod curvature;
 mod description;
 mod dry_felts;
@@ -74,13 +75,12 @@ mod support;
 mod surface;
 mod tangent;
 mod timing;
-mod together;
 mod tracking;
 mod tree;
 pub mod vector;
 mod workspace;
 
-pub use adaptive::{Accuracy, ControlledStep, Controller, Halves, controlled_step};
+pub use adaptive::{Accuracy, ControlledStep, Controller, StepDoubling, controlled_step};
 pub use contact::Contact;
 pub use description::{Body, Curve, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Yields, Zone};
 pub use dual::Dual;
@@ -95,9 +95,9 @@ pub use saved::SavedState;
 pub use settings::{FrictionLaw, Settings};
 pub use sleep::Sleep;
 pub use state::{Input, State};
-pub use step::{LanesReport, Outcome, StepReport, step, step_apart, step_lanes};
-pub use surface::{Surface, TOGETHER};
-pub use tangent::{Driven, Stretch, Tangent, TangentError};
+pub use step::{LanesReport, Outcome, StepReport, step, step_lanes, step_out_of_line};
+pub use surface::{COUPLED, Surface};
+pub use tangent::{Driven, Tangent, TangentError, TangentReport};
 pub use tracking::{Clearance, TrackedPoint};
 pub use vector::Vector;
 pub use workspace::Workspace;

@@ -1,12 +1,12 @@
 //! The narrow phase: which of the zones near contact are touched during the step, and what their felts do.
 
 use crate::contact::ContactState;
+use crate::coupled::press_coupled;
 use crate::curvature::Margins;
 use crate::model::{Model, YIELDING};
 use crate::real::{Mask, Real};
 use crate::surface::Yielding;
 use crate::timing::Timing;
-use crate::together::press_together;
 use crate::workspace::{Contacts, Kinematics, Workspace};
 
 /// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its slip row when it
@@ -112,7 +112,7 @@ pub(crate) fn add_felts<T: Real, const B: usize, const Z: usize, const N: usize>
         let impulse = -(timing.step * contact.force);
         support.add_term(&mut system.a, &mut system.b, &contact.row, contact.tangent, impulse, w);
     }
-    if const { T::LANES == 1 } && workspace.contacts.together.count > 1 {
-        press_together(model, timing, near, w, &mut workspace.contacts, &mut workspace.problem.system);
+    if const { T::LANES == 1 } && workspace.contacts.coupled.count > 1 {
+        press_coupled(model, timing, near, w, &mut workspace.contacts, &mut workspace.problem.system);
     }
 }

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
 use crate::state::{Input, State};
-use crate::step::{StepReport, step_apart};
+use crate::step::{StepReport, step_out_of_line};
 use crate::workspace::Workspace;
 
 /// Whether a mechanism's last step changed nothing, and under which input.
@@ -45,7 +45,20 @@ impl<T: Scalar> Sleep<T> {
         self.under.as_ref().and_then(|(last, report)| last.identical(input).then_some(*report))
     }
 
-    /// [`step_apart`], unless it would change nothing: then only its report is given.
+    /// After a step with this input: whether it has changed nothing. `before` is the state before the step, needed of a mechanism that stood still only.
+    #[inline]
+    pub fn compare<const B: usize, const Z: usize>(
+        &mut self,
+        before: Option<&State<T, B, Z>>,
+        after: &State<T, B, Z>,
+        input: &Input<T>,
+        report: StepReport,
+    ) {
+        let same = before.is_some_and(|before| before.identical(after));
+        self.under = same.then_some((*input, report));
+    }
+
+    /// [`step_out_of_line`], unless it would change nothing: then only its report is given.
     pub fn step<const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -59,9 +72,8 @@ impl<T: Scalar> Sleep<T> {
         }
         // A mechanism that moves is not copied: it does not fall asleep in this step.
         let before = state.stands().then(|| state.clone());
-        let report = step_apart(model, settings, input, state, workspace);
-        let same = before.as_ref().is_some_and(|before| before.identical(state));
-        self.under = same.then_some((*input, report));
+        let report = step_out_of_line(model, settings, input, state, workspace);
+        self.compare(before.as_ref(), state, input, report);
         report
     }
 }

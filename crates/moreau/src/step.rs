@@ -1,5 +1,50 @@
-//! The inner step: one Moreau-Jean theta step. The equations stand in this crate's README, "The step"; the stages are called here in the
-//! order of its table.
+//! The inner step: one step of the Moreau-Jean theta scheme for a planar tree of hinged bodies with felts and dry friction.
+//!
+//! # Equations
+//!
+//! The mechanism obeys the measure differential equation `M(q) dv + F(t, q, v) dt = di` [T12 eqs 2-4, T13 eq 3], [M88]. A fixed step h takes
+//! (q0, v0) to (q1, v1) without locating events [J99]:
+//!
+//! ```text
+//! M(q_*) (w1 - w0) = h Q(q_theta, w_theta, t_theta) + D(q_*) p           momentum over the step
+//! w_theta = (1 - theta) w0 + theta w1                                    theta = 1/2: second order, no numerical damping
+//! q_theta = q0 + theta h v_theta,   q1 = q0 + h v_theta                  v_theta: absolute, from w_theta
+//! |p_i| <= h c_i  (pivots),   |p_j| <= h mu_j F_j  (sliding contacts)    each opposes its u = D^T w1; true stick at u = 0
+//! ```
+//!
+//! Newton's method linearises the regular part to `A w1 = b + D p`, with A symmetric positive definite:
+//!
+//! ```text
+//! A = M + sum over zones of tangent G^T G + springs and dampers,         tangent = h theta (F_v + theta h F_g) >= 0
+//! ```
+//!
+//! Every iteration solves the one-step problem for (w1, p) exactly (`osnsp/`). It is accepted when the correction is small, or when what the
+//! linearisation left out is (`acceptance.rs`).
+//!
+//! # Symbols
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | q, v | absolute angles, rad, and angular velocities, rad/s ([`State`]) |
+//! | w | joint velocities, `w_i = v_i - v_parent(i)`, rad/s |
+//! | 0, 1, theta | the step's start, its end, and the point theta h after its start |
+//! | q_* | the pose predicted at the theta point, where M and D are taken |
+//! | M, Q | mass matrix; generalised forces of gravity, springs, viscous friction, felts and drive |
+//! | p, D | impulses of the set-valued laws in the step, and the directions in which they act |
+//! | g, dg/dt = G w, F(g, dg/dt) | a zone's compression (positive when pressed), its rate and row, and the felt's force; F_g, F_v: its derivatives |
+//! | c, mu | dry torque of a pivot, N m; Coulomb's coefficient of a zone |
+//!
+//! # Where the parts are
+//!
+//! [`step_lanes`] begins and ends a step; `iterate` is one Newton iteration. Both call the stages in the order of the table in this crate's
+//! README, which also has the derivations.
+//!
+//! # References
+//!
+//! - [T12] Thorin, Boutillon, Lozada, Merlhiot, *Simulation of a non-smooth dynamical model of the piano key*.
+//! - [T13] Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*, Waves 2013.
+//! - [M88] Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM Courses and Lectures 302, 1988.
+//! - [J99] Jean, *The non-smooth contact dynamics method*, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257.
 
 use crate::acceptance::linearisation_holds;
 use crate::dry_felts;
@@ -71,7 +116,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 /// [`step()`], compiled once for every size wherever it is called from: a few instructions more than one that is inlined into its loop, and
 /// a hundred kilobytes less at every further call.
 #[inline(never)]
-pub fn step_apart<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     input: &Input<T>,

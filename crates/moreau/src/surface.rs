@@ -12,7 +12,7 @@ const MOST: u32 = 64;
 const NEWTON: u32 = 10;
 
 /// Zones whose surfaces may feel each other within a step.
-pub const TOGETHER: usize = 4;
+pub const COUPLED: usize = 4;
 
 /// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way in which the felt pushes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,24 +40,24 @@ pub(crate) struct Yielding<T> {
 
 /// Zones whose surfaces belong to one thing: a force on one displaces the others within the same step.
 #[derive(Debug, Clone)]
-pub(crate) struct Together<T> {
+pub(crate) struct Coupled<T> {
     /// How many; nothing is shared by fewer than two.
     pub count: usize,
-    pub zone: [usize; TOGETHER],
+    pub zone: [usize; COUPLED],
     /// A/h between them, m/s per N, symmetric; each one's own stands with its surface, and here is zero.
-    pub give: [[T; TOGETHER]; TOGETHER],
+    pub give: [[T; COUPLED]; COUPLED],
     /// What the others' forces add to the drift of each, as it stands with its surface now, m/s.
-    pub told: [T; TOGETHER],
+    pub told: [T; COUPLED],
 }
 
-impl<T: Real> Together<T> {
+impl<T: Real> Coupled<T> {
     pub fn nothing() -> Self {
         let zero = T::ZERO;
-        Together { count: 0, zone: [0; TOGETHER], give: [[zero; TOGETHER]; TOGETHER], told: [zero; TOGETHER] }
+        Coupled { count: 0, zone: [0; COUPLED], give: [[zero; COUPLED]; COUPLED], told: [zero; COUPLED] }
     }
 
     /// What forces on the others add to the drift of one, m/s.
-    pub fn others(&self, one: usize, forces: &[T; TOGETHER]) -> T {
+    pub fn others(&self, one: usize, forces: &[T; COUPLED]) -> T {
         let mut sum = T::ZERO;
         for other in 0..self.count {
             sum = sum.add_product(self.give[one][other], forces[other]);

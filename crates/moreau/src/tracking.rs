@@ -90,8 +90,8 @@ pub struct Clearance<T, const B: usize> {
 impl<T: Scalar, const B: usize> Clearance<T, B> {
     /// Of a zone at absolute angles, and its compression there (m); `None` where it touches.
     pub fn of<const Z: usize>(model: &Model<T, B, Z>, zone: usize, angle: &[T; B]) -> (Option<Self>, T) {
-        let gap = Pose::of(model, angle).gap(model, zone);
-        ((gap < T::ZERO).then_some(Clearance { zone, angle: *angle, open: -gap }), gap)
+        let compression = Pose::of(model, angle).compression(model, zone);
+        ((compression < T::ZERO).then_some(Clearance { zone, angle: *angle, open: -compression }), compression)
     }
 
     /// Whether the zone is still open, for certain.

@@ -10,7 +10,7 @@ use crate::osnsp::{Guess, Impulses, System};
 use crate::pose::Pose;
 use crate::real::{Mask, Real};
 use crate::settings::Settings;
-use crate::surface::{Surface, TOGETHER, Together, Yielding};
+use crate::surface::{COUPLED, Coupled, Surface, Yielding};
 use crate::timing::Timing;
 
 /// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
@@ -64,7 +64,7 @@ pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
     /// What the curves that yield do, as their owners have said.
     pub surfaces: [Yielding<T>; Z],
     /// Those of them that belong to one thing.
-    pub together: Together<T>,
+    pub coupled: Coupled<T>,
 }
 
 impl<T: Real, const B: usize, const Z: usize> Contacts<T, B, Z> {
@@ -204,7 +204,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
                 slip_row: [[z; B]; Z],
                 has_slip_row: [no; Z],
                 surfaces: [Yielding::still(); Z],
-                together: Together::nothing(),
+                coupled: Coupled::nothing(),
             },
             inertia: Inertia { coupling: [z; B], deep_coupling: [[z; B]; B], momentum: [z; B] },
             drive: Drive { site_row: [z; B], force: z, pull: z, tangent: z },
@@ -250,36 +250,36 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
 
     /// Says which zones' surfaces belong to one thing, after [`Workspace::set_surface`] was told of each of them as if nothing pressed the others:
     /// `compliance[i][j]`, m/N, is by how much a newton on the one that throughout the step displaces the other at its end, the same both ways (the diagonal is not read);
-    /// `guess`: about what presses them, N. Before every step; fewer than two zones, or more than [`TOGETHER`], feel nothing of each other.
-    pub fn set_together(
+    /// `guess`: about what presses them, N. Before every step; fewer than two zones, or more than [`COUPLED`], feel nothing of each other.
+    pub fn set_coupled_surfaces(
         &mut self,
         settings: &Settings<T>,
         zones: &[usize],
-        compliance: &[[T; TOGETHER]; TOGETHER],
-        guess: &[T; TOGETHER],
+        compliance: &[[T; COUPLED]; COUPLED],
+        guess: &[T; COUPLED],
     ) {
-        let together = &mut self.contacts.together;
-        together.count = if (2..=TOGETHER).contains(&zones.len()) { zones.len() } else { 0 };
-        for i in 0..together.count {
-            together.zone[i] = zones[i];
-            for j in 0..together.count {
-                together.give[i][j] = if i == j { T::ZERO } else { compliance[i][j] / settings.step };
+        let coupled = &mut self.contacts.coupled;
+        coupled.count = if (2..=COUPLED).contains(&zones.len()) { zones.len() } else { 0 };
+        for i in 0..coupled.count {
+            coupled.zone[i] = zones[i];
+            for j in 0..coupled.count {
+                coupled.give[i][j] = if i == j { T::ZERO } else { compliance[i][j] / settings.step };
             }
         }
-        for i in 0..together.count {
-            together.told[i] = together.others(i, guess);
+        for i in 0..coupled.count {
+            coupled.told[i] = coupled.others(i, guess);
             let surface = &mut self.contacts.surfaces[zones[i]];
-            surface.drift += together.told[i];
-            surface.offset += settings.theta * settings.step * together.told[i];
+            surface.drift += coupled.told[i];
+            surface.offset += settings.theta * settings.step * coupled.told[i];
         }
     }
 
     /// After a step and before its forces are read: what presses surfaces that belong to one thing, at the velocities that the step ended with. What was said of
     /// them is forgotten.
     pub fn settle_surfaces(&mut self, model: &Model<T, B, Z>, settings: &Settings<T>) {
-        if self.contacts.together.count > 1 {
-            crate::together::settle(model, settings, self);
-            self.contacts.together.count = 0;
+        if self.contacts.coupled.count > 1 {
+            crate::coupled::settle(model, settings, self);
+            self.contacts.coupled.count = 0;
         }
     }
 

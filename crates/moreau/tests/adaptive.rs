@@ -1,8 +1,8 @@
 //! Steps with controlled error: what holds whatever the tolerance. That errors follow the tolerance is a conformance problem.
 
 use moreau::{
-    Accuracy, Body, ControlledStep, Controller, Description, Halves, Input, Model, Outcome, Settings, Spring, State,
-    controlled_step,
+    Accuracy, Body, ControlledStep, Controller, Description, Input, Model, Outcome, Settings, Spring, State,
+    StepDoubling, controlled_step,
 };
 
 /// A body of unit inertia on a spring of unit stiffness, with dry friction.
@@ -10,7 +10,7 @@ struct Oscillator {
     model: Model<f64, 1, 0>,
     state: State<f64, 1, 0>,
     controller: Controller<f64, 0>,
-    halves: Halves<f64, 1, 0, 2>,
+    halves: StepDoubling<f64, 1, 0, 2>,
 }
 
 impl Oscillator {
@@ -21,7 +21,7 @@ impl Oscillator {
             Description { bodies: &[body], springs: &[spring], ..Description::default() }.compile().expect("sound");
         let mut state = State::at_rest([angle]);
         state.velocity = [velocity];
-        Oscillator { model, state, controller: Controller::new(1e-2), halves: Halves::new(&Settings::new(1e-3)) }
+        Oscillator { model, state, controller: Controller::new(1e-2), halves: StepDoubling::new(&Settings::new(1e-3)) }
     }
 
     fn step(&mut self, accuracy: &Accuracy<f64>, limit: f64) -> ControlledStep<f64> {
@@ -131,7 +131,7 @@ fn a_state_outlives_an_input_that_is_no_number() {
             .compile::<1, 0>()
             .expect("sound");
     let (mut state, settings) = (State::at_rest([0.5]), Settings::new(1e-3));
-    let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
+    let mut halves = StepDoubling::<f64, 1, 0, 2>::new(&settings);
     let accuracy = Accuracy::new(1e-6, 1e-9, 1e-3);
     let mut controller = Controller::new(1e-4);
     let before = state.clone();
@@ -150,7 +150,7 @@ fn the_drive_is_asked_at_the_right_instants() {
             .compile::<1, 0>()
             .expect("sound");
     let (mut state, settings) = (State::at_rest([0.0]), Settings::new(1e-3));
-    let mut halves = Halves::<f64, 1, 0, 2>::new(&settings);
+    let mut halves = StepDoubling::<f64, 1, 0, 2>::new(&settings);
     let accuracy = Accuracy::new(1e-3, 1e-9, 1e-2);
     let mut controller = Controller::new(1e-3);
     let mut time = 0.0;

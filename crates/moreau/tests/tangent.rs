@@ -2,7 +2,7 @@
 
 use moreau::{
     Body, Curve, Description, Dual, Exponent, Felt, GROUND, Input, Loss, Model, Real, Scalar, Settings, Spring, State,
-    Stretch, Tangent, Workspace, Zone, step,
+    Tangent, TangentReport, Workspace, Zone, step,
 };
 
 type D2 = Dual<2>;
@@ -51,14 +51,14 @@ fn run<const B: usize, const N: usize>(
     velocity: [D2; B],
     h: f64,
     steps: usize,
-) -> (State<D2, B, 0>, Stretch) {
+) -> (State<D2, B, 0>, TangentReport) {
     let (plain_bodies, plain_springs) = plain(bodies, springs);
     let model: Model<D2, B, 0> = Description { bodies, springs, ..Description::default() }.compile().unwrap();
     let description = Description { bodies: &plain_bodies, springs: &plain_springs, ..Description::default() };
     let mut tangent: Tangent<B, 0, N, 2> =
         Tangent::new(model, description.compile().unwrap(), [Dual::ZERO; B]).unwrap();
     tangent.state.velocity = velocity;
-    let (settings, mut all) = (Settings::new(h), Stretch::default());
+    let (settings, mut all) = (Settings::new(h), TangentReport::default());
     for _ in 0..steps {
         all = all.and(tangent.step(&settings, &mut |_, _, _| Input::Free));
     }
@@ -240,7 +240,7 @@ fn a_reversal_in_a_contact_that_turns_is_no_stick() {
         let mut tangent: Tangent<2, 1, 3, 2> =
             Tangent::new(description.compile().unwrap(), plain.compile().unwrap(), [Dual::ZERO; 2]).unwrap();
         tangent.state.velocity[0] = Dual { value: -v0, slope: [-1.0, 0.0] };
-        let mut all = Stretch::default();
+        let mut all = TangentReport::default();
         for _ in 0..(END / h).round() as usize {
             all = all.and(tangent.step(&Settings::new(h), &mut |_, _, _| Input::Free));
         }

@@ -1,8 +1,8 @@
 //! Zones whose curves yield, against answers that are not this engine's.
 
 use moreau::{
-    Body, Curve, Description, Exponent, Felt, GROUND, Input, Ledger, Loss, Model, ModelError, Outcome, Settings, State,
-    Surface, TOGETHER, Workspace, Yields, Zone, step,
+    Body, COUPLED, Curve, Description, Exponent, Felt, GROUND, Input, Ledger, Loss, Model, ModelError, Outcome,
+    Settings, State, Surface, Workspace, Yields, Zone, step,
 };
 
 /// kg; on an arm of 1 m.
@@ -166,7 +166,7 @@ fn two_that_strike_together_are_one_on_what_yields_to_both() {
             })
             .collect();
         let (model, mut state, mut workspace) = two_thrown([MASS; 2], [SPEED; 2], felt, 0.0);
-        let mut compliance = [[0.0; TOGETHER]; TOGETHER];
+        let mut compliance = [[0.0; COUPLED]; COUPLED];
         [compliance[0][1], compliance[1][0]] = [other; 2];
         let (mut places, mut most) = ([0.0; 2], 0.0_f64);
         for (n, expected) in one.iter().enumerate() {
@@ -174,7 +174,7 @@ fn two_that_strike_together_are_one_on_what_yields_to_both() {
                 workspace.set_surface(&settings, zone, &Surface { displacement, free: displacement, compliance: own });
             }
             // A bad guess costs rounds and nothing else.
-            workspace.set_together(&settings, &[0, 1], &compliance, &[3.0, 0.0, 0.0, 0.0]);
+            workspace.set_coupled_surfaces(&settings, &[0, 1], &compliance, &[3.0, 0.0, 0.0, 0.0]);
             assert_eq!(step(&model, &settings, &Input::Free, &mut state, &mut workspace).outcome, Outcome::Converged);
             workspace.settle_surfaces(&model, &settings);
             let forces = [0, 1].map(|zone| workspace.normal_force(&model, &settings, zone));
@@ -203,16 +203,16 @@ fn nothing_is_won_where_two_press_one_thing() {
         let mut ledger = Ledger::open(&model, &state);
         let (c, s) = ((omega * h).cos(), (omega * h).sin());
         let a = (1.0 - c) / (modal_mass * omega * omega);
-        let mut compliance = [[0.0; TOGETHER]; TOGETHER];
+        let mut compliance = [[0.0; COUPLED]; COUPLED];
         [compliance[0][1], compliance[1][0]] = [a * shapes[0] * shapes[1]; 2];
-        let (mut both, mut forces) = (0, [0.0; TOGETHER]);
+        let (mut both, mut forces) = (0, [0.0; COUPLED]);
         for _ in 0..(1.0 / h) as usize {
             let free = q * c + v * s / omega;
             for (zone, shape) in shapes.into_iter().enumerate() {
                 let surface = Surface { displacement: shape * q, free: shape * free, compliance: a * shape * shape };
                 workspace.set_surface(&settings, zone, &surface);
             }
-            workspace.set_together(&settings, &[0, 1], &compliance, &forces);
+            workspace.set_coupled_surfaces(&settings, &[0, 1], &compliance, &forces);
             let before = state.clone();
             step(&model, &settings, &Input::Free, &mut state, &mut workspace);
             workspace.settle_surfaces(&model, &settings);

@@ -1,6 +1,6 @@
 //! Problem 15: problems 2 and 6 again, with steps whose error is controlled.
 
-use moreau::{Accuracy, Controller, Halves, Input, Loss, Outcome, State, controlled_step};
+use moreau::{Accuracy, Controller, Input, Loss, Outcome, State, StepDoubling, controlled_step};
 
 use crate::felt;
 use crate::hinge;
@@ -15,13 +15,13 @@ struct Controlled<const B: usize, const Z: usize, const N: usize> {
     m: Mechanism<B, Z, N>,
     accuracy: Accuracy<f64>,
     controller: Controller<f64, Z>,
-    halves: Halves<f64, B, Z, N>,
+    halves: StepDoubling<f64, B, Z, N>,
     inner: u32,
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Controlled<B, Z, N> {
     fn new(m: Mechanism<B, Z, N>, accuracy: Accuracy<f64>) -> Self {
-        let halves = Halves::new(&m.settings);
+        let halves = StepDoubling::new(&m.settings);
         Controlled { m, accuracy, controller: Controller::new(0.01 * accuracy.largest), halves, inner: 0 }
     }
 

@@ -61,24 +61,24 @@ pub(crate) fn throw_from(ahead: f64, speed: f64, k: f64, r: f64, loss: Loss<f64>
     let mut ledger = Ledger::open(&m.model, &m.state);
     let mut compression: f64 = 0.0;
     let (mut touch, mut part) = (None, None);
-    let mut gap = Pose::of(&m.model, &m.state.angle).gap(&m.model, 0);
+    let mut pressed = Pose::of(&m.model, &m.state.angle).compression(&m.model, 0);
     for _ in 0..(6e-3 / speed.sqrt() / h) as usize + 22 {
         let before = m.state.clone();
         m.step();
         ledger.record(&m.model, &m.settings, &before, &m.state, &m.workspace);
-        let next = Pose::of(&m.model, &m.state.angle).gap(&m.model, 0);
-        // Instants by linear interpolation of the gap; largest compression by the parabola through its velocity's zero.
-        if gap <= 0.0 && next > 0.0 {
-            touch = Some(m.time - h * next / (next - gap));
+        let next = Pose::of(&m.model, &m.state.angle).compression(&m.model, 0);
+        // Instants by linear interpolation of the compression; largest compression by the parabola through its velocity's zero.
+        if pressed <= 0.0 && next > 0.0 {
+            touch = Some(m.time - h * next / (next - pressed));
         }
-        if gap > 0.0 && next <= 0.0 {
-            part = Some(m.time - h * next / (next - gap));
+        if pressed > 0.0 && next <= 0.0 {
+            part = Some(m.time - h * next / (next - pressed));
         }
         let (v0, v1) = (before.velocity[0] * ARM, m.state.velocity[0] * ARM);
         if v0 > 0.0 && v1 <= 0.0 {
-            compression = gap + v0 * v0 * h / (2.0 * (v0 - v1));
+            compression = pressed + v0 * v0 * h / (2.0 * (v0 - v1));
         }
-        gap = next;
+        pressed = next;
     }
     ledger.take_stock(&m.model, &m.state);
     Throw {

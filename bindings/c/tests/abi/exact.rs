@@ -44,10 +44,10 @@ fn steps_are_the_native_actions() {
                 [native.key_m, native.key_m_s, native.finger_n, native.hammer_m, native.hammer_m_s, native.string_n];
             assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits), "step {n}");
             assert_eq!(r.time_s, there.time_s());
-            assert_eq!(r.new_blows == 1, there.blow().is_some(), "step {n}");
-            if let Some(blow) = there.blow() {
+            assert_eq!(r.new_blows == 1, there.impact().is_some(), "step {n}");
+            if let Some(blow) = there.impact() {
                 blows += 1;
-                assert_eq!((r.blow_time_s, r.blow_m_s, r.blows), (blow.time_s, blow.speed_m_s, blows));
+                assert_eq!((r.blow_time_s, r.blow_m_s, r.blows), (blow.time_s, blow.hammer_speed_m_s, blows));
             }
         }
         assert!(blows >= 2, "{blows} blows");
@@ -304,7 +304,7 @@ fn a_keyboard_plays() {
         let saved = keyboard.save();
         let new = keyboard.step(1);
         alone.step(Input::Force(6.0));
-        if let Some(blow) = alone.blow() {
+        if let Some(blow) = alone.impact() {
             alone_blow = Some((n, blow));
         }
         if !new.is_empty() {
@@ -319,7 +319,7 @@ fn a_keyboard_plays() {
     assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 2);
     let mine = blows.iter().find(|blow| blow.key == 40).expect("key 40 sounds");
     let (_, blow) = alone_blow.expect("alone, too");
-    assert_eq!(mine.speed_m_s.to_bits(), blow.speed_m_s.to_bits());
+    assert_eq!(mine.speed_m_s.to_bits(), blow.hammer_speed_m_s.to_bits());
     assert!((mine.time_s - began_s - blow.time_s).abs() < 1e-12);
 
     let other = Keyboard::new();

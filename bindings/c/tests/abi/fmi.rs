@@ -41,7 +41,7 @@ fn fmpy_plays_it() {
         let mut action = Action::new(instrument).unwrap();
         for _ in 0..6000 {
             action.step(Input::Force(5.0));
-            if let Some(blow) = action.blow() {
+            if let Some(blow) = action.impact() {
                 return blow;
             }
         }
@@ -56,7 +56,7 @@ fn fmpy_plays_it() {
     let mut run = Command::new(python);
     run.arg(script).arg(folder.path()).arg(format!("{mass_g:?}"));
     for blow in expected {
-        run.arg(format!("{:?}", blow.speed_m_s)).arg(format!("{:?}", blow.time_s));
+        run.arg(format!("{:?}", blow.hammer_speed_m_s)).arg(format!("{:?}", blow.time_s));
     }
     let output = run.output().expect("it runs");
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

@@ -165,8 +165,8 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
                 Input::Motion { position_m, velocity_m_s: speed }
             };
             let reading = action.step(input);
-            if let Some(blow) = action.blow() {
-                out.blow_m_s = out.blow_m_s.max(blow.speed_m_s);
+            if let Some(blow) = action.impact() {
+                out.blow_m_s = out.blow_m_s.max(blow.hammer_speed_m_s);
             }
             sum += reading.finger_n;
         }
@@ -218,8 +218,8 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
         let mut key_m = 0.0;
         for _ in 0..sub_steps {
             key_m = action.step(Input::Force(measured_n)).key_m;
-            if let Some(blow) = action.blow() {
-                out.blow_m_s = out.blow_m_s.max(blow.speed_m_s);
+            if let Some(blow) = action.impact() {
+                out.blow_m_s = out.blow_m_s.max(blow.hammer_speed_m_s);
             }
         }
         let mut sum = 0.0;

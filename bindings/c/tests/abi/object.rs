@@ -9,17 +9,7 @@ use crate::programs::library;
 
 /// Where it begins: what the functions of the interface call, and the engine behind its dynamic call.
 const PLAY: [&str; 6] = ["4step17h", "7advance17h", "4save17h", "7restore17h", "5reset17h", "8contacts17h"];
-const ENGINE: [&str; 9] = [
-    "13step_and_view17h",
-    "4save17h",
-    "7restore17h",
-    "12normal_force17h",
-    "4view17h",
-    "5now_s17h",
-    "8settings17h",
-    "6angles17h",
-    "10velocities17h",
-];
+const ENGINE: [&str; 5] = ["4step17h", "4save17h", "7restore17h", "12normal_force17h", "7readout17h"];
 
 /// What may be reached outside: mathematics, and copies.
 const PURE: [&str; 4] = ["memcpy", "memset", "memmove", "4libm"];

@@ -73,11 +73,11 @@ fn a_press_in_c() {
     let (mut blow, mut last) = (None, None);
     for n in 0..10_000 {
         last = Some(action.step(Input::Force(if n < 5000 { 5.0 } else { 0.0 })));
-        blow = action.blow().or(blow);
+        blow = action.impact().or(blow);
     }
     for shared in [false, true] {
         let said = run(&mut Command::new(compiled(folder.path(), "press", shared, &[])));
-        assert_eq!(number_after(&said, " with ").to_bits(), blow.unwrap().speed_m_s.to_bits(), "{said}");
+        assert_eq!(number_after(&said, " with ").to_bits(), blow.unwrap().hammer_speed_m_s.to_bits(), "{said}");
         assert_eq!(number_after(&said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
     }
 }

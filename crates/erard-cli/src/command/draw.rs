@@ -66,7 +66,7 @@ impl EventName {
             EventName::KeyStart => events.key_start_s,
             EventName::ToeContact => events.toe_contact_s,
             EventName::LetOff => events.let_off_s,
-            EventName::HammerContact => events.hammer_contact_s,
+            EventName::HammerContact => events.hammer_contact_s(),
             EventName::KeyBottom => events.key_bottom_s,
             EventName::Check => events.check_s,
         }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use erard::asked::{Asked, KEY};
 use erard::instrument::{Instrument, InstrumentFile, utf8};
+use erard::instrument_spec::{InstrumentSpec, KEY};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::simulation::{Setup, SimulationError};
@@ -161,8 +161,8 @@ pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Fai
 
 /// The path of an instrument file; `None` where a name is meant.
 pub fn instrument_path(asked: &str) -> Option<&Path> {
-    match Asked::of(asked) {
-        Ok(Asked::File(path)) => Some(path),
+    match InstrumentSpec::of(asked) {
+        Ok(InstrumentSpec::File(path)) => Some(path),
         _ => None,
     }
 }
@@ -188,8 +188,8 @@ pub struct KeyboardKey {
 impl KeyboardKey {
     /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a keyboard.
     pub fn asked(asked: &str) -> Result<Option<Self>, Failure> {
-        match Asked::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
-            Asked::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
+        match InstrumentSpec::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
+            InstrumentSpec::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
             _ => Ok(None),
         }
     }

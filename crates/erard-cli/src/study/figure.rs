@@ -12,9 +12,9 @@ const MOST_CURVES: usize = 6;
 type Quantity = (&'static str, fn(&Events) -> Option<f64>);
 
 const QUANTITIES: [Quantity; 3] = [
-    ("hammer speed (m/s)", |e| e.hammer_speed_m_s),
-    ("key start to hammer (ms)", |e| Some((e.hammer_contact_s? - e.key_start_s?) * 1e3)),
-    ("hammer before key bottom (ms)", |e| Some((e.key_bottom_s? - e.hammer_contact_s?) * 1e3)),
+    ("hammer speed (m/s)", Events::hammer_speed_m_s),
+    ("key start to hammer (ms)", |e| Some((e.hammer_contact_s()? - e.key_start_s?) * 1e3)),
+    ("hammer before key bottom (ms)", |e| Some((e.key_bottom_s? - e.hammer_contact_s()?) * 1e3)),
 ];
 
 /// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the order of the axes, the

@@ -59,8 +59,8 @@ pub fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<(String, 
 type Shown = (&'static str, fn(&Events) -> Option<f64>);
 
 const SHOWN: [Shown; 5] = [
-    ("hammer m/s", |e| e.hammer_speed_m_s),
-    ("at ms", |e| e.hammer_contact_s.map(|s| s * 1e3)),
+    ("hammer m/s", Events::hammer_speed_m_s),
+    ("at ms", |e| e.hammer_contact_s().map(|s| s * 1e3)),
     ("let-off ms", |e| e.let_off_s.map(|s| s * 1e3)),
     ("bottom ms", |e| e.key_bottom_s.map(|s| s * 1e3)),
     ("check ms", |e| e.check_s.map(|s| s * 1e3)),
@@ -92,7 +92,7 @@ pub fn lines(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Ve
                 for (_, get) in SHOWN {
                     line += &format!(" {:>11}", get(&played.events).map_or("-".to_owned(), three));
                 }
-                line += &format!(" {:>8}", played.events.strikes.len());
+                line += &format!(" {:>8}", played.events.impacts.len());
                 if !played.warnings.is_empty() {
                     line += "  not trusted";
                 }

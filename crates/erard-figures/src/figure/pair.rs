@@ -103,11 +103,12 @@ pub fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure<'a> {
                 .collect(),
         });
     }
-    let speed = |run: &Run| run.events.hammer_speed_m_s.map_or("no blow".to_owned(), |speed| format!("{speed:.2} m/s"));
+    let speed =
+        |run: &Run| run.events.hammer_speed_m_s().map_or("no blow".to_owned(), |speed| format!("{speed:.2} m/s"));
     let blow = |(name, run): (&str, &Run)| {
         Some(Marker {
-            x: run.events.hammer_contact_s?,
-            label: format!("blow, {name} {:.1}", run.events.hammer_contact_s? * 1e3),
+            x: run.events.hammer_contact_s()?,
+            label: format!("blow, {name} {:.1}", run.events.hammer_contact_s()? * 1e3),
         })
     };
     let longer = if runs[1].1.time_s.last() > runs[0].1.time_s.last() { runs[1].1 } else { runs[0].1 };

@@ -36,7 +36,7 @@ pub fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     if let Some(forces) = contact_forces(run) {
         panels.push(forces);
     }
-    let speed = run.events.hammer_speed_m_s.filter(|speed| speed.is_finite());
+    let speed = run.events.hammer_speed_m_s().filter(|speed| speed.is_finite());
     Figure {
         title: if stroke.is_empty() { run.instrument.clone() } else { format!("{}: {stroke}", run.instrument) },
         subtitle: speed.map_or(String::new(), |speed| format!("hammer at the string: {speed:.2} m/s")),
@@ -56,7 +56,7 @@ pub fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
 /// Everything worth a mark: the events of the first blow, and every further blow on the string.
 pub fn instants(happened: &Events) -> Vec<(String, f64)> {
     let first = events(happened).into_iter().map(|(name, instant)| (name.to_owned(), instant));
-    let more = happened.strikes.iter().enumerate().skip(1).filter(|(_, strike)| strike.time_s.is_finite());
+    let more = happened.impacts.iter().enumerate().skip(1).filter(|(_, strike)| strike.time_s.is_finite());
     first.chain(more.map(|(index, strike)| (format!("blow {}", index + 1), strike.time_s))).collect()
 }
 
@@ -66,7 +66,7 @@ pub fn events(events: &Events) -> Vec<(&'static str, f64)> {
         ("key start", events.key_start_s),
         ("toe contact", events.toe_contact_s),
         ("let-off", events.let_off_s),
-        ("hammer contact", events.hammer_contact_s),
+        ("hammer contact", events.hammer_contact_s()),
         ("key bottom", events.key_bottom_s),
         ("check", events.check_s),
     ]

@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn a_contact_of_one_row_keeps_its_frames() {
         let run = two_levers_run(40_000);
-        let chosen = choose(&run, &[run.events.hammer_contact_s.unwrap()], 500);
+        let chosen = choose(&run, &[run.events.hammer_contact_s().unwrap()], 500);
         assert!(chosen.len() <= 500 && chosen.len() > 300, "{}", chosen.len());
         assert!(chosen.is_sorted() && chosen[0] == 0 && chosen[chosen.len() - 1] == 39_999);
         for row in 19_999..=20_001 {

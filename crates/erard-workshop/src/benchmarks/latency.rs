@@ -8,7 +8,7 @@ use moreau_kernels::Lanes;
 use serde::Serialize;
 
 use super::grand::{STEP_S, described, group, instrument};
-use erard::mechanism::mechanism;
+use erard::mechanism::{Stepping, mechanism};
 
 /// How long single steps took, ns; the clock's own reading is in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,7 +173,7 @@ const ASK_EVERY: u64 = 1 << 14;
 /// If a number becomes infinite.
 pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
     let mut grand = mechanism(&instrument(), Settings::new(STEP_S)).expect("assembles");
-    grand.let_rest(false);
+    grand.configure(Stepping { may_rest: false, ..*grand.readout().stepping });
     let (mut player, mut histogram) = (RandomPlayer::new(SEED), Histogram::new());
     let (mut newton, mut sets, mut unconverged) = (0, 0, 0);
     for n in 0..steps {
@@ -182,7 +182,7 @@ pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Lat
         }
         let input = player.next();
         let start = Instant::now();
-        let report = grand.step(&input);
+        let report = grand.step(&input).report;
         histogram.add(start.elapsed().as_nanos() as u64);
         assert_ne!(report.outcome, Outcome::NonFinite);
         unconverged += u64::from(report.outcome == Outcome::IterationLimit);

@@ -49,7 +49,8 @@ impl<'i> Fixture<'i> {
     /// The action at rest, nothing touching the key.
     pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
         let action = Action::with(instrument, Settings::new(step_s))?;
-        let view = View { key_m: 0.0, below_string_m: -action.gap(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
+        let view =
+            View { key_m: 0.0, below_string_m: -action.compression(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
         Ok(Fixture {
             instrument,
             anatomy,
@@ -73,8 +74,8 @@ impl<'i> Fixture<'i> {
     }
 
     /// Compression of a zone, m; negative where it is open.
-    pub fn gap(&self, zone: usize) -> f64 {
-        self.action.gap(zone)
+    pub fn compression(&self, zone: usize) -> f64 {
+        self.action.compression(zone)
     }
 
     /// A point of a body in the world, m.
@@ -93,7 +94,7 @@ impl<'i> Fixture<'i> {
         }
         self.steps += 1;
         let step_s = self.action.settings().step;
-        let below_string_m = -self.action.gap(self.anatomy.string);
+        let below_string_m = -self.action.compression(self.anatomy.string);
         self.before = View {
             key_m: self.action.reading().key_m,
             below_string_m,

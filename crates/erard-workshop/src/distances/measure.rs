@@ -193,7 +193,7 @@ fn slow_key(
         view
     };
     let at_bottom =
-        |fixture: &Fixture<'_>, force_n: f64| fixture.gap(anatomy.punching) > 0.0 && force_n >= protocol.firm_n;
+        |fixture: &Fixture<'_>, force_n: f64| fixture.compression(anatomy.punching) > 0.0 && force_n >= protocol.firm_n;
 
     let mut dip_m = None;
     let let_off = fixture.move_finger(
@@ -201,7 +201,7 @@ fn slow_key(
         DEEPEST_M,
         &mut |fixture| {
             let view = follow(fixture);
-            toe_seen |= fixture.gap(anatomy.button) > 0.0;
+            toe_seen |= fixture.compression(anatomy.button) > 0.0;
             if view.below_string_m < nearest_m {
                 (nearest_m, nearest_key_m) = (view.below_string_m, view.key_m);
             }
@@ -324,17 +324,17 @@ fn blow_and_let_up(
         protocol.blow_n,
         BLOW_S,
         &mut |fixture| {
-            struck |= fixture.gap(anatomy.string) > 0.0;
-            struck && fixture.gap(anatomy.punching) > 0.0 && still.seen(fixture)
+            struck |= fixture.compression(anatomy.string) > 0.0;
+            struck && fixture.compression(anatomy.punching) > 0.0 && still.seen(fixture)
         },
         go_on,
     )?;
-    if fixture.gap(check) <= 0.0 {
+    if fixture.compression(check) <= 0.0 {
         return Ok(());
     }
     let caught_m = fixture.view().below_string_m;
     distances.check_m = Some(caught_m);
-    let free = fixture.move_finger(-protocol.slow_m_s, 0.0, &mut |fixture| fixture.gap(check) <= 0.0, go_on)?;
+    let free = fixture.move_finger(-protocol.slow_m_s, 0.0, &mut |fixture| fixture.compression(check) <= 0.0, go_on)?;
     if !free {
         return Ok(());
     }

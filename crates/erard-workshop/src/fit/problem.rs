@@ -301,7 +301,7 @@ impl Problem {
                     let played =
                         play_all(std::slice::from_ref(instrument), job, &one.setup(), workers, &mut |_| watch(count))?;
                     let first = played.into_iter().next().and_then(Result::ok);
-                    first.and_then(|played| played.events.hammer_contact_s)
+                    first.and_then(|played| played.events.hammer_contact_s())
                 }
             };
             let counts = |t: &f64| f64::from(blow_s.is_none_or(|blow_s| *t <= blow_s + AFTER_THE_BLOW_S));

@@ -141,7 +141,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
 
     let place = |body: usize, turned: f64| Place {
         pivot: rest.mechanism.point(Some(body), [0.0; 2]),
-        angle: rest.mechanism.angles()[body] + turned,
+        angle: rest.mechanism.readout().angles[body] + turned,
     };
     // The key's x axis is its surface's normal.
     let key_place = place(key, FRAC_PI_2);
@@ -232,7 +232,7 @@ impl Parts {
     fn capstan_zone(&self, rest: &AtRest<'_>) -> Result<usize, DeriveError> {
         let zones = rest.instrument.zones.iter().enumerate();
         let between = zones.filter(|(_, zone)| is_between(zone, Some(self.key), Some(self.whippen)));
-        match between.map(|(zone, _)| zone).max_by(|&a, &b| rest.gap(a).total_cmp(&rest.gap(b))) {
+        match between.map(|(zone, _)| zone).max_by(|&a, &b| rest.compression(a).total_cmp(&rest.compression(b))) {
             Some(zone) => Ok(zone),
             None => {
                 let name = |body: usize| rest.instrument.bodies[body].name.clone();
@@ -244,8 +244,8 @@ impl Parts {
 
 impl AtRest<'_> {
     /// Compression of a zone, m; negative where it is open.
-    fn gap(&self, zone: usize) -> f64 {
-        self.mechanism.gap(zone)
+    fn compression(&self, zone: usize) -> f64 {
+        self.mechanism.compression(zone)
     }
 
     /// Whether a body is the whippen or rides on it.
@@ -281,7 +281,7 @@ impl AtRest<'_> {
         Ok(Touch {
             disc_on_whippen,
             center: disc.point_of(center),
-            offset: turned * (zone.disc_radius_m - self.gap(zone_index).max(0.0)),
+            offset: turned * (zone.disc_radius_m - self.compression(zone_index).max(0.0)),
             line: Line { point: line.point_of(point), angle: y.atan2(x) },
         })
     }
@@ -309,7 +309,7 @@ impl AtRest<'_> {
 
     /// A remark about a contact that is open at rest.
     fn tell_play(&self, zone: usize, notes: &mut Vec<String>) {
-        let play = -self.gap(zone);
+        let play = -self.compression(zone);
         if play > NOTABLE_PLAY_M {
             let label = &self.instrument.zones[zone].label;
             notes.push(format!("at rest {label} is open by {:.2} mm; the levers have this play closed", play * 1e3));
@@ -341,13 +341,13 @@ impl AtRest<'_> {
                 }));
             }
         }
-        Ok(roles.string.map(|string| -self.gap(string) - USUAL_LET_OFF_M).filter(|rise| *rise > 0.0).map(|rise| {
-            LetOff {
+        Ok(roles.string.map(|string| -self.compression(string) - USUAL_LET_OFF_M).filter(|rise| *rise > 0.0).map(
+            |rise| LetOff {
                 head_height_m: train.rest_head_height() + rise,
                 name: "let-off",
                 what: format!("hammer head {:.1} mm below the string", USUAL_LET_OFF_M * 1e3),
-            }
-        }))
+            },
+        ))
     }
 
     /// A remark if the knuckle leaves the straight part of the jack's top at one of the poses.

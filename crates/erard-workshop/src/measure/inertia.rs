@@ -111,8 +111,8 @@ impl Rates {
     /// The damper follows where its contact with the key is closed.
     fn with_damper(&self, parts: &Parts, m: &dyn Mechanism) -> Vec<f64> {
         let mut all = self.all.clone();
-        if let Some((zone, damper)) = parts.damper.filter(|&(zone, _)| m.gap(zone) > 0.0) {
-            let row = m.gap_row(zone);
+        if let Some((zone, damper)) = parts.damper.filter(|&(zone, _)| m.compression(zone) > 0.0) {
+            let row = m.compression_row(zone);
             all[damper] = -row[parts.key] / row[damper];
         }
         all

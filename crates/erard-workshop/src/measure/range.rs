@@ -87,7 +87,7 @@ pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Res
         .into_iter()
         .map(|force_n| {
             let run = press(instrument, force_n, true, going)?;
-            let hammer_speed_m_s = run.events.hammer_speed_m_s;
+            let hammer_speed_m_s = run.events.hammer_speed_m_s();
             let midi_velocity = hammer_speed_m_s.and_then(midi_velocity);
             Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity, warnings: run.warnings })
         })
@@ -105,7 +105,7 @@ pub fn double_strike(instrument: &Instrument, going: Interrupt<'_>) -> Result<f6
     for n in 0..=DOUBLE_STRIKES {
         let force_n = from + (to - from) * f64::from(n) / f64::from(DOUBLE_STRIKES);
         let run = press(instrument, force_n, false, going)?;
-        fastest = run.events.strikes.iter().skip(1).map(|strike| strike.speed_m_s).fold(fastest, f64::max);
+        fastest = run.events.impacts.iter().skip(1).map(|impact| impact.hammer_speed_m_s).fold(fastest, f64::max);
     }
     Ok(fastest)
 }
@@ -118,19 +118,19 @@ pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<S
     let parts = Parts::of(instrument)?;
     let (mut low, mut high) = (0.0, LARGEST_SOFT_N);
     let mut blow = press(instrument, high, false, going)?;
-    if blow.events.hammer_contact_s.is_none() {
+    if blow.events.hammer_contact_s().is_none() {
         return Ok(None);
     }
     while high - low > CLOSE_N {
         let middle = 0.5 * (low + high);
         let run = press(instrument, middle, false, going)?;
-        if run.events.hammer_contact_s.is_some() {
+        if run.events.hammer_contact_s().is_some() {
             (high, blow) = (middle, run);
         } else {
             low = middle;
         }
     }
-    let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s) else { return Ok(None) };
+    let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s()) else { return Ok(None) };
     let row = |t: f64| blow.time_s.partition_point(|&time| time < t).min(blow.time_s.len() - 1);
     let rigid = instrument.locked();
     let rigid_hammer = Parts::of(&rigid)?.hammer;

@@ -13,7 +13,7 @@
 use moreau::Settings;
 
 use super::{Interrupt, MeasureError, NotAnAction};
-use erard::events::Watch;
+use erard::events::EventDetector;
 use erard::instrument::Instrument;
 use erard::player::{Action, Input};
 
@@ -102,7 +102,7 @@ fn held(
     going: Interrupt<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
     let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
-    let mut watch = Watch::new(instrument);
+    let mut detector = EventDetector::new(instrument);
     let mut finger = Finger::Presses(0.0);
     // When the finger began to press, and how long the key took to come up.
     let (mut presses, mut returns) = (vec![0.0], Vec::new());
@@ -111,10 +111,10 @@ fn held(
         let now = step as f64 * STEP_S;
         if step > 0 {
             let travel_m = action.reading().key_m;
-            // Nothing but blows is asked of the watch: the head's height does not matter to them.
-            watch.look(now, travel_m, 0.0, action.mechanism().met(), action.mechanism());
+            // Nothing but blows is asked of the detector: the head's height does not matter to them.
+            detector.observe(now, travel_m, 0.0, action.impact(), action.mechanism());
             match finger {
-                Finger::Presses(_) if action.gap(bottom) > 0.0 => finger = Finger::Stays(now),
+                Finger::Presses(_) if action.compression(bottom) > 0.0 => finger = Finger::Stays(now),
                 Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),
                 Finger::IsOff(since) if travel_m <= up_m => {
                     returns.push(now - since);
@@ -138,12 +138,14 @@ fn held(
     if stuck {
         return Ok(None);
     }
-    let blows = watch.finish().strikes;
+    let blows = detector.finish().impacts;
     let mut softest_m_s = f64::INFINITY;
     for stroke in presses[1..].windows(2) {
         let mut own = blows.iter().filter(|blow| (stroke[0]..stroke[1]).contains(&blow.time_s));
         match (own.next(), own.next()) {
-            (Some(blow), None) if blow.speed_m_s >= SPEAKS_M_S => softest_m_s = softest_m_s.min(blow.speed_m_s),
+            (Some(blow), None) if blow.hammer_speed_m_s >= SPEAKS_M_S => {
+                softest_m_s = softest_m_s.min(blow.hammer_speed_m_s)
+            }
             _ => return Ok(None),
         }
     }

@@ -246,12 +246,12 @@ impl From<&Timing> for TimingRow {
             peak_force_N: t.peak_force_n,
             key_start_ms: ms(e.key_start_s),
             let_off_ms: since(e.let_off_s),
-            hammer_contact_ms: since(e.hammer_contact_s),
+            hammer_contact_ms: since(e.hammer_contact_s()),
             key_bottom_ms: since(e.key_bottom_s),
             free_flight_ms: ms(e.free_flight_s()),
             hammer_before_bottom_ms: ms(t.hammer_before_bottom_s()),
-            hammer_speed_m_s: e.hammer_speed_m_s,
-            midi_velocity: e.hammer_speed_m_s.and_then(midi_velocity),
+            hammer_speed_m_s: e.hammer_speed_m_s(),
+            midi_velocity: e.hammer_speed_m_s().and_then(midi_velocity),
         }
     }
 }

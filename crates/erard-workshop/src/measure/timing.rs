@@ -47,7 +47,7 @@ impl Timing {
     /// How long before key bottom the hammer meets the string, s; negative when it comes later.
     #[must_use]
     pub fn hammer_before_bottom_s(&self) -> Option<f64> {
-        Some(self.events.key_bottom_s? - self.events.hammer_contact_s?)
+        Some(self.events.key_bottom_s? - self.events.hammer_contact_s()?)
     }
 }
 

@@ -172,15 +172,15 @@ pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
 fn event(played: &Played, key: &str) -> Option<f64> {
     let events: &Events = &played.events;
     match key {
-        "hammer_speed_m_per_s" => events.hammer_speed_m_s,
+        "hammer_speed_m_per_s" => events.hammer_speed_m_s(),
         "let_off_s" => events.let_off_s,
-        "hammer_contact_s" => events.hammer_contact_s,
+        "hammer_contact_s" => events.hammer_contact_s(),
         "key_bottom_s" => events.key_bottom_s,
         "key_bottom_after_blow_s" => events.key_bottom_after_blow_s(),
         "free_flight_s" => events.free_flight_s(),
         "key_start_s" => events.key_start_s,
         "toe_contact_s" => events.toe_contact_s,
-        "key_start_to_hammer_s" => Some(events.hammer_contact_s? - events.key_start_s?),
+        "key_start_to_hammer_s" => Some(events.hammer_contact_s()? - events.key_start_s?),
         _ => None,
     }
 }

@@ -1,19 +1,19 @@
 //! Mechanisms side by side: brought to rest, and played.
 
 use moreau::{Input, ModelError, Outcome, SavedState, Settings};
-use moreau_kernels::{EveryBody, Lanes, OwnedDescription, Placed, SideBySide, Size, placed, side_by_side};
+use moreau_kernels::{EveryBody, LaneObserver, Lanes, OwnedDescription, SideBySide, Size, lane_observer, side_by_side};
 
 use super::sampling::{Sampled, Sampling};
 use super::{JobResult, Played, Stroke};
 use crate::cores::Interrupt;
-use erard::assembly::{describe, marks};
+use erard::assembly::{describe, probes};
 use erard::equilibrium::{self, PATIENCE_S, Settling};
-use erard::events::Watch;
+use erard::events::EventDetector;
 use erard::instrument::Instrument;
-use erard::player::course::Rest;
+use erard::player::run_loop::Rest;
 use erard::player::{self, Action, ActionError};
 use erard::simulation::{Setup, SimulationError};
-use erard::trust::{self, Books, Extremes};
+use erard::trust::{self, EnergyAudit, Extremes};
 
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 1024;
@@ -165,20 +165,20 @@ fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> 
     }
     // What the felts remember belongs to the pose.
     let memory = action.mechanism().save().state.memory;
-    Ok(State { memory, ..standing(action.angles(), action.mechanism().pivot_friction()) })
+    Ok(State { memory, ..standing(action.angles(), action.mechanism().readout().pivot_friction) })
 }
 
 /// One lane while it is played.
 struct Lane<'a> {
     player: &'a Player<'a>,
     at_rest: &'a AtRest,
-    seen: Box<dyn Placed>,
+    observer: Box<dyn LaneObserver>,
     rest: Rest,
-    watch: Watch,
+    detector: EventDetector,
     highest_m: f64,
     unconverged_steps: u64,
     steps: u64,
-    books: Option<Books<'a>>,
+    energy: Option<EnergyAudit<'a>>,
     extremes: Extremes,
     sampled: Option<Sampled<'a>>,
     failed: Option<SimulationError>,
@@ -190,41 +190,47 @@ impl<'a> Lane<'a> {
         if player.instrument.roles.key.is_none() && (player.stroke)(setup.start_s) != player::Input::Free {
             return Err(SimulationError::NoKey);
         }
-        let mut seen = placed(&at_rest.description, &marks(player.instrument))?;
-        seen.look(setup.start_s, &at_rest.state.angle, &at_rest.state.velocity);
-        let rest = Rest::of(player.instrument, seen.as_ref());
+        let mut observer = lane_observer(&at_rest.description, &probes(player.instrument))?;
+        observer.update(setup.start_s, &at_rest.state.angle, &at_rest.state.velocity);
+        let rest = Rest::of(player.instrument, observer.as_ref());
         Ok(Lane {
             player,
             at_rest,
-            seen: placed(&at_rest.description, &marks(player.instrument))?,
+            observer: lane_observer(&at_rest.description, &probes(player.instrument))?,
             rest,
-            watch: Watch::new(player.instrument),
+            detector: EventDetector::new(player.instrument),
             highest_m: 0.0,
             unconverged_steps: 0,
             steps: 0,
-            books: None,
+            energy: None,
             extremes: Extremes::new(player.instrument),
             sampled: sampling.map(|sampling| Sampled::new(sampling, player.instrument)),
             failed: None,
         })
     }
 
-    /// Looks at the mechanism where it is now. What is seen to happen is what a run sees.
-    fn look(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
-        self.seen.look(time_s, angles, velocities);
-        if self.seen.is_far() && self.watch.sees_blows_only() {
+    /// Observes the mechanism where it is now, as a run does.
+    fn observe(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
+        self.observer.update(time_s, angles, velocities);
+        if self.observer.is_far() && self.detector.awaits_impacts_only() {
             return;
         }
-        let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.seen.as_ref());
+        let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.observer.as_ref());
         let hammer_m = head_m - self.rest.head_m;
-        self.watch.look(time_s, site_m - self.rest.site_m, hammer_m, self.seen.met(), self.seen.as_ref());
+        self.detector.observe(
+            time_s,
+            site_m - self.rest.site_m,
+            hammer_m,
+            self.observer.impact(),
+            self.observer.as_ref(),
+        );
         self.highest_m = self.highest_m.max(hammer_m);
     }
 
     /// Takes a row of samples, where the mechanism was looked at last.
     fn sample(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
         let Some(sampled) = &mut self.sampled else { return };
-        let now = Rest::of(self.player.instrument, self.seen.as_ref());
+        let now = Rest::of(self.player.instrument, self.observer.as_ref());
         let force_n = match (self.player.stroke)(time_s) {
             player::Input::Force(force_n) => force_n,
             _ => 0.0,
@@ -236,7 +242,7 @@ impl<'a> Lane<'a> {
     /// The input of the step from t0; of a mechanism that has failed, one of the same kind that does no harm.
     fn input(&self, t0: f64, settings: &Settings<f64>) -> Input<f64> {
         let Settings { step: h, theta, .. } = *settings;
-        let input = self.rest.input(&self.player.stroke, t0, h, theta, h, &|| self.seen.site_position());
+        let input = self.rest.input(&self.player.stroke, t0, h, theta, h, &|| self.observer.site_position());
         if self.failed.is_none() {
             return input;
         }
@@ -250,11 +256,11 @@ impl<'a> Lane<'a> {
 
     /// Looks at what a step in lanes tells of energy and bounds.
     fn audit(&mut self, time_s: f64, input: &Input<f64>, angles: &[f64], state: impl FnOnce() -> State) {
-        self.extremes.look_at_angles(time_s, angles);
-        let Some(books) = &mut self.books else { return };
-        books.look(input, &state());
+        self.extremes.note_angles(time_s, angles);
+        let Some(energy) = &mut self.energy else { return };
+        energy.observe(input, &state());
         for zone in 0..self.player.instrument.zones.len() {
-            self.extremes.look_at_gap(time_s, zone, books.gap(zone));
+            self.extremes.note_compression(time_s, zone, energy.compression(zone));
         }
     }
 
@@ -262,11 +268,11 @@ impl<'a> Lane<'a> {
         if let Some(error) = self.failed {
             return Err(error);
         }
-        let energy_residual = self.books.as_ref().map(Books::residual);
+        let energy_residual = self.energy.as_ref().map(EnergyAudit::residual);
         let mut warnings: Vec<_> = energy_residual.and_then(trust::of_energy).into_iter().collect();
         warnings.extend(trust::of_steps(self.unconverged_steps, self.steps));
         warnings.extend(trust::of_extremes(self.player.instrument, &self.extremes));
-        let events = self.watch.finish();
+        let events = self.detector.finish();
         warnings.extend(trust::of_blows(&events));
         Ok(Played {
             events,
@@ -317,12 +323,12 @@ fn step_all(
     let bodies = own.first().map_or(0, |lane| lane.player.instrument.bodies.len());
     for (i, lane) in own.iter_mut().enumerate() {
         group.motion(i, &mut angles, &mut velocities);
-        lane.look(setup.start_s, &angles, &velocities);
+        lane.observe(setup.start_s, &angles, &velocities);
         lane.sample(setup.start_s, &angles, &velocities);
-        lane.books = setup.ledger.then(|| {
+        lane.energy = setup.ledger.then(|| {
             let (angles, velocities) = (&angles[..bodies], &velocities[..bodies]);
             let state = group.state(i);
-            Books::open(lane.player.instrument, setup.settings.theta, h, [angles, velocities, &state.memory])
+            EnergyAudit::open(lane.player.instrument, setup.settings.theta, h, [angles, velocities, &state.memory])
         });
     }
     for n in 0..steps {
@@ -348,7 +354,7 @@ fn step_all(
             }
             group.motion(i, &mut angles, &mut velocities);
             let now_s = setup.start_s + (n + 1) as f64 * h;
-            lane.look(now_s, &angles, &velocities);
+            lane.observe(now_s, &angles, &velocities);
             if lane.sampled.as_ref().is_some_and(|sampled| sampled.is_row(n + 1)) {
                 lane.sample(now_s, &angles, &velocities);
             }

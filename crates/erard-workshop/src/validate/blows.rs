@@ -4,17 +4,17 @@
 //!
 //! - *constant*: a force that is there at once and stays. Nobody plays so; it is the plainest of drives.
 //! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises from nothing at a constant rate, to the end of the run
-//!   ([`Gesture::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and Fisette (Machines 8 (2020) 76) ask of an
+//!   ([`HandStroke::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and Fisette (Machines 8 (2020) 76) ask of an
 //!   actuator that is to play as a pianist does.
 //! - *led*: the same hand is led to 10.5 mm below the key's rest along the path of least jerk, by muscle of 1500 N/m and 14 N s/m, and stays
-//!   there ([`Gesture::led`]). The slowest that sounds is the softest.
+//!   there ([`HandStroke::led`]). The slowest that sounds is the softest.
 //!
 //! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down ([`erard::events`]). Accelerometers see key
 //! bottom where the key is slowed down most, a millisecond or more later.
 
 use crate::measure::MeasureError;
 use erard::instrument::Instrument;
-use erard::player::{self, Gesture, press_by_hand};
+use erard::player::{self, HandStroke, press_by_hand};
 use erard::run::Run;
 use erard::simulation::{Setup, SimulationError, simulate};
 use moreau::Settings;
@@ -49,9 +49,9 @@ const F_STROKE_S: f64 = 0.025;
 pub enum Drive {
     /// By a constant force, N, that is there at once.
     Constant(f64),
-    /// By a hand whose muscle's force rises at so many N/s ([`Gesture::pressed`]).
+    /// By a hand whose muscle's force rises at so many N/s ([`HandStroke::pressed`]).
     Pressed(f64),
-    /// By a hand that is led down within so many s ([`Gesture::led`]).
+    /// By a hand that is led down within so many s ([`HandStroke::led`]).
     Led(f64),
 }
 
@@ -142,8 +142,8 @@ fn blow(
     let going = &mut |_| going();
     let run = match drive {
         Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, going)?,
-        Drive::Pressed(rate_n_s) => press_by_hand(instrument, &Gesture::pressed(rate_n_s), &setup, going)?,
-        Drive::Led(duration_s) => press_by_hand(instrument, &Gesture::led(duration_s), &setup, going)?,
+        Drive::Pressed(rate_n_s) => press_by_hand(instrument, &HandStroke::pressed(rate_n_s), &setup, going)?,
+        Drive::Led(duration_s) => press_by_hand(instrument, &HandStroke::led(duration_s), &setup, going)?,
     };
     Ok(PressedBlow::of(instrument, &run, drive))
 }
@@ -153,11 +153,11 @@ impl PressedBlow {
     pub(super) fn of(instrument: &Instrument, run: &Run, drive: Drive) -> Self {
         let e = &run.events;
         let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
-        let until = run.time_s.partition_point(|&t| t < e.hammer_contact_s.unwrap_or(f64::INFINITY));
+        let until = run.time_s.partition_point(|&t| t < e.hammer_contact_s().unwrap_or(f64::INFINITY));
         let speeds = run.key_m[..until].windows(2).zip(run.time_s.windows(2));
         let key_speed_m_s = speeds.map(|(y, t)| (y[1] - y[0]) / (t[1] - t[0])).fold(0.0, f64::max);
         let string = instrument.roles.string.map(|zone| &run.zones[zone].normal_n[until.min(run.time_s.len())..]);
-        let contact_s = string.filter(|_| e.hammer_contact_s.is_some()).map(|normal| {
+        let contact_s = string.filter(|_| e.hammer_contact_s().is_some()).map(|normal| {
             // The row of the first touch may still be without force.
             let first = normal.iter().position(|n| *n > 0.0).unwrap_or(0);
             let rows = normal[first..].iter().take_while(|n| **n > 0.0).count();
@@ -166,9 +166,9 @@ impl PressedBlow {
         PressedBlow {
             drive,
             key_stroke_s: between(e.key_start_s, e.key_bottom_s),
-            to_string_s: between(e.key_start_s, e.hammer_contact_s),
-            hammer_ahead_s: between(e.hammer_contact_s, e.key_bottom_s),
-            hammer_speed_m_s: e.hammer_speed_m_s,
+            to_string_s: between(e.key_start_s, e.hammer_contact_s()),
+            hammer_ahead_s: between(e.hammer_contact_s(), e.key_bottom_s),
+            hammer_speed_m_s: e.hammer_speed_m_s(),
             key_speed_m_s,
             contact_s,
             deepest_m: run.key_m.iter().copied().fold(0.0, f64::max),

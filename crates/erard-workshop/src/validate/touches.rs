@@ -2,7 +2,7 @@
 //! back after a hand has left.
 //!
 //! The release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force gone within 30 ms
-//! ([`Gesture::leaving`]). The key is released when the finger
+//! ([`HandStroke::leaving`]). The key is released when the finger
 //! pushes no longer.
 
 use moreau::Settings;
@@ -11,7 +11,7 @@ use super::blows::{Drive, PressedBlow};
 use crate::measure::MeasureError;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
-use erard::player::{self, Gesture, Muscle, press_by_hand};
+use erard::player::{self, HandStroke, Muscle, press_by_hand};
 use erard::run::Run;
 use erard::simulation::{Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, Series, Touch};
@@ -53,13 +53,13 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> 
     };
     let pressed = play(Touch::Pressed, 1.0)?;
     let release_to_damper_s = release_to_damper(instrument)?;
-    let Some(speed) = pressed.events.hammer_speed_m_s else {
+    let Some(speed) = pressed.events.hammer_speed_m_s() else {
         return Ok(Touches { struck_sooner_s: None, plateau_m: None, release_to_damper_s });
     };
     let [mut low, mut high] = SCALES;
     for _ in 0..HALVINGS {
         let middle = (low * high).sqrt();
-        if play(Touch::Struck, middle)?.events.hammer_speed_m_s.is_some_and(|v| v >= speed) {
+        if play(Touch::Struck, middle)?.events.hammer_speed_m_s().is_some_and(|v| v >= speed) {
             high = middle;
         } else {
             low = middle;
@@ -90,8 +90,8 @@ fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, Simulat
 /// From the release of the key to its damper on what it rests on, s.
 fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
     let Some(damper) = Anatomy::find(instrument)?.damper else { return Ok(None) };
-    let hand = Gesture::pressed(RISE_N_S);
-    let hand = Gesture { muscle: Muscle::Rises { rate_n_s: RISE_N_S, height_n: HELD_N }, ..hand }
+    let hand = HandStroke::pressed(RISE_N_S);
+    let hand = HandStroke { muscle: Muscle::Rises { rate_n_s: RISE_N_S, height_n: HELD_N }, ..hand }
         .leaving(LEAVES_S[0], LEAVES_S[1]);
     let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(2.0 * LEAVES_S[0]) };
     let run = press_by_hand(instrument, &hand, &setup, &mut |_| true)?;
@@ -111,7 +111,7 @@ fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureErro
 /// Key travel at the slowest instant between the first surge of the key and the hammer's blow, m; `None` where the key does not
 /// slow down by a tenth.
 fn plateau(run: &Run) -> Option<f64> {
-    let until = run.time_s.partition_point(|&t| t < run.events.hammer_contact_s.unwrap_or(0.0));
+    let until = run.time_s.partition_point(|&t| t < run.events.hammer_contact_s().unwrap_or(0.0));
     let wide = (MEAN_S / STEP_S) as usize;
     let speed: Vec<f64> = run.key_m[..until].windows(wide + 1).map(|y| (y[wide] - y[0]) / MEAN_S).collect();
     // The first surge: from where on it gets slower than nine tenths of the fastest so far.

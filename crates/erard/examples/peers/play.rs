@@ -6,7 +6,7 @@ use erard::assembly;
 use erard::instrument::{Curve, Instrument};
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use moreau::{
-    Accuracy, Controller, Halves, Input, Model, Outcome, Settings, Sleep, State, Workspace, controlled_step, step,
+    Accuracy, Controller, Input, Model, Outcome, Settings, Sleep, State, StepDoubling, Workspace, controlled_step, step,
 };
 use moreau_kernels::Lanes;
 use moreau_kernels::{OwnedDescription, SideBySide, Size, side_by_side};
@@ -194,7 +194,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
                 let settings = Settings::new(LARGEST_STEP_S);
                 let accuracy = Accuracy::new(tolerance, SMALLEST_STEP_S, LARGEST_STEP_S);
                 let mut controller = Controller::<f64, Z>::new(FIRST_STEP_S);
-                let mut halves = Halves::<f64, B, Z, N>::new(&settings);
+                let mut halves = StepDoubling::<f64, B, Z, N>::new(&settings);
                 let mut t = 0.0;
                 while t < end - SMALLEST_STEP_S {
                     let drive = |from: f64, h: f64, _: &State<f64, B, Z>| input(t + from, h);

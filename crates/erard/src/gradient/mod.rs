@@ -13,7 +13,7 @@ mod watch;
 pub use moreau_kernels::{DIRECTIONS, Number};
 pub use watch::{Instants, QUANTITIES};
 
-use moreau::{Input, ModelError, Real, Settings, Stretch, TangentError};
+use moreau::{Input, ModelError, Real, Settings, TangentError, TangentReport};
 use moreau_kernels::{Tangents, tangents};
 use thiserror::Error;
 
@@ -22,7 +22,7 @@ use crate::equilibrium::{self, Settling};
 use crate::instrument::Instrument;
 use crate::player::{self, Drive};
 use crate::simulation::{Setup, SimulationError};
-use watch::DualWatch;
+use watch::DualEventDetector;
 
 /// Why there are no derivatives.
 #[derive(Debug, Error)]
@@ -191,9 +191,9 @@ pub fn follow(
     }
     let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
     let h = settings.step;
-    let mut watch = DualWatch::new(instrument, &rest, mechanism.as_ref());
-    watch.look(setup.start_s, mechanism.as_ref());
-    let sample = |watch: &DualWatch, mechanism: &dyn Tangents, time_s: f64| {
+    let mut watch = DualEventDetector::new(instrument, &rest, mechanism.as_ref());
+    watch.observe(setup.start_s, mechanism.as_ref());
+    let sample = |watch: &DualEventDetector, mechanism: &dyn Tangents, time_s: f64| {
         let [key_m, hammer_m] = watch.travels(mechanism);
         [key_m, hammer_m, rest.force(drive, time_s, mechanism)]
     };
@@ -211,14 +211,14 @@ pub fn follow(
             return Err(SimulationError::NonFinite { time_s: t0 }.into());
         }
         let now = setup.start_s + (n + 1) as f64 * h;
-        watch.look(now, mechanism.as_ref());
+        watch.observe(now, mechanism.as_ref());
         match sample_every {
             Some(every) if (n + 1).is_multiple_of(every) => samples.push(sample(&watch, mechanism.as_ref(), now)),
             None if watch.has_seen_all() => break,
             _ => {}
         }
     }
-    let Stretch { switches, unresolved, unconverged, .. } = all;
+    let TangentReport { switches, unresolved, unconverged, .. } = all;
     Ok(Followed { instants: watch.finish(), samples, switches, unresolved, unconverged })
 }
 
@@ -252,7 +252,7 @@ impl Places {
         }
     }
 
-    /// The engine's input, as [`player::course::Rest::input`] gives it.
+    /// The engine's input, as [`player::run_loop::Rest::input`] gives it.
     fn input(&self, drive: &Drive<'_>, t0: f64, h: f64, theta: f64, correction_s: f64, at: Number) -> Input<Number> {
         match drive(t0 + theta * h) {
             player::Input::Free => Input::Free,
@@ -267,7 +267,7 @@ impl Places {
                     player::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
                     _ => 0.0,
                 };
-                let back = Number::constant(player::course::RIGID_CORRECTION / correction_s);
+                let back = Number::constant(player::run_loop::RIGID_CORRECTION / correction_s);
                 Input::Rigid { velocity: Number::constant(velocity) + back * behind }
             }
         }
@@ -280,9 +280,9 @@ fn settle(
     step_s: f64,
     input: &Input<Number>,
     going: &dyn Fn() -> bool,
-) -> Result<Stretch, GradientError> {
+) -> Result<TangentReport, GradientError> {
     let settings = Settings { step: step_s, tolerance: TOLERANCE, ..equilibrium::settings() };
-    let (mut all, mut settling, mut steps) = (Stretch::default(), Settling::of_steps(step_s), 0_u64);
+    let (mut all, mut settling, mut steps) = (TangentReport::default(), Settling::of_steps(step_s), 0_u64);
     loop {
         if steps.is_multiple_of(ASK_EVERY) && !going() {
             return Err(SimulationError::Interrupted.into());

@@ -1,7 +1,7 @@
-//! The instants of a press in dual numbers: [`crate::events::Watch`] with derivatives.
+//! The instants of a press in dual numbers: [`crate::events::EventDetector`] with derivatives.
 
 use moreau::Real;
-use moreau_kernels::{Number, Tangents, met_in_flight};
+use moreau_kernels::{Number, Tangents, impact_in_flight};
 
 use super::Places;
 use crate::events::KEY_START_M;
@@ -41,7 +41,7 @@ pub const QUANTITIES: [(&str, Get); 9] = [
 ];
 
 /// Watches a press.
-pub(super) struct DualWatch {
+pub(super) struct DualEventDetector {
     roles: Roles,
     head: [Number; 2],
     site_m: Number,
@@ -77,12 +77,12 @@ impl Sample {
     }
 }
 
-impl DualWatch {
+impl DualEventDetector {
     /// Of a mechanism that stands at rest.
     pub fn new(instrument: &Instrument, places: &Places, m: &dyn Tangents) -> Self {
         let roles = instrument.roles.clone();
         let head_m = roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, places.head)[0][1]);
-        DualWatch {
+        DualEventDetector {
             roles,
             head: places.head,
             site_m: places.site,
@@ -103,47 +103,47 @@ impl DualWatch {
     }
 
     /// After every step, and before the first.
-    pub fn look(&mut self, time_s: f64, m: &dyn Tangents) {
+    pub fn observe(&mut self, time_s: f64, m: &dyn Tangents) {
         let roles = &self.roles;
-        let gap = |zone: Option<usize>| zone.map(|z| m.gap(z));
-        let knuckle = roles.knuckle.iter().map(|&z| m.gap(z));
+        let compression = |zone: Option<usize>| zone.map(|z| m.compression(z));
+        let knuckle = roles.knuckle.iter().map(|&z| m.compression(z));
         let now = Sample {
             time_s,
             key_m: m.site_position() - self.site_m - Number::constant(KEY_START_M),
-            key_bottom: gap(roles.key_bottom),
-            toe: gap(roles.let_off),
+            key_bottom: compression(roles.key_bottom),
+            toe: compression(roles.let_off),
             knuckle: knuckle.reduce(|a, b| if b.value > a.value { b } else { a }),
         };
-        let mut met = None;
+        let mut impact = None;
         if let Some(hammer) = roles.hammer {
             let [place, velocity] = m.motion(hammer, self.head);
             let hammer_m = (place[1] - self.head_m).value;
-            if let Some(string) = gap(roles.string) {
+            if let Some(string) = compression(roles.string) {
                 let speed = Real::sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1]);
                 let sample = [Number::constant(time_s), string, speed];
-                met = self.meeting(&sample);
+                impact = self.impact(&sample);
                 self.flight = [self.flight[1], Some(sample)];
             }
-            self.compare(&now, hammer_m, met);
+            self.compare(&now, hammer_m, impact);
         } else {
             self.compare(&now, 0.0, None);
         }
         self.before = Some(now);
     }
 
-    fn meeting(&self, now: &[Number; 3]) -> Option<[Number; 2]> {
+    fn impact(&self, now: &[Number; 3]) -> Option<[Number; 2]> {
         let before = self.flight[1]?;
         if !(before[1].value <= 0.0 && now[1].value > 0.0) {
             return None;
         }
-        let flown = self.flight[0].and_then(|older| met_in_flight([older, before], now[0]));
+        let flown = self.flight[0].and_then(|older| impact_in_flight([older, before], now[0]));
         flown.or_else(|| {
             let share = before[1] / (before[1] - now[1]);
             Some([before[0] + (now[0] - before[0]) * share, before[2] + share * (now[2] - before[2])])
         })
     }
 
-    fn compare(&mut self, now: &Sample, hammer_m: f64, met: Option<[Number; 2]>) {
+    fn compare(&mut self, now: &Sample, hammer_m: f64, impact: Option<[Number; 2]>) {
         let Some(before) = self.before else { return };
         let instants = &mut self.instants;
         let first = |event: &mut Option<Number>, at: Option<Number>| *event = event.or(at);
@@ -163,7 +163,7 @@ impl DualWatch {
             self.highest_m = hammer_m;
             self.released_at_apex_s = self.released_s;
         }
-        if let Some([time_s, speed_m_s]) = met.filter(|_| instants.hammer_contact_s.is_none()) {
+        if let Some([time_s, speed_m_s]) = impact.filter(|_| instants.hammer_contact_s.is_none()) {
             instants.hammer_contact_s = Some(time_s);
             instants.hammer_speed_m_s = Some(speed_m_s);
             instants.let_off_s = self.released_s;

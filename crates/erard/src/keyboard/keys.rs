@@ -3,16 +3,16 @@
 //! A key that nothing changes sleeps ([`moreau_kernels::Bank`] says why that is exact): keys at rest, and held notes, cost nothing.
 
 use moreau::{Outcome, Settings};
-use moreau_kernels::{Bank, View, bank};
+use moreau_kernels::{Bank, StepOutput, bank};
 use thiserror::Error;
 
 pub use moreau_kernels::Tick;
 
-use crate::assembly::{describe, marks};
+use crate::assembly::{describe, probes};
 use crate::instrument::Instrument;
-use crate::player::course::Rest;
+use crate::mechanism::Impact;
+use crate::player::run_loop::Rest;
 use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
-use crate::run::Strike;
 use crate::strings::Strings;
 
 /// How long the keys are let come to a complete rest before they are handed over, s: a few steps are enough.
@@ -29,20 +29,20 @@ pub struct KeysError {
     pub error: ActionError,
 }
 
-/// A hammer has met its string.
+/// An impact of a key's hammer on its string.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KeyStrike {
+pub struct KeyImpact {
     /// The key, from 1.
     pub key: usize,
-    /// Instant and speed, as [`Action::blow`] tells them.
-    pub strike: Strike,
+    /// Instant and speed, as [`Action::impact`] gives them.
+    pub impact: Impact,
 }
 
 /// The keys of a keyboard, numbered from 1, each with an input that holds until it is changed: [`Action`]s that sleep.
 pub struct Keys {
     bank: Box<dyn Bank>,
     own: Vec<Own>,
-    strikes: Vec<KeyStrike>,
+    impacts: Vec<KeyImpact>,
 }
 
 /// What is one key's.
@@ -57,7 +57,7 @@ impl Keys {
     /// # Errors
     /// [`KeysError`]: a key cannot be assembled, or finds no rest.
     pub fn at_rest(instruments: &[Instrument], settings: Settings<f64>) -> Result<Self, KeysError> {
-        let (mut descriptions, mut all_marks, mut own) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut descriptions, mut all_probes, mut own) = (Vec::new(), Vec::new(), Vec::new());
         let mut strings = Vec::new();
         for (i, instrument) in instruments.iter().enumerate() {
             let wrong = |error| KeysError { key: i + 1, error };
@@ -65,20 +65,20 @@ impl Keys {
             let mut description = describe(instrument);
             description.angles = action.angles().to_vec();
             descriptions.push(description);
-            all_marks.push(marks(instrument));
+            all_probes.push(probes(instrument));
             own.push(Own { rest: action.rest(), digest: action.digest() });
             // As they stand under what lies on them.
             strings.push(action.strings().cloned());
         }
-        let mut bank = bank(&descriptions, &all_marks, settings)
+        let mut bank = bank(&descriptions, &all_probes, settings)
             .map_err(|(index, error)| KeysError { key: index + 1, error: error.into() })?;
         for (index, strings) in strings.into_iter().enumerate() {
             if let Some(strings) = strings {
                 bank.set_surfaces(index, Box::new(strings));
             }
         }
-        let strikes = Vec::with_capacity(instruments.len());
-        let mut keys = Keys { bank, own, strikes };
+        let impacts = Vec::with_capacity(instruments.len());
+        let mut keys = Keys { bank, own, impacts };
         let mut steps = (SETTLING_S / settings.step) as u64;
         while keys.awake() > 0 && steps > 0 {
             keys.step();
@@ -148,29 +148,29 @@ impl Keys {
 
     /// Steps all keys that are awake. Never allocates.
     pub fn step(&mut self) -> Tick {
-        let Keys { bank, strikes, .. } = self;
-        strikes.clear();
+        let Keys { bank, impacts, .. } = self;
+        impacts.clear();
         // There is room: no hammer meets its string twice in a step.
-        bank.step(&mut |index, met| strikes.push(KeyStrike { key: index + 1, strike: met.into() }))
+        bank.step(&mut |index, impact| impacts.push(KeyImpact { key: index + 1, impact }))
     }
 
-    /// The hammers that met their strings in the last step.
+    /// The impacts of hammers on their strings in the last step.
     #[must_use]
-    pub fn strikes(&self) -> &[KeyStrike] {
-        &self.strikes
+    pub fn impacts(&self) -> &[KeyImpact] {
+        &self.impacts
     }
 
-    /// What was to be seen of a key after its last step; see [`Action`] for units and signs.
-    #[must_use]
-    pub fn view(&self, key: usize) -> View {
-        self.bank.view(key - 1)
+    /// Output of a key's last step.
+    fn output(&self, key: usize) -> StepOutput {
+        self.bank.output(key - 1)
     }
 
     /// What there is to be read of a key after the last step, as an [`Action`]'s reading; its outcome is [`Outcome::Converged`], for [`Tick`] counts
     /// those of a step.
     #[must_use]
     pub fn reading(&self, key: usize) -> Reading {
-        Reading::of(&self.view(key), &self.own[key - 1].rest, Outcome::Converged)
+        let reading = Reading::of(&self.output(key), &self.own[key - 1].rest);
+        Reading { outcome: Outcome::Converged, ..reading }
     }
 
     /// The digest of a key's instrument, which its [`Snapshot`] carries.
@@ -182,19 +182,19 @@ impl Keys {
     /// Force between a key's hammer and its string in the last step, N.
     #[must_use]
     pub fn string_force(&self, key: usize) -> f64 {
-        self.view(key).zone_n
+        self.output(key).zone_n
     }
 
     /// Force of the finger on a key in the last step, N.
     #[must_use]
     pub fn finger_force(&self, key: usize) -> f64 {
-        self.view(key).drive_n
+        self.output(key).drive_n
     }
 
     /// Travel of a key's front from its rest, down positive, m.
     #[must_use]
     pub fn key_m(&self, key: usize) -> f64 {
-        self.view(key).site_m - self.own[key - 1].rest.site_m
+        self.output(key).site_m - self.own[key - 1].rest.site_m
     }
 
     /// Absolute angles of a key's bodies, rad.

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub use file::{is_keyboard, json_schema};
 pub use grading::{Absence, Graded, Grading};
 pub use grading_curve::{Between, GradingCurve, GradingPoint};
-pub use keys::{KeyStrike, Keys, KeysError, Tick};
+pub use keys::{KeyImpact, Keys, KeysError, Tick};
 
 use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
 

@@ -4,13 +4,12 @@ use moreau::{ModelError, Outcome, Settings, StepReport};
 use thiserror::Error;
 
 use super::Input;
-use super::course::{RIGID_CORRECTION, Rest};
+use super::run_loop::{RIGID_CORRECTION, Rest};
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, digest};
 use crate::equilibrium::{self, EquilibriumError};
-use crate::events::Watch;
+use crate::events::EventDetector;
 use crate::instrument::Instrument;
-use crate::mechanism::{Mechanism, View, mechanism};
-use crate::run::Strike;
+use crate::mechanism::{Impact, Mechanism, StepOutput, Stepping, mechanism};
 use crate::strings::Strings;
 
 /// Why an action cannot be played.
@@ -73,17 +72,17 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Of what is seen, referred to the rest.
+    /// A step's output, referred to the rest.
     #[inline]
-    pub(crate) fn of(view: &View, rest: &Rest, outcome: Outcome) -> Self {
+    pub(crate) fn of(output: &StepOutput, rest: &Rest) -> Self {
         Reading {
-            key_m: view.site_m - rest.site_m,
-            key_m_s: view.site_m_s,
-            finger_n: view.drive_n,
-            hammer_m: view.point_m[1] - rest.head_m,
-            hammer_m_s: view.point_m_s[1],
-            string_n: view.zone_n,
-            outcome,
+            key_m: output.site_m - rest.site_m,
+            key_m_s: output.site_m_s,
+            finger_n: output.drive_n,
+            hammer_m: output.point_m[1] - rest.head_m,
+            hammer_m_s: output.point_m_s[1],
+            string_n: output.zone_n,
+            outcome: output.report.outcome,
         }
     }
 }
@@ -98,22 +97,20 @@ impl Reading {
 ///
 /// let grand = Instrument::builtin("concert-grand")?;
 /// let mut action = Action::new(&grand)?;
-/// let mut blow = None;
+/// let mut impact = None;
 /// for _ in 0..1000 {
 ///     let reading = action.step(Input::Force(5.0)); // 50 us each
 ///     assert!(reading.key_m < 0.0105);
-///     blow = blow.or(action.blow());
+///     impact = impact.or(action.impact());
 /// }
-/// let blow = blow.expect("5 N in 50 ms are a mezzo forte");
-/// assert!((1.0..3.0).contains(&blow.speed_m_s));
+/// let impact = impact.expect("5 N in 50 ms are a mezzo forte");
+/// assert!((1.0..3.0).contains(&impact.hammer_speed_m_s));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Action {
     mechanism: Box<dyn Mechanism>,
     rest: Rest,
     digest: u64,
-    view: View,
-    outcome: Outcome,
     /// Where an imposed motion was to be at the end of the last step, m from rest.
     aimed_m: Option<f64>,
 }
@@ -160,15 +157,8 @@ impl Action {
             return Err(ActionError::Step { found: settings.step });
         }
         let mechanism = mechanism(instrument, settings)?;
-        let view = mechanism.view();
-        let mut action = Action {
-            rest: Rest { site_m: 0.0, head_m: 0.0 },
-            digest: digest(instrument),
-            view,
-            outcome: Outcome::Converged,
-            aimed_m: None,
-            mechanism,
-        };
+        let mut action =
+            Action { rest: Rest { site_m: 0.0, head_m: 0.0 }, digest: digest(instrument), aimed_m: None, mechanism };
         action.rest_here(instrument);
         Ok(action)
     }
@@ -179,33 +169,40 @@ impl Action {
         self.begin_at(0.0);
     }
 
-    /// One step of the settings' length under an input. A number that is not finite leaves the action as it was, and is told by the
-    /// reading's outcome.
+    /// One step of the settings' length under an input. A number that is not finite leaves the action as it was; the reading's outcome reports it.
+    ///
+    /// The equations are solved in [`moreau::step()`], which [`Mechanism::step`] calls for the mechanism's size.
     #[inline]
     pub fn step(&mut self, input: Input) -> Reading {
         let input = self.engine_input(input);
-        self.step_engine(&input);
-        self.reading()
+        Reading::of(self.mechanism.step(&input), &self.rest)
     }
 
     /// What there is to be read now: after a step, the same as it returned.
     #[inline]
     pub fn reading(&self) -> Reading {
-        Reading::of(&self.view, &self.rest, self.outcome)
+        Reading::of(self.output(), &self.rest)
     }
 
-    /// The blow whose hammer met the string in the last step: its instant, on the clock of [`Action::time_s`], and the speed of the strike
-    /// point along its arc, both as it flew before ([`crate::sight::Meeting`]).
+    /// The impact of the hammer on the string in the last step, on the clock of [`Action::time_s`].
     #[inline]
-    pub fn blow(&self) -> Option<Strike> {
-        self.view.met.map(Strike::from)
+    pub fn impact(&self) -> Option<Impact> {
+        self.output().impact
     }
 
-    /// The loop over steps of one length: asks `next` for an input, takes a step, asks again, until there is no input. `next` sees the action
+    /// Output of the last step, not referred to the rest.
+    #[inline]
+    pub(crate) fn output(&self) -> &StepOutput {
+        self.mechanism.readout().output
+    }
+
+    /// The loop over fixed steps: asks `next` for an input, takes a step, asks again, until there is no input. `next` sees the action
     /// after every step; `going` is asked every 512 steps, and ends the loop by returning false.
     ///
+    /// A step is [`Mechanism::step`], which solves the equations at the top of [`moreau::step()`].
+    ///
     /// # Errors
-    /// See [`PlayError`]. Steps that reach an iteration limit are no error: the reading tells.
+    /// See [`PlayError`]. Steps that reach an iteration limit are no error: the reading reports them.
     pub fn play(
         &mut self,
         going: &mut dyn FnMut() -> bool,
@@ -217,7 +214,7 @@ impl Action {
         })
     }
 
-    /// The loop over steps of one length, under inputs of the engine's; `next` is told the last step's report, too.
+    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run takes its steps here.
     pub(crate) fn play_engine(
         &mut self,
         going: &mut dyn FnMut() -> bool,
@@ -229,7 +226,7 @@ impl Action {
                 return Err(PlayError::Interrupted);
             }
             let before_s = self.time_s();
-            let report = self.step_engine(&input);
+            let report = self.mechanism.step(&input).report;
             if report.outcome == Outcome::NonFinite {
                 return Err(PlayError::NonFinite { time_s: before_s });
             }
@@ -258,40 +255,40 @@ impl Action {
 
     /// Calls the present instant so, s, and forgets the flight of the hammer so far.
     pub fn begin_at(&mut self, now_s: f64) {
-        self.mechanism.set_now(now_s);
-        self.look();
+        self.mechanism.begin_at(now_s);
         self.aimed_m = None;
     }
 
     /// The present instant, s; a new action is at 0.
     pub fn time_s(&self) -> f64 {
-        self.mechanism.now_s()
+        self.mechanism.readout().now_s
     }
 
     /// The settings in force.
     pub fn settings(&self) -> &Settings<f64> {
-        self.mechanism.settings()
+        &self.mechanism.readout().stepping.settings
     }
 
     /// Changes the settings from the next step on.
     pub fn set_settings(&mut self, settings: Settings<f64>) {
-        self.mechanism.set_settings(settings);
+        let stepping = *self.mechanism.readout().stepping;
+        self.mechanism.configure(Stepping { settings, ..stepping });
     }
 
     /// Whether steps that are known to change nothing are left out, as at first: the same bits for less work.
     pub fn let_rest(&mut self, may_rest: bool) {
-        self.mechanism.let_rest(may_rest);
+        let stepping = *self.mechanism.readout().stepping;
+        self.mechanism.configure(Stepping { may_rest, ..stepping });
     }
 
     /// Whether the last step changed nothing: with the same input the next one does not either.
     pub fn rests(&self) -> bool {
-        self.mechanism.rests()
+        self.mechanism.readout().rests
     }
 
     /// Catches everything: sets all velocities to zero.
     pub fn stop(&mut self) {
         self.mechanism.stop();
-        self.look();
     }
 
     /// The strings, where they yield: where they are, and what they do to the bridge.
@@ -318,12 +315,12 @@ impl Action {
 
     /// Absolute angles of the bodies, in the instrument's order, rad, counter-clockwise.
     pub fn angles(&self) -> &[f64] {
-        self.mechanism.angles()
+        self.mechanism.readout().angles
     }
 
     /// Absolute angular velocities, rad/s.
     pub fn velocities(&self) -> &[f64] {
-        self.mechanism.velocities()
+        self.mechanism.readout().velocities
     }
 
     /// Normal force of a contact zone in the last step, N, never negative.
@@ -339,12 +336,12 @@ impl Action {
     /// # Panics
     /// If there is no such zone.
     pub fn tangential_force(&self, zone: usize) -> f64 {
-        self.mechanism.tangential_force(zone)
+        self.mechanism.readout().tangential_forces[zone]
     }
 
     /// Compression of a zone now, m; negative where it is open.
-    pub fn gap(&self, zone: usize) -> f64 {
-        self.mechanism.gap(zone)
+    pub fn compression(&self, zone: usize) -> f64 {
+        self.mechanism.compression(zone)
     }
 
     /// A point of a body (`None`: of the ground), m in its frame, in the world now, m.
@@ -362,15 +359,10 @@ impl Action {
         self.digest
     }
 
-    /// What there is to be seen now, before it is referred to the rest.
-    pub(crate) fn view(&self) -> &View {
-        &self.view
-    }
-
-    /// Lets a watch look at it: before the first step of a press, and after every one.
-    pub fn watched_by(&self, watch: &mut Watch) {
+    /// Lets a detector observe it: before the first step of a press, and after every one.
+    pub fn observed_by(&self, detector: &mut EventDetector) {
         let now = self.reading();
-        watch.look(self.time_s(), now.key_m, now.hammer_m, self.view.met, self.mechanism.as_ref());
+        detector.observe(self.time_s(), now.key_m, now.hammer_m, self.impact(), self.mechanism.as_ref());
     }
 
     /// The mechanism that is played: energies, rows, contacts.
@@ -380,7 +372,7 @@ impl Action {
 
     /// All that the following steps depend on. Allocates for strings that yield only; [`Action::mechanism_state`] and [`Action::save_strings`] never do.
     pub fn save(&self) -> Snapshot {
-        Snapshot::new(self.mechanism_state(), self.mechanism.surfaces())
+        Snapshot::new(self.mechanism_state(), self.mechanism.readout().surfaces)
     }
 
     /// All that the following steps depend on, but for how strings that yield vibrate. Does not allocate.
@@ -390,12 +382,12 @@ impl Action {
 
     /// How many numbers say how strings that yield vibrate, in steps of the present length; 0 where there are none.
     pub fn string_numbers(&self) -> usize {
-        self.mechanism.surfaces().map_or(0, |strings| strings.numbers())
+        self.mechanism.readout().surfaces.map_or(0, |strings| strings.numbers())
     }
 
     /// How strings that yield vibrate: [`Action::string_numbers`] numbers, one after the other. Does not allocate.
     pub fn save_strings(&self, put: &mut dyn FnMut(f64)) {
-        if let Some(strings) = self.mechanism.surfaces() {
+        if let Some(strings) = self.mechanism.readout().surfaces {
             strings.save(put);
         }
     }
@@ -420,45 +412,32 @@ impl Action {
             surfaces.restore(strings);
         }
         self.aimed_m = aimed_m;
-        self.look();
-        self.outcome = Outcome::Converged;
         Ok(())
     }
 
     /// The engine's input for the next step.
     #[inline]
     fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {
-        let Action { mechanism, rest, view, aimed_m, .. } = self;
+        let Action { mechanism, rest, aimed_m, .. } = self;
         rest.engine_input(&input, || {
             let Input::Rigid { position_m, velocity_m_s } = input else { return 0.0 };
-            let h = mechanism.settings().step;
+            let now = mechanism.readout();
+            let h = now.stepping.settings.step;
             // What the key lags behind the motion is taken back little by little.
             let aimed = aimed_m.unwrap_or(position_m - velocity_m_s * h);
-            let behind_m = rest.site_m + aimed - view.site_m;
+            let behind_m = rest.site_m + aimed - now.output.site_m;
             *aimed_m = position_m.is_finite().then_some(position_m);
             velocity_m_s + RIGID_CORRECTION * behind_m / h
         })
     }
 
-    /// One step under an input of the engine's.
-    #[inline]
-    fn step_engine(&mut self, input: &moreau::Input<f64>) -> StepReport {
-        let (report, view) = self.mechanism.step_and_view(input);
-        (self.view, self.outcome) = (view, report.outcome);
-        report
-    }
-
-    /// The same, to be looked at more closely: a ledger to be opened, say. What steps it here leaves the readings as they were.
+    /// The mechanism that is played, to be changed: a ledger to be opened, say.
     pub fn mechanism_mut(&mut self) -> &mut dyn Mechanism {
         self.mechanism.as_mut()
     }
-
-    fn look(&mut self) {
-        self.view = self.mechanism.view();
-    }
 }
 
-/// Asked for the engine's input of each step, told the report of the last one; `None` ends the loop.
+/// Gives the engine's input of each step, from the report of the last one; `None` ends the loop.
 type NextInput<'a> = dyn FnMut(&mut Action, Option<&StepReport>) -> Option<moreau::Input<f64>> + 'a;
 
 /// Every so many steps the caller is asked whether to go on: well below a tenth of a second.

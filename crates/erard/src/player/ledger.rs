@@ -2,9 +2,9 @@
 
 use moreau::Ledger;
 
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, open_ledger, take_stock};
 
-/// An observer that keeps the energy ledger of an action: opened where it is, told of every step, closed at the end.
+/// An observer that keeps the energy ledger of an action: opened where it is, updated after every step, closed at the end.
 #[derive(Debug, Clone)]
 pub struct LedgerBook {
     ledger: Ledger,
@@ -12,14 +12,14 @@ pub struct LedgerBook {
 }
 
 impl LedgerBook {
-    /// Opens the books here.
+    /// Opens the ledger here.
     pub fn open(mechanism: &mut dyn Mechanism) -> Self {
-        LedgerBook { ledger: mechanism.open_ledger(), rested: false }
+        LedgerBook { ledger: open_ledger(mechanism), rested: false }
     }
 
     /// After every step.
-    pub fn look(&mut self, mechanism: &dyn Mechanism) {
-        let rests = mechanism.rests();
+    pub fn observe(&mut self, mechanism: &dyn Mechanism) {
+        let rests = mechanism.readout().rests;
         // A step that was left out has nothing to book, nor has one that changed nothing after another.
         if !(self.rested && rests) {
             mechanism.book(&mut self.ledger);
@@ -27,9 +27,9 @@ impl LedgerBook {
         self.rested = rests;
     }
 
-    /// The books up to here.
+    /// The ledger up to here.
     pub fn close(mut self, mechanism: &dyn Mechanism) -> Ledger {
-        mechanism.take_stock(&mut self.ledger);
+        take_stock(mechanism, &mut self.ledger);
         self.ledger
     }
 }

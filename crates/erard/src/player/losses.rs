@@ -4,8 +4,8 @@
 //! rules: a dry force loses itself times the path of its velocity, which runs linearly over the step, a viscous one and a felt themselves times
 //! the velocity at the theta point, where they act.
 
-use super::course::Observer;
 use super::motion::{Motion, dot, sub};
+use super::run_loop::Observer;
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::strings::{StringLosses, Strings};
@@ -75,7 +75,7 @@ fn lost_in_strings(mechanism: &dyn Mechanism) -> StringLosses {
 }
 
 impl Losses {
-    /// Opens the books where an action stands. Its mechanism must keep its contacts ([`Mechanism::keep_contacts`]), as that of a run does.
+    /// Opens the books where an action stands. Its mechanism must keep its contacts ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         Losses {
@@ -90,23 +90,23 @@ impl Losses {
     }
 
     /// After every step. Does not allocate.
-    pub fn look(&mut self, m: &dyn Mechanism) {
-        self.motion.look(&self.instrument, m);
+    pub fn observe(&mut self, m: &dyn Mechanism) {
+        self.motion.observe(&self.instrument, m);
         self.strings = lost_in_strings(m) - self.strings_before;
         let Losses { instrument, motion, pins, contacts, .. } = self;
         let h = motion.step_s;
         let relative = |values: &[f64], body: usize| {
             values[body] - instrument.bodies[body].parent.map_or(0.0, |parent| values[parent])
         };
-        let regularised = matches!(m.settings().friction, FrictionLaw::Regularised { .. });
+        let regularised = matches!(m.readout().stepping.settings.friction, FrictionLaw::Regularised { .. });
         for (i, (body, loss)) in instrument.bodies.iter().zip(pins).enumerate() {
             let rate = relative(&motion.rate, i);
             loss.viscous_j += body.viscous_n_m_s * rate * rate * h;
-            let dry = m.pivot_friction()[i];
+            let dry = m.readout().pivot_friction[i];
             let u = [0, 1].map(|end| relative(&motion.velocity[end], i));
             loss.dry_j += if regularised { -dry * rate * h } else { dry.abs() * path(u) * h };
         }
-        let zones = instrument.zones.iter().zip(m.contacts()).zip(m.tangential_forces());
+        let zones = instrument.zones.iter().zip(m.readout().contacts).zip(m.readout().tangential_forces);
         for (((zone, contact), tangential), loss) in zones.zip(contacts) {
             let Some(contact) = contact else { continue };
             loss.felt_j += contact.damping_force * contact.rate * h - contact.gained;
@@ -262,7 +262,7 @@ impl Observer for LossRecorder {
 
     fn step(&mut self, _: f64, row: bool, mechanism: &dyn Mechanism) {
         if let Some(losses) = &mut self.losses {
-            losses.look(mechanism);
+            losses.observe(mechanism);
         }
         if row {
             self.row();

@@ -26,28 +26,28 @@ impl Motion {
     pub fn still(instrument: &Instrument, m: &dyn Mechanism) -> Self {
         let count = instrument.bodies.len();
         let mut motion = Motion {
-            step_s: m.last_step(),
-            velocity: [vec![0.0; count], m.velocities().to_vec()],
+            step_s: m.readout().last_step_s,
+            velocity: [vec![0.0; count], m.readout().velocities.to_vec()],
             angle: vec![0.0; count],
             rate: vec![0.0; count],
             acceleration: vec![0.0; count],
             pivot: vec![[0.0; 2]; count],
-            after: m.angles().to_vec(),
+            after: m.readout().angles.to_vec(),
         };
-        motion.velocity[0].copy_from_slice(m.velocities());
+        motion.velocity[0].copy_from_slice(m.readout().velocities);
         motion.place(instrument, 0.0);
         motion
     }
 
     /// After a step.
-    pub fn look(&mut self, instrument: &Instrument, m: &dyn Mechanism) {
-        let theta = m.settings().theta;
-        self.step_s = m.last_step();
+    pub fn observe(&mut self, instrument: &Instrument, m: &dyn Mechanism) {
+        let theta = m.readout().stepping.settings.theta;
+        self.step_s = m.readout().last_step_s;
         let [before, now] = &mut self.velocity;
         std::mem::swap(before, now);
-        now.copy_from_slice(m.velocities());
+        now.copy_from_slice(m.readout().velocities);
         self.place(instrument, theta);
-        self.after.copy_from_slice(m.angles());
+        self.after.copy_from_slice(m.readout().angles);
     }
 
     /// Works out the theta point of the step from `after` (where the last one ended), whose velocities stand in `velocity`.

@@ -5,8 +5,8 @@
 //! (felts, friction, weight, the finger) as they acted in the step, what is missing to m a is the pin's. The moments about the pins are not
 //! needed for that. They are left as a check: [`Reactions::moment_n_m`] is what Euler's law leaves over.
 
-use super::course::Observer;
 use super::motion::{Motion, add, cross, sub, turning};
+use super::run_loop::Observer;
 use crate::grand::KEY_DOWN;
 use crate::instrument::{Instrument, Vec2};
 use crate::mechanism::Mechanism;
@@ -30,7 +30,7 @@ pub struct Reactions {
 }
 
 impl Reactions {
-    /// Begins where an action stands still. Its mechanism must keep its contacts ([`Mechanism::keep_contacts`]), as that of a run does.
+    /// Begins where an action stands still. Its mechanism must keep its contacts ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         let count = instrument.bodies.len();
@@ -48,8 +48,8 @@ impl Reactions {
     }
 
     /// After every step. Does not allocate.
-    pub fn look(&mut self, mechanism: &dyn Mechanism) {
-        self.motion.look(&self.instrument, mechanism);
+    pub fn observe(&mut self, mechanism: &dyn Mechanism) {
+        self.motion.observe(&self.instrument, mechanism);
         self.balance(mechanism);
     }
 
@@ -119,7 +119,7 @@ impl Reactions {
         };
         let relative = |values: &[f64], body: usize| values[body] - bodies[body].parent.map_or(0.0, |p| values[p]);
         for (i, body) in bodies.iter().enumerate() {
-            turn(i, m.pivot_friction()[i] - body.viscous_n_m_s * relative(&motion.rate, i));
+            turn(i, m.readout().pivot_friction[i] - body.viscous_n_m_s * relative(&motion.rate, i));
         }
         for spring in &instrument.springs {
             let drawn = |body: usize| bodies[body].angle_rad;
@@ -133,7 +133,9 @@ impl Reactions {
                 moment[body] += cross(sub(point, motion.pivot[body]), by);
             }
         };
-        for ((zone, contact), tangential) in instrument.zones.iter().zip(m.contacts()).zip(m.tangential_forces()) {
+        for ((zone, contact), tangential) in
+            instrument.zones.iter().zip(m.readout().contacts).zip(m.readout().tangential_forces)
+        {
             let Some(contact) = contact else { continue };
             let [nx, ny] = contact.normal;
             // The tangent is the normal turned clockwise by a quarter turn.
@@ -143,7 +145,7 @@ impl Reactions {
         }
         if let Some(key) = instrument.roles.key {
             let front = add(motion.pivot[key], motion.turned(key, instrument.roles.key_front_m));
-            push(Some(key), front, KEY_DOWN.map(|d| d * m.drive_force()));
+            push(Some(key), front, KEY_DOWN.map(|d| d * m.readout().output.drive_n));
         }
     }
 }
@@ -223,13 +225,13 @@ impl ReactionRecorder {
 impl Observer for ReactionRecorder {
     fn begin(&mut self, _: f64, mechanism: &dyn Mechanism) {
         self.reactions = Some(Reactions::open(&self.instrument, mechanism));
-        self.write(true, mechanism.last_step());
+        self.write(true, mechanism.readout().last_step_s);
     }
 
     fn step(&mut self, _: f64, row: bool, mechanism: &dyn Mechanism) {
         if let Some(reactions) = &mut self.reactions {
-            reactions.look(mechanism);
+            reactions.observe(mechanism);
         }
-        self.write(row, mechanism.last_step());
+        self.write(row, mechanism.readout().last_step_s);
     }
 }

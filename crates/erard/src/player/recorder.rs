@@ -3,9 +3,9 @@
 use moreau::Contact;
 
 use crate::instrument::Instrument;
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Stepping};
 use crate::run::{BodySeries, StringSeries, ZoneSeries};
-use crate::strings::{Seen, Strings};
+use crate::strings::{ShapeProbe, Strings};
 
 /// What was written down. Units and signs as in [`crate::run::Run`].
 #[derive(Debug)]
@@ -38,13 +38,13 @@ pub struct Recorder {
     /// The last row's forces are those of a step of this length, s, and still wait for those of the step after it.
     pending: Option<f64>,
     /// What tells the string's shape.
-    shape: Option<Seen>,
+    shape: Option<ShapeProbe>,
 }
 
 impl Recorder {
     /// For at most so many rows of an instrument that plays as this mechanism.
     pub fn new(instrument: &Instrument, rows: usize, m: &mut dyn Mechanism) -> Self {
-        m.keep_contacts();
+        m.configure(Stepping { keeps_contacts: true, ..*m.readout().stepping });
         let series = || vec![0.0; rows];
         let has_hammer = instrument.roles.hammer.is_some();
         let recorded = Recorded {
@@ -70,13 +70,13 @@ impl Recorder {
                 })
                 .collect(),
             strings: Strings::under(m).map(|strings| {
-                let places_m = strings.places_seen_m();
+                let places_m = strings.probe_places_m();
                 let shape_m = vec![0.0; rows * places_m.len()];
                 let pedal_m = if strings.pedal_m().is_some() { series() } else { Vec::new() };
                 StringSeries { displacement_m: series(), bridge_n: series(), places_m, shape_m, pedal_m }
             }),
         };
-        let shape = Strings::under(m).map(Strings::seen);
+        let shape = Strings::under(m).map(Strings::shape_probe);
         Recorder { recorded, rows: 0, has_hammer, pending: None, shape }
     }
 
@@ -84,19 +84,21 @@ impl Recorder {
     pub fn step(&mut self, m: &dyn Mechanism) {
         let Some(before) = self.pending.take() else { return };
         // Forces belong to the middles of their steps: the mean, where the steps are equal.
-        let share = before / (before + m.last_step());
+        let share = before / (before + m.readout().last_step_s);
         let mean = |last: &mut f64, next: f64| *last = (1.0 - share) * *last + share * next;
         let row = self.rows - 1;
         let force = &mut self.recorded.force_n[row];
         if row == 0 && *force == 0.0 {
             // Nobody pushed before the run: it begins with the force that begins, not with the half of it. Else a run's own force, played again,
             // would not be the run.
-            *force = m.drive_force();
+            *force = m.readout().output.drive_n;
         } else {
-            mean(force, m.drive_force());
+            mean(force, m.readout().output.drive_n);
         }
-        let contacts = m.contacts();
-        for ((zone, contact), tangential) in self.recorded.zones.iter_mut().zip(contacts).zip(m.tangential_forces()) {
+        let contacts = m.readout().contacts;
+        for ((zone, contact), tangential) in
+            self.recorded.zones.iter_mut().zip(contacts).zip(m.readout().tangential_forces)
+        {
             let Some(contact) = contact else {
                 // Nothing now, and nothing in the last row: nothing between.
                 if zone.normal_n[row] != 0.0 {
@@ -130,12 +132,12 @@ impl Recorder {
     /// # Panics
     /// If there are more than was said at first.
     pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
-        self.pending = Some(m.last_step());
+        self.pending = Some(m.readout().last_step_s);
         let row = self.rows;
         self.rows += 1;
         let to = &mut self.recorded;
         to.time_s[row] = time_s;
-        to.force_n[row] = m.drive_force();
+        to.force_n[row] = m.readout().output.drive_n;
         to.key_m[row] = key_m;
         if self.has_hammer {
             to.hammer_head_m[row] = hammer_m;
@@ -151,11 +153,13 @@ impl Recorder {
                 shape.read(strings, &mut series.shape_m[row * count..(row + 1) * count]);
             }
         }
-        for ((body, angle), rate) in to.bodies.iter_mut().zip(m.angles()).zip(m.velocities()) {
+        for ((body, angle), rate) in to.bodies.iter_mut().zip(m.readout().angles).zip(m.readout().velocities) {
             body.angle_rad[row] = *angle;
             body.rate_rad_per_s[row] = *rate;
         }
-        for ((zone, contact), tangential) in to.zones.iter_mut().zip(m.contacts()).zip(m.tangential_forces()) {
+        for ((zone, contact), tangential) in
+            to.zones.iter_mut().zip(m.readout().contacts).zip(m.readout().tangential_forces)
+        {
             if let Some(contact) = contact {
                 zone.normal_n[row] = contact.force;
                 zone.contact[row] = place_of(contact);

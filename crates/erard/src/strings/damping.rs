@@ -163,11 +163,11 @@ pub(super) struct Rocks {
 }
 
 /// A number for every two felts that rock.
-pub(super) type Across = [[f64; MAX_STRINGS]; MAX_STRINGS];
+pub(super) type BridgeCoupling = [[f64; MAX_STRINGS]; MAX_STRINGS];
 
 /// How felts that rock hang together where the bridge moves, (C^-1 + A)^-1, N/m: what a metre by which one would rock makes another's dashpot push. `per_newton` is the bridge's.
-pub(super) fn across(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_newton: f64) -> Across {
-    let mut inverse = Across::default();
+pub(super) fn bridge_coupling(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_newton: f64) -> BridgeCoupling {
+    let mut inverse = BridgeCoupling::default();
     // Gauss and Jordan's elimination of [C^-1 + A | 1], among those that rock: symmetric and positive, so that no pivot is missing.
     let mut rows = [[0.0; 2 * MAX_STRINGS]; MAX_STRINGS];
     let rocks: [bool; MAX_STRINGS] = std::array::from_fn(|k| {

@@ -30,7 +30,7 @@
 //! They do not feel each other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them (`pedal.rs`).
 //!
 //! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Their forces are found together
-//! ([`moreau_kernels::Surfaces::together`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
+//! ([`moreau_kernels::Surfaces::coupled`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
 //! books close exactly (`tests/dampers.rs`).
 
 mod bridge;
@@ -38,13 +38,13 @@ mod damping;
 mod modal;
 mod pedal;
 mod rows;
-mod seen;
+mod shape_probe;
 mod sound;
 
 pub use crate::instrument::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
 pub use modal::Strings;
 pub use pedal::{PEDAL_M_S, PEDAL_MOST_M, Pedal, PedalError};
-pub use seen::Seen;
+pub use shape_probe::ShapeProbe;
 pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
 
 use crate::instrument::Instrument;

@@ -56,17 +56,17 @@ impl Extremes {
     }
 
     /// After a step that ended at `time_s`.
-    pub fn look(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
-        self.look_at_angles(time_s, mechanism.angles());
-        for (deepest, contact) in self.deepest.iter_mut().zip(mechanism.contacts()) {
+    pub fn observe(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
+        self.note_angles(time_s, mechanism.readout().angles);
+        for (deepest, contact) in self.deepest.iter_mut().zip(mechanism.readout().contacts) {
             if let Some(contact) = contact {
-                deepest.up(contact.gap, time_s);
+                deepest.up(contact.compression, time_s);
             }
         }
     }
 
     /// Absolute angles of the bodies at an instant, rad.
-    pub fn look_at_angles(&mut self, time_s: f64, angles: &[f64]) {
+    pub fn note_angles(&mut self, time_s: f64, angles: &[f64]) {
         for ((turned, (parent, drawn)), angle) in self.turned.iter_mut().zip(&self.hinges).zip(angles) {
             let by = angle - parent.map_or(0.0, |parent| angles[parent]) - drawn;
             turned[0].down(by, time_s);
@@ -75,7 +75,7 @@ impl Extremes {
     }
 
     /// The compression of a zone at an instant, m; negative where it is open.
-    pub fn look_at_gap(&mut self, time_s: f64, zone: usize, gap_m: f64) {
-        self.deepest[zone].up(gap_m, time_s);
+    pub fn note_compression(&mut self, time_s: f64, zone: usize, compression_m: f64) {
+        self.deepest[zone].up(compression_m, time_s);
     }
 }

@@ -17,10 +17,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod books;
+mod energy_audit;
 mod extremes;
 
-pub use books::Books;
+pub use energy_audit::EnergyAudit;
 pub use extremes::{Extremes, Furthest};
 
 use std::collections::BTreeMap;
@@ -152,17 +152,17 @@ pub fn assess(
 /// What is wrong with the fastest blow.
 #[must_use]
 pub fn of_blows(events: &Events) -> Option<Warning> {
-    let fastest = events.strikes.iter().max_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s))?;
-    (fastest.speed_m_s > HAMMER_SPEED_M_S).then(|| Warning {
+    let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_s.total_cmp(&b.hammer_speed_m_s))?;
+    (fastest.hammer_speed_m_s > HAMMER_SPEED_M_S).then(|| Warning {
         kind: Kind::HammerSpeed,
         what: format!(
             "the hammer meets the string with {} m/s at {}, and no hammer is faster than {} m/s",
-            rounded(fastest.speed_m_s),
+            rounded(fastest.hammer_speed_m_s),
             instant(fastest.time_s),
             rounded(HAMMER_SPEED_M_S)
         ),
         part: None,
-        value: fastest.speed_m_s,
+        value: fastest.hammer_speed_m_s,
         bound: HAMMER_SPEED_M_S,
         unit: "m/s",
         time_s: Some(fastest.time_s),

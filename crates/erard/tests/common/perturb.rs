@@ -2,6 +2,7 @@
 
 use erard::equilibrium::EquilibriumError;
 use erard::instrument::{Curve, Instrument, Vec2};
+use erard::mechanism::{open_ledger, take_stock};
 use erard::player::{Action, Input};
 use erard::stroke::{Cursor, NUANCES, Series, Touch};
 use moreau::{Ledger, Outcome, Settings};
@@ -177,7 +178,7 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
         }
     }
     action.rest_here(instrument);
-    let mut ledger = action.mechanism_mut().open_ledger();
+    let mut ledger = open_ledger(action.mechanism_mut());
     let (h, theta) = (settings.step, settings.theta);
     fate.steps = (duration_s / h) as u64;
     for n in 0..fate.steps {
@@ -201,10 +202,10 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
                 return fate;
             }
         }
-        fate.newton += u64::from(action.mechanism().last_report().newton);
+        fate.newton += u64::from(action.mechanism().readout().output.report.newton);
         action.mechanism().book(&mut ledger);
         if n % STOCK == STOCK - 1 {
-            action.mechanism().take_stock(&mut ledger);
+            take_stock(action.mechanism(), &mut ledger);
             fate.take_stock(&ledger);
         }
     }

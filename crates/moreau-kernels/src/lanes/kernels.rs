@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step_apart, step_lanes};
+use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step_lanes, step_out_of_line};
 
 use super::avx2::F64x4;
 use super::avx2_single::F32x8;
@@ -94,7 +94,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
         let mut workspace = Workspace::<f64, B, Z, N>::new();
         for (i, outcome) in outcomes[..T::LANES].iter_mut().enumerate() {
             let mut state = self.stepped.state.lane(i);
-            *outcome = step_apart(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut workspace).outcome;
+            *outcome =
+                step_out_of_line(&self.models[i], &self.own_settings, &inputs[i], &mut state, &mut workspace).outcome;
             self.stepped.state.set_lane(i, &state);
         }
     }

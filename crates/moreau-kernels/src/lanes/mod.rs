@@ -18,7 +18,7 @@ mod kernels;
 #[cfg(target_arch = "x86_64")]
 mod number;
 
-use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step_apart};
+use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step_out_of_line};
 
 /// How many mechanisms of a group are stepped at once, and how precisely.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -121,7 +121,7 @@ impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
         let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
             sleeps[i].wake();
-            outcomes[i] = step_apart(model, settings, &inputs[i], state, workspace).outcome;
+            outcomes[i] = step_out_of_line(model, settings, &inputs[i], state, workspace).outcome;
         }
     }
 

@@ -3,7 +3,7 @@
 //! Within one inner step a law has one side: that of its velocity at the end. Where it changes within the step, whole and halves may
 //! err alike, so that their difference does not show it. What they hide is told here from the velocities' slopes and the laws' forces.
 
-use super::{Controller, Halves};
+use super::{Controller, StepDoubling};
 use crate::model::Model;
 use crate::real::Scalar;
 use crate::state::State;
@@ -54,7 +54,7 @@ impl<T: Scalar, const B: usize> Changes<T, B> {
         still: T,
         controller: &Controller<T, Z>,
         start: &State<T, B, Z>,
-        halves: &Halves<T, B, Z, N>,
+        halves: &StepDoubling<T, B, Z, N>,
     ) -> Self {
         let k = halves.settings.step;
         let history = if T::ZERO < controller.last { k / controller.last } else { T::ZERO };

@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
 use crate::state::{Input, State};
-use crate::step::{Outcome, step_apart};
+use crate::step::{Outcome, step_out_of_line};
 use crate::workspace::Workspace;
 use changes::Changes;
 
@@ -68,7 +68,7 @@ impl<T: Real, const Z: usize> Controller<T, Z> {
 
 /// Working memory, and what happened in the two halves of the step.
 #[derive(Debug, Clone)]
-pub struct Halves<T: Real, const B: usize, const Z: usize, const N: usize> {
+pub struct StepDoubling<T: Real, const B: usize, const Z: usize, const N: usize> {
     /// Settings of the halves.
     pub settings: Settings<T>,
     /// The state between them.
@@ -79,12 +79,12 @@ pub struct Halves<T: Real, const B: usize, const Z: usize, const N: usize> {
     whole: State<T, B, Z>,
 }
 
-impl<T: Real, const B: usize, const Z: usize, const N: usize> Halves<T, B, Z, N> {
+impl<T: Real, const B: usize, const Z: usize, const N: usize> StepDoubling<T, B, Z, N> {
     /// Fresh working memory; results do not depend on what it held before.
     pub fn new(settings: &Settings<T>) -> Self {
         let state = || State::at_rest([T::ZERO; B]);
         let workspace = [Workspace::new(), Workspace::new()];
-        Halves { settings: *settings, middle: state(), workspace, end: state(), whole: state() }
+        StepDoubling { settings: *settings, middle: state(), workspace, end: state(), whole: state() }
     }
 
     /// Relative velocities before and after each half of a step from `start`.
@@ -133,7 +133,7 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
     limit: T,
     mut input: impl FnMut(T, T, &State<T, B, Z>) -> Input<T>,
     state: &mut State<T, B, Z>,
-    halves: &mut Halves<T, B, Z, N>,
+    halves: &mut StepDoubling<T, B, Z, N>,
 ) -> ControlledStep<T> {
     let wanted = controller.next.max(accuracy.smallest).min(accuracy.largest);
     // What is left is taken at once or in two: no crumb remains.
@@ -202,10 +202,10 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     controller: &Controller<T, Z>,
     input: &mut impl FnMut(T, T, &State<T, B, Z>) -> Input<T>,
     state: &State<T, B, Z>,
-    halves: &mut Halves<T, B, Z, N>,
+    halves: &mut StepDoubling<T, B, Z, N>,
     report: &mut ControlledStep<T>,
 ) {
-    let Halves { settings: own, middle, workspace: [first, second], end, whole } = halves;
+    let StepDoubling { settings: own, middle, workspace: [first, second], end, whole } = halves;
     let h = report.step;
     *own = Settings { step: T::from_f64(0.5) * h, ..*settings };
     let mut worst = Outcome::Converged;
@@ -223,7 +223,7 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         workspace.turning.slip_before = *slip;
         workspace.turning.span = (T::ONE - settings.theta) * last;
         let input = input(from, settings.step, state);
-        let did = step_apart(model, settings, &input, state, workspace);
+        let did = step_out_of_line(model, settings, &input, state, workspace);
         report.inner += 1;
         report.newton += did.newton;
         report.solver += did.solver;
@@ -266,7 +266,7 @@ fn slips<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 fn error<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     accuracy: &Accuracy<T>,
     changes: &Changes<T, B>,
-    halves: &Halves<T, B, Z, N>,
+    halves: &StepDoubling<T, B, Z, N>,
 ) -> T {
     // Where laws change, nothing is known of the halves' error but that it is no larger than the whole's.
     let share = if changes.any { T::ONE } else { share(&halves.settings) };
@@ -302,7 +302,7 @@ fn exponent<T: Scalar, const B: usize>(settings: &Settings<T>, changes: &Changes
 /// Richardson's extrapolation of the velocities and angles: a step's error h^3 becomes h^4. Not where it would turn a joint around.
 fn extrapolate<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
-    halves: &Halves<T, B, Z, N>,
+    halves: &StepDoubling<T, B, Z, N>,
     state: &mut State<T, B, Z>,
 ) -> bool {
     let share = share(&halves.settings);

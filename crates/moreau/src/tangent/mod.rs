@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::real::Real;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, State};
-use crate::step::{Outcome, step_apart};
+use crate::step::{Outcome, step_out_of_line};
 use crate::workspace::Workspace;
 use crossing::Crossing;
 use switch::{Before, Change, LetGo, Slips};
@@ -34,7 +34,7 @@ pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual
 
 /// What became of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Stretch {
+pub struct TangentReport {
     /// Switches at which the derivatives jumped.
     pub switches: u32,
     /// Switches that could not be told apart from the one before: there the derivatives are those of the step across.
@@ -45,10 +45,10 @@ pub struct Stretch {
     pub failed: bool,
 }
 
-impl Stretch {
+impl TangentReport {
     /// Both.
-    pub fn and(self, other: Stretch) -> Self {
-        Stretch {
+    pub fn and(self, other: TangentReport) -> Self {
+        TangentReport {
             switches: self.switches + other.switches,
             unresolved: self.unresolved + other.unresolved,
             unconverged: self.unconverged + other.unconverged,
@@ -115,9 +115,9 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
     }
 
     /// Advances by h = `settings.step`, in as many inner steps as there are switches, and one more.
-    pub fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, D>) -> Stretch {
+    pub fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, D>) -> TangentReport {
         let h = settings.step;
-        let (mut done, mut all, mut gone) = (0.0, Stretch::default(), LetGo::default());
+        let (mut done, mut all, mut gone) = (0.0, TangentReport::default(), LetGo::default());
         // Each inner step but the last ends on a change; as many as there are laws may come at once.
         for _ in 0..8 * (B + Z) {
             let left = h - done;
@@ -135,7 +135,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         }
         let left = h - done;
         let drive = input(done, left, self.site());
-        all.and(Stretch { unresolved: 1, ..self.go(settings, left, &drive) })
+        all.and(TangentReport { unresolved: 1, ..self.go(settings, left, &drive) })
     }
 
     /// Position of the driven point along the drive's direction, m.
@@ -160,7 +160,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         let mut state = from.clone();
         rescale(&mut state.increment, length, last);
         let settings = Settings { step: length, ..*settings };
-        let _ = step_apart(&self.plain, &settings, &plain_input(drive), &mut state, &mut self.probe);
+        let _ = step_out_of_line(&self.plain, &settings, &plain_input(drive), &mut state, &mut self.probe);
         state
     }
 
@@ -171,16 +171,16 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
     }
 
     /// A step in dual numbers.
-    fn go(&mut self, settings: &Settings<f64>, length: f64, drive: &Input<Dual<D>>) -> Stretch {
+    fn go(&mut self, settings: &Settings<f64>, length: f64, drive: &Input<Dual<D>>) -> TangentReport {
         rescale(&mut self.state.increment, Dual::constant(length), Dual::constant(self.last));
         let settings = dual_settings(&Settings { step: length, ..*settings });
-        let report = step_apart(&self.model, &settings, drive, &mut self.state, &mut self.workspace);
+        let report = step_out_of_line(&self.model, &settings, drive, &mut self.state, &mut self.workspace);
         self.last = length;
         let sound = self.state.angle.iter().chain(&self.state.velocity).all(Dual::is_finite);
-        Stretch {
+        TangentReport {
             unconverged: u32::from(report.outcome == Outcome::IterationLimit),
             failed: !sound || matches!(report.outcome, Outcome::NonFinite | Outcome::TooManyLaws),
-            ..Stretch::default()
+            ..TangentReport::default()
         }
     }
 
@@ -192,7 +192,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         left: f64,
         gone: &mut LetGo,
         input: &mut Driven<'_, D>,
-    ) -> (f64, Stretch) {
+    ) -> (f64, TangentReport) {
         let h = settings.step;
         let site = self.site();
         let (mut low, mut high) = (0.0, left);
@@ -219,7 +219,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         if !switches {
             // From here on it may slip.
             if low <= SHORTEST * h {
-                return (0.0, Stretch::default());
+                return (0.0, TangentReport::default());
             }
             let drive = input(done, low, site);
             return (low, self.go(settings, low, &drive));
@@ -233,9 +233,9 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         if small < 0.1 * SHORTEST * h {
             let across = (2.0 * high).max(SHORTEST * h).min(left);
             let drive = input(done, across, site);
-            return (across, Stretch { unresolved: 1, ..self.go(settings, across, &drive) });
+            return (across, TangentReport { unresolved: 1, ..self.go(settings, across, &drive) });
         }
-        let (mut all, mut at) = (Stretch::default(), 0.0);
+        let (mut all, mut at) = (TangentReport::default(), 0.0);
         // Two small steps up to the switch tell the slips and accelerations before it.
         let (mut velocity, mut slips) = ([[0.0; B]; 2], [const { Slips::none() }; 2]);
         for k in 0..2 {
@@ -248,7 +248,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         }
         let crossing = self.cross(settings, done + at, &slips, [small, 2.0 * high], input);
         let Some(Crossing { law, rate, length, after, together }) = crossing else {
-            return (at, all.and(Stretch { unresolved: 1, ..Stretch::default() }));
+            return (at, all.and(TangentReport { unresolved: 1, ..TangentReport::default() }));
         };
         let (first, second, ahead) = self.beyond(settings, done + at, &after, [length, small], law, input);
         let slip = slips[1].slip(law);
@@ -269,7 +269,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             if rests == 0.0 && goes != 0.0 { (second, length + 2.0 * ahead, ahead) } else { (after, length, length) };
         self.take_over(&end);
         self.last = last;
-        (at + length, all.and(Stretch { switches: 1, unresolved: together, ..Stretch::default() }))
+        (at + length, all.and(TangentReport { switches: 1, unresolved: together, ..TangentReport::default() }))
     }
 
     /// Goes on from a plain state; what depends on the directions is kept.

@@ -5,7 +5,7 @@ use moreau::Settings;
 use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
-use erard::player::{Gesture, press_by_hand};
+use erard::player::{HandStroke, press_by_hand};
 use erard::run::Run;
 use erard::simulation::{Setup, SimulationError};
 
@@ -32,15 +32,15 @@ const THROWN_MS: f64 = 8.0;
 struct Kind {
     name: &'static str,
     ends: [f64; 2],
-    gesture: fn(f64) -> Gesture,
+    gesture: fn(f64) -> HandStroke,
     is_led: bool,
     colour: usize,
 }
 
 const KINDS: [Kind; 3] = [
-    Kind { name: "led", ends: LED_S, gesture: Gesture::led, is_led: true, colour: 0 },
-    Kind { name: "pressed", ends: RISES_N_S, gesture: Gesture::pressed, is_led: false, colour: 1 },
-    Kind { name: "struck", ends: ARRIVES_M_S, gesture: Gesture::struck, is_led: false, colour: 2 },
+    Kind { name: "led", ends: LED_S, gesture: HandStroke::led, is_led: true, colour: 0 },
+    Kind { name: "pressed", ends: RISES_N_S, gesture: HandStroke::pressed, is_led: false, colour: 1 },
+    Kind { name: "struck", ends: ARRIVES_M_S, gesture: HandStroke::struck, is_led: false, colour: 2 },
 ];
 
 /// What came of a touch.
@@ -61,11 +61,11 @@ impl Touched {
         let ms = |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(f64::NAN, |(a, b)| (a - b) * 1e3);
         Touched {
             louder,
-            speed_m_s: events.hammer_speed_m_s.unwrap_or(f64::NAN),
-            travel_ms: ms(events.hammer_contact_s, events.key_start_s),
-            ahead_ms: ms(events.key_bottom_s, events.hammer_contact_s),
-            flight_ms: ms(events.hammer_contact_s, events.let_off_s),
-            blows: events.strikes.len(),
+            speed_m_s: events.hammer_speed_m_s().unwrap_or(f64::NAN),
+            travel_ms: ms(events.hammer_contact_s(), events.key_start_s),
+            ahead_ms: ms(events.key_bottom_s, events.hammer_contact_s()),
+            flight_ms: ms(events.hammer_contact_s(), events.let_off_s),
+            blows: events.impacts.len(),
             is_checked: events.check_s.is_some(),
         }
     }

@@ -99,9 +99,9 @@ fn throw(felt: erard::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
     let mut workspace = Workspace::<f64, 1, 1, 2>::new();
     let (mut compression, mut force) = (vec![0.0], vec![0.0]);
     for _ in 0..50_000 {
-        let before = Pose::of(&model, &state.angle).gap(&model, 0);
+        let before = Pose::of(&model, &state.angle).compression(&model, 0);
         step(&model, &settings, &Input::Free, &mut state, &mut workspace);
-        let after = Pose::of(&model, &state.angle).gap(&model, 0);
+        let after = Pose::of(&model, &state.angle).compression(&model, 0);
         // The step's force belongs to its middle.
         compression.push(0.5 * (before + after));
         force.push(workspace.contact(&model, &settings, 0).map_or(0.0, |c| c.force));
@@ -264,11 +264,11 @@ pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result
             table.row([
                 play.label(),
                 format!("{:.0}", soft.finger.stiffness_n_per_m),
-                told(run.events.hammer_speed_m_s, 4),
-                told(run.events.hammer_contact_s.map(|t| t * 1e3), 2),
+                told(run.events.hammer_speed_m_s(), 4),
+                told(run.events.hammer_contact_s().map(|t| t * 1e3), 2),
                 format!("{:.2}", run.peak_force_n),
             ]);
-            speeds.push(run.events.hammer_speed_m_s.unwrap_or(f64::NAN));
+            speeds.push(run.events.hammer_speed_m_s().unwrap_or(f64::NAN));
             forces.push(run.peak_force_n);
         }
         let stiffness: Vec<f64> = factors.iter().map(|f| f * own.stiffness_n_per_m).collect();

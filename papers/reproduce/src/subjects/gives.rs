@@ -7,7 +7,7 @@ use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Zone};
 use erard::one_dof;
-use erard::player::{Gesture, press_by_hand};
+use erard::player::{HandStroke, press_by_hand};
 use erard::run::Run;
 use erard::simulation::Setup;
 use erard_workshop::validate::{Loudness, loudness};
@@ -118,8 +118,8 @@ pub(super) fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
 /// How far each part yields, stacked.
 fn chart(instrument: &Instrument) -> Result<Chart, ReproduceError> {
     let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(0.12) };
-    let run = press_by_hand(instrument, &Gesture::pressed(RATE_N_S), &setup, &mut |_| true)?;
-    let Some(contact_s) = run.events.hammer_contact_s else {
+    let run = press_by_hand(instrument, &HandStroke::pressed(RATE_N_S), &setup, &mut |_| true)?;
+    let Some(contact_s) = run.events.hammer_contact_s() else {
         return Err(ReproduceError::Instrument("the pressed f does not sound".into()));
     };
     let from = run.time_s.partition_point(|&t| t < contact_s - WINDOW_S[0]);

@@ -8,7 +8,7 @@ use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
-use erard::player::{Gesture, Muscle, press_by_hand};
+use erard::player::{HandStroke, Muscle, press_by_hand};
 use erard::simulation::Setup;
 
 /// s.
@@ -26,7 +26,7 @@ const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
 struct Case {
     name: &'static str,
     instrument: Instrument,
-    touch: Gesture,
+    touch: HandStroke,
     colour: usize,
     mark: Mark,
 }
@@ -94,10 +94,10 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let Some(even) = balanced(&grand) else { return Err(ReproduceError::Instrument("there is no key".into())) };
     let mut stiff = even.clone();
     stiffen(&mut stiff, grand.roles.key);
-    let held = Gesture { muscle: Muscle::Steady { force_n: HOLD_N }, ..Gesture::pressed(1.0) };
+    let held = HandStroke { muscle: Muscle::Steady { force_n: HOLD_N }, ..HandStroke::pressed(1.0) };
     let [at_once, usual] = [1e-3, 0.030].map(|within_s| held.leaving(LET_GO_S, within_s));
     // A hand that leads goes up within twice the time.
-    let [led, slowly] = [0.060, 0.120].map(|within_s| Gesture::led(0.2).leaving(LET_GO_S, within_s));
+    let [led, slowly] = [0.060, 0.120].map(|within_s| HandStroke::led(0.2).leaving(LET_GO_S, within_s));
     let case = |name, instrument: &Instrument, touch, colour, mark| Case {
         name,
         instrument: instrument.clone(),

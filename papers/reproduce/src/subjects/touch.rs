@@ -23,7 +23,7 @@ use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDof, reduce};
-use erard::player::{self, Gesture, press_by_hand};
+use erard::player::{self, HandStroke, press_by_hand};
 use erard::run::Run;
 use erard::simulation::{Setup, simulate};
 use erard::stroke::PositionSeries;
@@ -64,11 +64,11 @@ impl FineStructure {
     fn new(instrument: &Instrument, one: &Instrument, within_s: f64) -> Result<Self, ReproduceError> {
         let setup =
             Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(2.0 * within_s + 0.1) };
-        let played = press_by_hand(instrument, &Gesture::led(within_s), &setup, &mut |_| true)?;
+        let played = press_by_hand(instrument, &HandStroke::led(within_s), &setup, &mut |_| true)?;
         let missing =
             || ReproduceError::Instrument(format!("a hand that is led down within {within_s} s does not sound"));
         let (Some(start), Some(landed), Some(speed_m_s)) =
-            (played.events.key_start_s, played.events.key_bottom_s, played.events.hammer_speed_m_s)
+            (played.events.key_start_s, played.events.key_bottom_s, played.events.hammer_speed_m_s())
         else {
             return Err(missing());
         };
@@ -286,12 +286,13 @@ enum Model<'a> {
 }
 
 impl Model<'_> {
-    fn hit(&self, gesture: &Gesture) -> Result<Option<(Hit, f64)>, ReproduceError> {
+    fn hit(&self, gesture: &HandStroke) -> Result<Option<(Hit, f64)>, ReproduceError> {
         let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(0.35) };
         match self {
             Model::Action(instrument) => {
                 let run = press_by_hand(instrument, gesture, &setup, &mut |_| true)?;
-                let (Some(at_s), Some(speed_m_s)) = (run.events.hammer_contact_s, run.events.hammer_speed_m_s) else {
+                let (Some(at_s), Some(speed_m_s)) = (run.events.hammer_contact_s(), run.events.hammer_speed_m_s())
+                else {
                     return Ok(None);
                 };
                 let row = run.time_s.partition_point(|&t| t < at_s).min(run.time_s.len() - 1);
@@ -312,11 +313,11 @@ impl Model<'_> {
 }
 
 /// A touch that scatters: normal, from uniform numbers (Box and Muller).
-fn touch(rate_n_s: f64, rng: &mut Rng) -> Gesture {
+fn touch(rate_n_s: f64, rng: &mut Rng) -> HandStroke {
     let [u, v] = [1.0 - rng.f64(), rng.f64()];
     let radius = SCATTER * (-2.0 * u.ln()).sqrt();
     let (sin, cos) = (2.0 * PI * v).sin_cos();
-    let mut gesture = Gesture::pressed(rate_n_s * (1.0 + radius * cos));
+    let mut gesture = HandStroke::pressed(rate_n_s * (1.0 + radius * cos));
     gesture.hand.mass_kg *= 1.0 + radius * sin;
     gesture
 }
@@ -364,7 +365,7 @@ pub(super) fn scatter(instrument: &Instrument, progress: &mut Progress) -> Resul
     let mut worst_gain: f64 = 0.0;
     let mut worst_share: f64 = 0.0;
     for (n, rate_n_s) in RATES_N_S.into_iter().enumerate() {
-        let Some((_, way_m)) = Model::Action(instrument).hit(&Gesture::pressed(rate_n_s))? else { continue };
+        let Some((_, way_m)) = Model::Action(instrument).hit(&HandStroke::pressed(rate_n_s))? else { continue };
         let models = [
             ("the action", Model::Action(instrument)),
             ("hammer 30 % heavier", Model::Action(&heavier)),
@@ -450,8 +451,8 @@ mod tests {
     #[test]
     fn touches_scatter_by_what_is_said() {
         let mut rng = Rng::with_seed(1);
-        let touches: Vec<Gesture> = (0..4000).map(|_| touch(100.0, &mut rng)).collect();
-        let rate = |gesture: &Gesture| match gesture.muscle {
+        let touches: Vec<HandStroke> = (0..4000).map(|_| touch(100.0, &mut rng)).collect();
+        let rate = |gesture: &HandStroke| match gesture.muscle {
             Muscle::Rises { rate_n_s, .. } => rate_n_s,
             _ => f64::NAN,
         };

@@ -8,7 +8,7 @@ use core::f64::consts::PI;
 use moreau_kernels::Mechanism;
 
 use super::bridge::Bridge;
-use super::damping::{self, Across, Felt, Rocks, across};
+use super::damping::{self, BridgeCoupling, Felt, Rocks, bridge_coupling};
 use super::pedal::Rail;
 use super::rows::{Block, Row, WIDE, added, transition};
 use crate::instrument::REACH_HZ;
@@ -52,7 +52,7 @@ pub struct Strings {
     /// What these do beside their forces in the next step.
     rocks: [Rocks; MAX_STRINGS],
     /// Where the bridge moves: how these hang together, and its mean displacement in the next step if nothing presses the strings, m.
-    across: Across,
+    coupling: BridgeCoupling,
     drifts_m: f64,
     rail: Option<Rail>,
     /// Where it moves.
@@ -103,7 +103,7 @@ impl Strings {
             modes: Vec::new(),
             felts,
             rocks: [Rocks::default(); MAX_STRINGS],
-            across: Across::default(),
+            coupling: BridgeCoupling::default(),
             drifts_m: 0.0,
             rail: instrument.roles.pedal.map(|_| Rail::default()),
             bridge: None,
@@ -132,11 +132,11 @@ impl Strings {
     /// Those of a mechanism.
     #[must_use]
     pub fn under(mechanism: &dyn Mechanism) -> Option<&Self> {
-        mechanism.surfaces().and_then(|surfaces| surfaces.as_any().downcast_ref())
+        mechanism.readout().surfaces.and_then(|surfaces| surfaces.as_any().downcast_ref())
     }
 
     /// Everything still, as it stands under what lies on it when the action rests.
-    pub fn hush(&mut self) {
+    pub fn reset_to_equilibrium(&mut self) {
         (self.forces_n, self.still) = (self.resting_n, true);
         self.stand();
     }
@@ -215,7 +215,7 @@ impl Strings {
                 }
             }
         }
-        self.look();
+        self.update_surfaces();
     }
 
     /// A mode's displacement at a place per metre of its own.
@@ -233,7 +233,7 @@ impl Strings {
     }
 
     /// What follows from where the modes are.
-    fn look(&mut self) {
+    fn update_surfaces(&mut self) {
         let [mut now, mut free, mut bridge] = [[0.0; WIDE]; 3];
         for block in &self.blocks {
             let Block { q, v, qq, qv, shape, bridge: own, .. } = block;
@@ -253,7 +253,7 @@ impl Strings {
             for (rocks, felt) in self.rocks.iter_mut().zip(&self.felts) {
                 rocks.drift_m += felt.rocking_sounds * self.drifts_m;
             }
-            self.across = across(&self.rocks, &self.felts, bridge.per_newton());
+            self.coupling = bridge_coupling(&self.rocks, &self.felts, bridge.per_newton());
         }
     }
 
@@ -306,7 +306,7 @@ impl Strings {
                 self.rocked_j += felt.rock(&rocks[k], rocked[k], &mut self.blocks);
             }
         }
-        self.look();
+        self.update_surfaces();
     }
 
     /// What the forces of the dampers' felts have done to modes that have taken a step.
@@ -325,7 +325,7 @@ impl Strings {
         for (k, _) in self.rocking() {
             let way = |l: usize| {
                 let pressed: f64 = (0..POINTS).map(|p| self.rocked_by(l, p) * self.forces_n[p]).sum();
-                self.across[k][l] * (self.rocks[l].drift_m + pressed)
+                self.coupling[k][l] * (self.rocks[l].drift_m + pressed)
             };
             rocking_n[k] = -(0..self.felts.len()).map(way).sum::<f64>();
         }
@@ -347,7 +347,7 @@ impl Strings {
             let s_n = bridge.sum_n(&self.blocks);
             self.bridge_j += bridge.advance(bridge.mean_force_n([s_before_n, s_n], mean_m));
         }
-        self.look();
+        self.update_surfaces();
     }
 
     /// What a place is displaced by now, m.
@@ -382,7 +382,7 @@ impl Strings {
 
     /// How much less two places give way in a step because felts are rocked by it, m/N; with a bridge that moves.
     fn held_m_n(&self, a: usize, b: usize) -> f64 {
-        let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.across[k][l] * self.rocked_by(l, b)).sum() };
+        let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.coupling[k][l] * self.rocked_by(l, b)).sum() };
         self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()
     }
 
@@ -419,7 +419,7 @@ impl Strings {
             bridge.stand(bridge_n);
             self.bridge_j += bridge.own_energy_j() - before_j;
         }
-        self.look();
+        self.update_surfaces();
     }
 
     /// Whether what vibrates about the rest under the present forces is too little to count; single modes that do not are put to rest.

@@ -43,7 +43,7 @@ impl Surfaces for Strings {
         if self.still {
             self.stand();
         } else {
-            self.look();
+            self.update_surfaces();
         }
     }
 
@@ -72,7 +72,7 @@ impl Surfaces for Strings {
         if self.bridge.is_some() {
             let mut free = alone + self.sounds[index] * self.drifts_m;
             for (k, _) in self.rocking() {
-                let held_n: f64 = self.rocking().map(|(l, rocks)| self.across[k][l] * rocks.drift_m).sum();
+                let held_n: f64 = self.rocking().map(|(l, rocks)| self.coupling[k][l] * rocks.drift_m).sum();
                 free -= self.rocked_by(k, index) * held_n;
             }
             return Surface { displacement, free, compliance: compliance - self.held_m_n(index, index) };
@@ -86,7 +86,7 @@ impl Surfaces for Strings {
         Surface { displacement, free, compliance }
     }
 
-    fn together(&self, compliance: &mut Between, forces: &mut [f64; POINTS]) -> usize {
+    fn coupled(&self, compliance: &mut Between, forces: &mut [f64; POINTS]) -> usize {
         *forces = self.forces_n;
         *compliance = self.static_m_n;
         if !self.statically {
@@ -183,7 +183,7 @@ impl Surfaces for Strings {
     fn restore(&mut self, from: &[f64]) {
         // Snapshots of before losses were kept by kind lack two numbers.
         if from.len() != self.numbers() && from.len() + 2 != self.numbers() {
-            self.hush();
+            self.reset_to_equilibrium();
             (self.work_j, self.given_j, self.rocked_j, self.steps) = (0.0, 0.0, 0.0, 0);
             self.bridge_j = self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j);
             self.rail = self.rail.map(|_| Rail::default());
@@ -208,7 +208,7 @@ impl Surfaces for Strings {
             _ => (self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j), 0.0),
         };
         (self.steps, self.still) = (rest[0] as u64, rest[1] != 0.0);
-        self.look();
+        self.update_surfaces();
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -1,6 +1,7 @@
 //! Whether anything is won: the books of whole notes, and of a hammer that stays on the strings.
 
 use erard::instrument::Instrument;
+use erard::mechanism::{open_ledger, take_stock};
 use erard::stroke::{NUANCES, Touch};
 use moreau::Settings;
 
@@ -43,7 +44,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     for (n, step_s) in STEPS_S.into_iter().enumerate() {
         tell(progress, 0.5 + n as f64 / 6.0)?;
         let mut head = head::thrown(&falling, step_s, -FALLS_M_S)?;
-        let mut ledger = head.open_ledger();
+        let mut ledger = open_ledger(head.as_mut());
         let (mut lost, mut won) = (0.0, 0.0_f64);
         for _ in 0..(STAYS_S / step_s) as usize {
             head.step(&moreau::Input::Free);
@@ -51,7 +52,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
             won = won.max(lost - ledger.surface);
             lost = ledger.surface;
         }
-        head.take_stock(&mut ledger);
+        take_stock(head.as_ref(), &mut ledger);
         let residual = ledger.residual_relative();
         told.push(format!("{:.0} us: {residual:.1e}, {:.2} mJ lost in the strings", 1e6 * step_s, 1e3 * lost));
         // Losses are a difference of work and energy: what these round by is no gain.

@@ -99,7 +99,7 @@ fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceE
     for _ in 0..steps as usize {
         thrown.step(&moreau::Input::Free);
         forces_n.push(thrown.normal_force(0));
-        speeds_m_s.push(thrown.velocities()[0]);
+        speeds_m_s.push(thrown.readout().velocities[0]);
     }
     let partials = Strings::under(thrown.as_ref()).map(|strings| amplitudes(strings, steps * step_s - HEAD_S));
     Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_s, step_s, partials)))
@@ -172,7 +172,7 @@ fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
         thrown.step(&moreau::Input::Free);
     }
     let whole_j = 0.5 * head.bodies[0].inertia_kg_m2 * SPEED_M_S * SPEED_M_S;
-    Ok(thrown.surfaces().map_or(f64::NAN, |surfaces| surfaces.lost()) / whole_j)
+    Ok(thrown.readout().surfaces.map_or(f64::NAN, |surfaces| surfaces.lost()) / whole_j)
 }
 
 /// Adds its figure, table and claims.

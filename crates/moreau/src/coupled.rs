@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::osnsp::System;
 use crate::real::{Mask, Real};
 use crate::settings::Settings;
-use crate::surface::TOGETHER;
+use crate::surface::COUPLED;
 use crate::timing::Timing;
 use crate::workspace::{Contacts, Workspace};
 
@@ -17,8 +17,8 @@ const ROUNDS: u32 = 256;
 
 /// The felts' forces, N, and -dF/d(rate) of each alone, N s/m.
 struct Found<T> {
-    forces: [T; TOGETHER],
-    slopes: [T; TOGETHER],
+    forces: [T; COUPLED],
+    slopes: [T; COUPLED],
 }
 
 /// Finds the forces of the zones that take part, at rates that are so much greater than those of the last evaluation, m/s. What they displace
@@ -30,30 +30,30 @@ fn solve<T: Real, const B: usize, const Z: usize>(
     more: impl Fn(&Contacts<T, B, Z>, usize) -> T,
     contacts: &mut Contacts<T, B, Z>,
 ) -> Option<Found<T>> {
-    let (zero, count) = (T::ZERO, contacts.together.count);
-    let part: [bool; TOGETHER] = core::array::from_fn(|i| i < count && takes_part(contacts, contacts.together.zone[i]));
+    let (zero, count) = (T::ZERO, contacts.coupled.count);
+    let part: [bool; COUPLED] = core::array::from_fn(|i| i < count && takes_part(contacts, contacts.coupled.zone[i]));
     // Dampers on strings that do not feel each other, say.
     let alone = |i: usize| {
-        let tied = (0..count).any(|j| part[j] && zero.lt(contacts.together.give[i][j].abs()).any());
-        !tied && !zero.lt(contacts.together.told[i].abs()).any()
+        let tied = (0..count).any(|j| part[j] && zero.lt(contacts.coupled.give[i][j].abs()).any());
+        !tied && !zero.lt(contacts.coupled.told[i].abs()).any()
     };
     if (0..count).all(|i| !part[i] || alone(i)) {
         return None;
     }
-    let more: [T; TOGETHER] =
-        core::array::from_fn(|i| if part[i] { more(contacts, contacts.together.zone[i]) } else { zero });
-    let press = |contacts: &Contacts<T, B, Z>, i: usize, forces: &[T; TOGETHER]| {
-        let z = contacts.together.zone[i];
-        let shift = contacts.together.others(i, forces) - contacts.together.told[i];
+    let more: [T; COUPLED] =
+        core::array::from_fn(|i| if part[i] { more(contacts, contacts.coupled.zone[i]) } else { zero });
+    let press = |contacts: &Contacts<T, B, Z>, i: usize, forces: &[T; COUPLED]| {
+        let z = contacts.coupled.zone[i];
+        let shift = contacts.coupled.others(i, forces) - contacts.coupled.told[i];
         contacts.states[z].pressed_at(&model.compiled[z], timing, more[i] - shift, &contacts.surfaces[z])
     };
-    let (mut forces, mut slopes) = ([zero; TOGETHER], [zero; TOGETHER]);
+    let (mut forces, mut slopes) = ([zero; COUPLED], [zero; COUPLED]);
     for i in (0..count).filter(|i| part[*i]) {
-        let z = contacts.together.zone[i];
+        let z = contacts.coupled.zone[i];
         [forces[i], slopes[i]] =
             contacts.states[z].pressed_at(&model.compiled[z], timing, more[i], &contacts.surfaces[z]);
     }
-    let displaced = |i: usize| zero.lt((contacts.together.others(i, &forces) - contacts.together.told[i]).abs()).any();
+    let displaced = |i: usize| zero.lt((contacts.coupled.others(i, &forces) - contacts.coupled.told[i]).abs()).any();
     if !(0..count).any(displaced) {
         return None;
     }
@@ -70,14 +70,14 @@ fn solve<T: Real, const B: usize, const Z: usize>(
         }
     }
     for i in 0..count {
-        let z = contacts.together.zone[i];
-        let told = contacts.together.others(i, &forces);
-        let shift = told - contacts.together.told[i];
-        contacts.together.told[i] = told;
+        let z = contacts.coupled.zone[i];
+        let told = contacts.coupled.others(i, &forces);
+        let shift = told - contacts.coupled.told[i];
+        contacts.coupled.told[i] = told;
         contacts.surfaces[z].drift += shift;
         contacts.surfaces[z].offset += timing.h_theta * shift;
         contacts.states[z].rate -= shift;
-        contacts.states[z].gap -= timing.h_theta * shift;
+        contacts.states[z].compression -= timing.h_theta * shift;
     }
     Some(Found { forces, slopes })
 }
@@ -87,7 +87,7 @@ fn solve<T: Real, const B: usize, const Z: usize>(
 /// With s_i = -dF_i/dr_i of each alone, dF = (diag(1/s) + a)^-1 dr: a row of one zone then acts on another's force.
 #[cold]
 #[inline(never)]
-pub(crate) fn press_together<T: Real, const B: usize, const Z: usize, const N: usize>(
+pub(crate) fn press_coupled<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     near: &[usize],
@@ -95,7 +95,7 @@ pub(crate) fn press_together<T: Real, const B: usize, const Z: usize, const N: u
     contacts: &mut Contacts<T, B, Z>,
     system: &mut System<T, B, N>,
 ) {
-    let (zero, count) = (T::ZERO, contacts.together.count);
+    let (zero, count) = (T::ZERO, contacts.coupled.count);
     // A zone that the others press into reach takes part, too; but its slip would have no row yet.
     let takes_part = |contacts: &Contacts<T, B, Z>, z: usize| {
         let touched = contacts.touched[..contacts.touched_count].contains(&z);
@@ -103,14 +103,14 @@ pub(crate) fn press_together<T: Real, const B: usize, const Z: usize, const N: u
     };
     let Some(Found { forces, slopes }) = solve(model, timing, takes_part, |_, _| zero, contacts) else {
         for i in 0..count {
-            contacts.surfaces[contacts.together.zone[i]].shared = false;
+            contacts.surfaces[contacts.coupled.zone[i]].shared = false;
         }
         return;
     };
-    let tangents = tangents(&contacts.together.give, &slopes);
-    let mut rows = [[zero; B]; TOGETHER];
+    let tangents = tangents(&contacts.coupled.give, &slopes);
+    let mut rows = [[zero; B]; COUPLED];
     for i in 0..count {
-        let z = contacts.together.zone[i];
+        let z = contacts.coupled.zone[i];
         let touched = contacts.touched[..contacts.touched_count].contains(&z);
         contacts.surfaces[z].shared = zero.lt(forces[i]).any();
         if !touched && !contacts.surfaces[z].shared {
@@ -155,26 +155,26 @@ fn add_pair<T: Real, const B: usize, const N: usize>(
 }
 
 /// (diag(1/s) + a)^-1, N s/m, with nothing where s is zero: positive semidefinite.
-fn tangents<T: Real>(give: &[[T; TOGETHER]; TOGETHER], slopes: &[T; TOGETHER]) -> [[T; TOGETHER]; TOGETHER] {
-    let (zero, mut inverse) = (T::ZERO, [[T::ZERO; TOGETHER]; TOGETHER]);
+fn tangents<T: Real>(give: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [[T; COUPLED]; COUPLED] {
+    let (zero, mut inverse) = (T::ZERO, [[T::ZERO; COUPLED]; COUPLED]);
     // Row by row of (1 + s a) x = s, by elimination; s a has a zero diagonal, and the matrix is that of a positive definite one times s.
-    let mut matrix = [[zero; TOGETHER]; TOGETHER];
-    for i in 0..TOGETHER {
-        for j in 0..TOGETHER {
+    let mut matrix = [[zero; COUPLED]; COUPLED];
+    for i in 0..COUPLED {
+        for j in 0..COUPLED {
             matrix[i][j] = slopes[i] * give[i][j];
         }
         matrix[i][i] += T::ONE;
         inverse[i][i] = slopes[i];
     }
-    for pivot in 0..TOGETHER {
+    for pivot in 0..COUPLED {
         let by = T::ONE / matrix[pivot][pivot];
-        for k in 0..TOGETHER {
+        for k in 0..COUPLED {
             matrix[pivot][k] = by * matrix[pivot][k];
             inverse[pivot][k] = by * inverse[pivot][k];
         }
-        for i in (0..TOGETHER).filter(|i| *i != pivot) {
+        for i in (0..COUPLED).filter(|i| *i != pivot) {
             let factor = matrix[i][pivot];
-            for k in 0..TOGETHER {
+            for k in 0..COUPLED {
                 matrix[i][k] = matrix[i][k].sub_product(factor, matrix[pivot][k]);
                 inverse[i][k] = inverse[i][k].sub_product(factor, inverse[pivot][k]);
             }
@@ -211,7 +211,7 @@ mod tests {
     fn the_tangents_are_the_inverse() {
         let give = [[0.0, 0.3, -0.2, 0.1], [0.3, 0.0, 0.05, 0.0], [-0.2, 0.05, 0.0, 0.02], [0.1, 0.0, 0.02, 0.0]];
         let slopes = [0.5, 1.2, 2.0, 0.0];
-        let found: [[f64; TOGETHER]; TOGETHER] = tangents(&give, &slopes);
+        let found: [[f64; COUPLED]; COUPLED] = tangents(&give, &slopes);
         for i in 0..3 {
             for j in 0..3 {
                 let back: f64 = (0..3).map(|k| (if i == k { 1.0 / slopes[i] } else { give[i][k] }) * found[k][j]).sum();
@@ -219,7 +219,7 @@ mod tests {
                 assert!((found[i][j] - found[j][i]).abs() < 1e-15);
             }
         }
-        assert_eq!(found[3], [0.0; TOGETHER]);
+        assert_eq!(found[3], [0.0; COUPLED]);
         assert!((0..4).all(|i| found[i][3] == 0.0));
     }
 }

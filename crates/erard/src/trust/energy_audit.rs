@@ -17,7 +17,7 @@ type State = SavedState<f64, 12, 32>;
 #[derive(Debug, Clone, Default)]
 struct Moment {
     /// Of every body: cosine and sine, pivot in the world, m, its velocity, m/s, and the angular velocity, rad/s.
-    bodies: Vec<Placed>,
+    bodies: Vec<Placement>,
     /// Of every zone: compression, m, and slip, m/s (0 where there is no friction or no touch).
     zones: Vec<[f64; 2]>,
     /// What every felt remembers ([`moreau::State::memory`]).
@@ -27,7 +27,7 @@ struct Moment {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Placed {
+struct Placement {
     angle: f64,
     turn: Vec2,
     pivot: Vec2,
@@ -35,9 +35,10 @@ struct Placed {
     rate: f64,
 }
 
-impl Placed {
+impl Placement {
     /// What does not move.
-    const GROUND: Self = Placed { angle: 0.0, turn: [1.0, 0.0], pivot: [0.0; 2], pivot_velocity: [0.0; 2], rate: 0.0 };
+    const GROUND: Self =
+        Placement { angle: 0.0, turn: [1.0, 0.0], pivot: [0.0; 2], pivot_velocity: [0.0; 2], rate: 0.0 };
 
     /// A direction of the body's frame, in the world.
     fn turned(&self, [x, y]: Vec2) -> Vec2 {
@@ -73,7 +74,7 @@ fn dot(a: Vec2, b: Vec2) -> f64 {
 
 /// The books of one mechanism: opened where it stands, told of every step.
 #[derive(Debug, Clone)]
-pub struct Books<'a> {
+pub struct EnergyAudit<'a> {
     instrument: &'a Instrument,
     theta: f64,
     step_s: f64,
@@ -85,7 +86,7 @@ pub struct Books<'a> {
     now: Moment,
 }
 
-impl<'a> Books<'a> {
+impl<'a> EnergyAudit<'a> {
     /// Opens the books at absolute angles, rad, velocities, rad/s, and what the felts remember, for steps of so many s at a theta.
     #[must_use]
     pub fn open(
@@ -94,7 +95,7 @@ impl<'a> Books<'a> {
         step_s: f64,
         [angles, velocities, memory]: [&[f64]; 3],
     ) -> Self {
-        let mut books = Books {
+        let mut books = EnergyAudit {
             instrument,
             theta,
             step_s,
@@ -112,7 +113,7 @@ impl<'a> Books<'a> {
     }
 
     /// Books a step that ended in such a state, under an input of the engine's.
-    pub fn look(&mut self, input: &Input<f64>, after: &State) {
+    pub fn observe(&mut self, input: &Input<f64>, after: &State) {
         std::mem::swap(&mut self.before, &mut self.now);
         self.place(&after.angle, &after.velocity, &after.memory);
         let (h, theta) = (self.step_s, self.theta);
@@ -139,16 +140,16 @@ impl<'a> Books<'a> {
             self.lost_j += after.pivot_friction[i].abs() * path(before, now) * h;
         }
         for (z, zone) in self.instrument.zones.iter().enumerate() {
-            let ([gap_before, slip_before], [gap, slip]) = (self.before.zones[z], self.now.zones[z]);
+            let ([compression_before, slip_before], [compression, slip]) = (self.before.zones[z], self.now.zones[z]);
             let memory = [self.before.memory[z], self.now.memory[z]];
             if zone.felt.dry_loss > 0.0 || zone.felt.relaxed > 0.0 {
-                self.lost_j += lost_with_memory_j(&zone.felt, [gap_before, gap], memory);
+                self.lost_j += lost_with_memory_j(&zone.felt, [compression_before, compression], memory);
             }
-            if gap_before.max(gap) > 0.0 && zone.felt.damping + zone.felt.hunt_crossley > 0.0 {
-                let rate = (gap - gap_before) / h;
+            if compression_before.max(compression) > 0.0 && zone.felt.damping + zone.felt.hunt_crossley > 0.0 {
+                let rate = (compression - compression_before) / h;
                 // Two points of Gauss: a felt may begin or end to be touched within the step.
                 for share in GAUSS {
-                    let deep = gap_before + share * (gap - gap_before);
+                    let deep = compression_before + share * (compression - compression_before);
                     if deep > 0.0 {
                         let dry = dry_n(&zone.felt, deep, 0.5 * (memory[0] + memory[1]));
                         self.lost_j += 0.5 * loss_n(&zone.felt, deep, rate, dry) * rate * h;
@@ -161,7 +162,7 @@ impl<'a> Books<'a> {
 
     /// Compression of a zone now, m; negative where it is open.
     #[must_use]
-    pub fn gap(&self, zone: usize) -> f64 {
+    pub fn compression(&self, zone: usize) -> f64 {
         self.now.zones[zone][0]
     }
 
@@ -178,26 +179,26 @@ impl<'a> Books<'a> {
         now.memory.clear();
         now.memory.extend_from_slice(&memory[..instrument.zones.len()]);
         for (body, (&angle, &rate)) in instrument.bodies.iter().zip(angles.iter().zip(velocities)) {
-            let parent = body.parent.map_or(Placed::GROUND, |parent| now.bodies[parent]);
+            let parent = body.parent.map_or(Placement::GROUND, |parent| now.bodies[parent]);
             let (sin, cos) = libm::sincos(angle);
             let pivot = parent.point(body.pivot_m);
             let pivot_velocity = parent.velocity(pivot);
-            now.bodies.push(Placed { angle, turn: [cos, sin], pivot, pivot_velocity, rate });
+            now.bodies.push(Placement { angle, turn: [cos, sin], pivot, pivot_velocity, rate });
         }
-        let on = |bodies: &[Placed], body: Option<usize>| body.map_or(Placed::GROUND, |body| bodies[body]);
+        let on = |bodies: &[Placement], body: Option<usize>| body.map_or(Placement::GROUND, |body| bodies[body]);
         now.zones.clear();
         for zone in &instrument.zones {
             let (disc, curve) = (on(&now.bodies, zone.disc_body), on(&now.bodies, zone.curve_body));
             let center = disc.point(zone.disc_center_m);
-            let (gap, normal, out) = touch(&zone.curve, &curve, center, zone.disc_radius_m);
-            let slip = if zone.friction_coefficient > 0.0 && gap > -1e-3 {
+            let (compression, normal, out) = touch(&zone.curve, &curve, center, zone.disc_radius_m);
+            let slip = if zone.friction_coefficient > 0.0 && compression > -1e-3 {
                 // The point of the curve under the disc's centre; the tangent is the normal turned clockwise.
                 let at = sub(center, [normal[0] * out, normal[1] * out]);
                 dot([normal[1], -normal[0]], sub(disc.velocity(at), curve.velocity(at)))
             } else {
                 0.0
             };
-            now.zones.push([gap, slip]);
+            now.zones.push([compression, slip]);
         }
         now.site = instrument.roles.key.map_or([0.0; 2], |key| {
             let body = now.bodies[key];
@@ -225,11 +226,11 @@ impl<'a> Books<'a> {
             let turned = now.bodies[spring.body].angle - parent.map_or(0.0, |p| now.bodies[p].angle) - drawn;
             energy += 0.5 * spring.stiffness_n_m_per_rad * turned * turned - spring.torque_n_m * turned;
         }
-        for ((zone, [gap, _]), memory) in instrument.zones.iter().zip(&now.zones).zip(&now.memory) {
-            energy += held_j(&zone.felt, *gap, *memory);
-            if *gap > 0.0 {
+        for ((zone, [compression, _]), memory) in instrument.zones.iter().zip(&now.zones).zip(&now.memory) {
+            energy += held_j(&zone.felt, *compression, *memory);
+            if *compression > 0.0 {
                 let power = zone.felt.exponent + 1.0;
-                energy += zone.felt.stiffness * libm::pow(*gap, power) / power;
+                energy += zone.felt.stiffness * libm::pow(*compression, power) / power;
             }
         }
         energy
@@ -237,7 +238,7 @@ impl<'a> Books<'a> {
 }
 
 /// Compression, the normal out of the curve in the world, and how far the disc's centre is from the curve along it.
-fn touch(curve: &Curve, body: &Placed, center: Vec2, radius: f64) -> (f64, Vec2, f64) {
+fn touch(curve: &Curve, body: &Placement, center: Vec2, radius: f64) -> (f64, Vec2, f64) {
     let around = |middle: Vec2, own: f64| {
         let [x, y] = sub(center, middle);
         let distance = (x * x + y * y).sqrt();
@@ -261,64 +262,69 @@ fn touch(curve: &Curve, body: &Placed, center: Vec2, radius: f64) -> (f64, Vec2,
 }
 
 /// The part of a felt's force that is lost, N; what the clamp at zero leaves of it where the felt opens fast.
-fn loss_n(felt: &Felt, gap: f64, rate: f64, dry: f64) -> f64 {
-    let elastic = felt.stiffness * libm::pow(gap, felt.exponent);
-    let loss = if felt.hunt_crossley > 0.0 { elastic * felt.hunt_crossley } else { felt.damping * gap * gap };
+fn loss_n(felt: &Felt, compression: f64, rate: f64, dry: f64) -> f64 {
+    let elastic = felt.stiffness * libm::pow(compression, felt.exponent);
+    let loss =
+        if felt.hunt_crossley > 0.0 { elastic * felt.hunt_crossley } else { felt.damping * compression * compression };
     (loss * rate).max(-elastic - dry)
 }
 
 /// m = (r + 1)/2, x = g^m, and the constant of the spring in series with the slider, per x^2.
 fn slider(felt: &Felt) -> (f64, impl Fn(f64) -> f64) {
     let m = 0.5 * (felt.exponent + 1.0);
-    (felt.dry_loss * felt.stiffness / (m * felt.dry_slip), move |gap: f64| libm::pow(gap.max(0.0), m))
+    (felt.dry_loss * felt.stiffness / (m * felt.dry_slip), move |compression: f64| libm::pow(compression.max(0.0), m))
 }
 
 /// The force of the slider's spring, N.
-fn dry_n(felt: &Felt, gap: f64, memory: f64) -> f64 {
+fn dry_n(felt: &Felt, compression: f64, memory: f64) -> f64 {
     if felt.dry_slip > 0.0 {
         let m = 0.5 * (felt.exponent + 1.0);
-        slider(felt).0 * memory * m * libm::pow(gap, m - 1.0)
+        slider(felt).0 * memory * m * libm::pow(compression, m - 1.0)
     } else {
         0.0
     }
 }
 
 /// The energy that a felt's memory holds, J.
-fn held_j(felt: &Felt, gap: f64, memory: f64) -> f64 {
+fn held_j(felt: &Felt, compression: f64, memory: f64) -> f64 {
     if felt.dry_slip > 0.0 {
         0.5 * slider(felt).0 * memory * memory
     } else if felt.relaxed > 0.0 && felt.stiffness > 0.0 {
         let (quick, power) = (felt.stiffness / (1.0 - felt.relaxed), felt.exponent + 1.0);
         // Where the felt's own surface is, and the compression with which its memory would be at rest.
         let [surface, rest] = [quick, quick * felt.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent));
-        let g = gap.max(surface);
+        let g = compression.max(surface);
         let relaxing = felt.relaxed * felt.exponent * quick * libm::pow(rest, power) / power;
         quick * libm::pow(g, power) / power - memory * g + relaxing
-            - felt.stiffness * libm::pow(gap.max(0.0), power) / power
+            - felt.stiffness * libm::pow(compression.max(0.0), power) / power
     } else {
         0.0
     }
 }
 
 /// What a felt with memory has lost in a step, J, given compressions and memories before and after.
-fn lost_with_memory_j(felt: &Felt, [gap_before, gap]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
+fn lost_with_memory_j(felt: &Felt, [compression_before, compression]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
     if felt.dry_slip > 0.0 {
         let (spring, x) = slider(felt);
         // How far the slider went, and the mean of its force, which follows its bound.
-        let slid = x(gap) - x(gap_before) - (after - before);
+        let slid = x(compression) - x(compression_before) - (after - before);
         let along = felt.dry_slip * slid.signum();
         let mean = after - 0.5 * along * slid / (1.0 - along);
         spring * mean.abs() * slid.abs()
     } else if felt.dry_loss > 0.0 {
-        after * (gap.max(0.0) - gap_before.max(0.0))
+        after * (compression.max(0.0) - compression_before.max(0.0))
     } else {
         // The force that relaxes times the way that the felt is behind.
         let quick = felt.stiffness / (1.0 - felt.relaxed);
-        let behind = |gap: f64, memory: f64| {
+        let behind = |compression: f64, memory: f64| {
             let [surface, rest] = [quick, quick * felt.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent));
-            gap.max(surface) - rest
+            compression.max(surface) - rest
         };
-        if quick > 0.0 { 0.5 * (behind(gap_before, before) + behind(gap, after)) * (after - before) } else { 0.0 }
+        if quick > 0.0 {
+            0.5 * (behind(compression_before, before) + behind(compression, after)) * (after - before)
+        } else {
+            0.0
+        }
     }
 }
 

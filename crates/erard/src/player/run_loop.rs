@@ -1,15 +1,15 @@
-//! A run from its rest to its end: steps of one length, or as long as their error allows.
+//! The loop over the steps of a run, from its rest to its end: `RunLoop::fixed` and `RunLoop::adaptive`. Both call [`Mechanism`], which solves the
+//! equations at the top of [`moreau::step()`].
 
 use moreau::{Accuracy, ControlledStep, Input, Outcome, Settings, StepReport};
 
 use super::hand::MovingHand;
 use super::recorder::Recorded;
 use super::{Action, Drive, LedgerBook, PlayError, Recorder};
-use crate::events::Watch;
+use crate::events::EventDetector;
 use crate::instrument::Instrument;
-use crate::mechanism::{Mechanism, View};
+use crate::mechanism::{Mechanism, Observation, StepOutput};
 use crate::run::{ControlWork, Run, Work};
-use crate::sight::Visible;
 use crate::simulation::{LARGEST_STEP_S, MOST_ROWS, Setup, SimulationError};
 use crate::trust::{Extremes, assess};
 
@@ -20,10 +20,10 @@ pub const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
 pub(crate) const RIGID_CORRECTION: f64 = 0.1;
 const RIGID_CORRECTION_S: f64 = 50e-6;
 
-/// Told the share done; ends the run by returning false.
+/// Called with the share done; ends the run by returning false.
 type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
 
-/// Something else that looks on while a run goes on.
+/// A further observer of a run.
 pub trait Observer {
     /// Where the run begins: the mechanism stands still, and this instant is its first row.
     fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism);
@@ -32,7 +32,7 @@ pub trait Observer {
 }
 
 /// A run under way.
-pub(crate) struct Course<'a> {
+pub(crate) struct RunLoop<'a> {
     drive: &'a Drive<'a>,
     setup: &'a Setup,
     /// Steps of the setup's length, and every how many a row is kept.
@@ -46,9 +46,9 @@ pub(crate) struct Course<'a> {
     work: Work,
 }
 
-/// What looks on after every step.
+/// What observes every step.
 struct Observers<'a> {
-    watch: Watch,
+    detector: EventDetector,
     recorder: Recorder,
     ledger: Option<LedgerBook>,
     extremes: Extremes,
@@ -57,7 +57,7 @@ struct Observers<'a> {
     further: Option<&'a mut dyn Observer>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> RunLoop<'a> {
     /// At the start: the action has come to rest.
     pub fn new(
         instrument: &Instrument,
@@ -74,10 +74,11 @@ impl<'a> Course<'a> {
         if let Some(further) = &mut further {
             further.begin(setup.start_s, action.mechanism());
         }
-        let (watch, extremes) = (Watch::new(instrument), Extremes::new(instrument));
-        let mut observers = Observers { watch, recorder, ledger, extremes, peak_force_n: 0.0, rested: false, further };
+        let (detector, extremes) = (EventDetector::new(instrument), Extremes::new(instrument));
+        let mut observers =
+            Observers { detector, recorder, ledger, extremes, peak_force_n: 0.0, rested: false, further };
         let rest = action.rest();
-        observers.look(&rest, setup.start_s, true, &action.mechanism().view(), action.mechanism());
+        observers.observe(&rest, setup.start_s, true, action.output(), action.mechanism());
         let work = Work {
             steps: 0,
             unconverged_steps: 0,
@@ -86,12 +87,12 @@ impl<'a> Course<'a> {
             record_every: every,
             control: None,
         };
-        Course { drive, setup, steps, every, rest, action, hand: None, observers, work }
+        RunLoop { drive, setup, steps, every, rest, action, hand: None, observers, work }
     }
 
     /// The same, with a hand that the stroke moves, and that the action has been fitted to.
     pub fn by_hand(self, hand: MovingHand) -> Self {
-        Course { hand: Some(hand), ..self }
+        RunLoop { hand: Some(hand), ..self }
     }
 
     /// The instant after so many steps of the setup's length, s.
@@ -99,10 +100,10 @@ impl<'a> Course<'a> {
         self.setup.start_s + n as f64 * self.setup.settings.step
     }
 
-    /// All steps of the same length.
+    /// Fixed steps: all of the same length.
     pub fn fixed(&mut self, progress: &mut Progress) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
-        let Course { drive, setup, steps, every, rest, action, hand, observers, work } = self;
+        let RunLoop { drive, setup, steps, every, rest, action, hand, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
         let (mut n, mut due, mut failed) = (0, every, None);
         let taken = std::cell::Cell::new(0_u64);
@@ -112,11 +113,11 @@ impl<'a> Course<'a> {
             if let Some(report) = last {
                 work.count(report, 1);
                 if let Some(hand) = hand {
-                    hand.advance(action.view().drive_n);
+                    hand.advance(action.output().drive_n);
                 }
                 let row = n == due || n == steps;
                 due += if n == due { every } else { 0 };
-                observers.step(&rest, t, row, action.view(), action.mechanism());
+                observers.step(&rest, t, row, action.output(), action.mechanism());
             }
             taken.set(n);
             if n == steps {
@@ -142,8 +143,8 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// From row to row in steps as long as their error allows.
-    pub fn controlled(&mut self, tolerance: f64, progress: &mut Progress) -> Result<(), SimulationError> {
+    /// Adaptive steps: from row to row, as long as their error allows.
+    pub fn adaptive(&mut self, tolerance: f64, progress: &mut Progress) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let accuracy = Accuracy::new(tolerance, SMALLEST_CONTROLLED_STEP_S, LARGEST_STEP_S);
         let mut control = ControlWork::none();
@@ -163,12 +164,13 @@ impl<'a> Course<'a> {
                     rest.input(drive, t0 + from, h, theta, RIGID_CORRECTION_S, site_m)
                 };
                 let ends = |after_s: f64| if after_s >= limit { row_s } else { t0 + after_s };
-                let mut look = |m: &dyn Mechanism| {
-                    let now_s = m.now_s();
-                    observers.step(&rest, now_s, now_s == row_s, &m.view(), m);
+                let mut observe = |m: &dyn Mechanism| {
+                    let now = m.readout();
+                    let now_s = now.now_s;
+                    observers.step(&rest, now_s, now_s == row_s, now.output, m);
                 };
                 let mechanism = self.action.mechanism_mut();
-                let report = mechanism.controlled_step(&accuracy, limit, &ends, &mut input, &mut look);
+                let report = mechanism.controlled_step(&accuracy, limit, &ends, &mut input, &mut observe);
                 if report.outcome == Outcome::NonFinite {
                     return Err(SimulationError::NonFinite { time_s: t0 });
                 }
@@ -185,11 +187,11 @@ impl<'a> Course<'a> {
 
     /// What the run leaves behind.
     pub fn finish(self, instrument: &Instrument) -> Run {
-        let Observers { watch, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
+        let Observers { detector, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
         let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = recorder.finish();
         let ledger = ledger.map(|ledger| ledger.close(mechanism));
-        let events = watch.finish();
+        let events = detector.finish();
         let warnings = assess(instrument, &extremes, &events, ledger.as_ref(), &self.work);
         Run {
             instrument: instrument.name.clone(),
@@ -202,7 +204,7 @@ impl<'a> Course<'a> {
             strings,
             events,
             peak_force_n,
-            final_pivot_friction_n_m: mechanism.pivot_friction().to_vec(),
+            final_pivot_friction_n_m: mechanism.readout().pivot_friction.to_vec(),
             ledger,
             work: self.work,
             extremes,
@@ -213,26 +215,26 @@ impl<'a> Course<'a> {
 
 impl Observers<'_> {
     /// After a step.
-    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, view: &View, m: &dyn Mechanism) {
-        self.peak_force_n = self.peak_force_n.max(view.drive_n);
+    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, output: &StepOutput, m: &dyn Mechanism) {
+        self.peak_force_n = self.peak_force_n.max(output.drive_n);
         if let Some(ledger) = &mut self.ledger {
-            ledger.look(m);
+            ledger.observe(m);
         }
         if let Some(further) = &mut self.further {
             further.step(time_s, row, m);
         }
-        self.look(rest, time_s, row, view, m);
+        self.observe(rest, time_s, row, output, m);
     }
 
-    fn look(&mut self, rest: &Rest, time_s: f64, row: bool, view: &View, m: &dyn Mechanism) {
-        let rested = std::mem::replace(&mut self.rested, m.rests());
-        let (key_m, hammer_m) = (view.site_m - rest.site_m, view.point_m[1] - rest.head_m);
+    fn observe(&mut self, rest: &Rest, time_s: f64, row: bool, output: &StepOutput, m: &dyn Mechanism) {
+        let rested = std::mem::replace(&mut self.rested, m.readout().rests);
+        let (key_m, hammer_m) = (output.site_m - rest.site_m, output.point_m[1] - rest.head_m);
         if rested && self.rested {
-            self.watch.stood(time_s);
+            self.detector.stood(time_s);
             self.recorder.stood();
         } else {
-            self.extremes.look(time_s, m);
-            self.watch.look(time_s, key_m, hammer_m, view.met, m);
+            self.extremes.observe(time_s, m);
+            self.detector.observe(time_s, key_m, hammer_m, output.impact, m);
             self.recorder.step(m);
         }
         if row {
@@ -298,7 +300,7 @@ pub struct Rest {
 
 impl Rest {
     /// Where a mechanism is now.
-    pub fn of(instrument: &Instrument, m: &(impl Visible + ?Sized)) -> Self {
+    pub fn of(instrument: &Instrument, m: &(impl Observation + ?Sized)) -> Self {
         let head_m = instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1]);
         Rest { site_m: m.site_position(), head_m }
     }

@@ -13,7 +13,7 @@ pub const KEY: &str = ":key=";
 
 /// What was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked<'a> {
+pub enum InstrumentSpec<'a> {
     /// A file.
     File(&'a Path),
     /// A built-in instrument or keyboard, by its name.
@@ -29,7 +29,7 @@ pub enum Asked<'a> {
 
 /// Why there is no such instrument.
 #[derive(Debug, Error)]
-pub enum AskedError {
+pub enum InstrumentSpecError {
     /// No such key.
     #[error("{asked}: `{key}` is no key; expected a number from 1 to {KEYS}")]
     NoKey {
@@ -58,43 +58,43 @@ pub enum AskedError {
     File(#[from] Box<FileError>),
 }
 
-impl<'a> Asked<'a> {
+impl<'a> InstrumentSpec<'a> {
     /// Understands what was asked for. What exists, has an extension or a folder is a file.
     ///
     /// # Errors
-    /// [`AskedError::NoKey`].
-    pub fn of(asked: &'a str) -> Result<Self, AskedError> {
+    /// [`InstrumentSpecError::NoKey`].
+    pub fn of(asked: &'a str) -> Result<Self, InstrumentSpecError> {
         if let Some((keyboard, key)) = asked.rsplit_once(KEY) {
             let number = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
-            let no_key = || AskedError::NoKey { asked: asked.to_owned(), key: key.to_owned() };
-            return Ok(Asked::Key { keyboard, key: number.ok_or_else(no_key)? });
+            let no_key = || InstrumentSpecError::NoKey { asked: asked.to_owned(), key: key.to_owned() };
+            return Ok(InstrumentSpec::Key { keyboard, key: number.ok_or_else(no_key)? });
         }
         let path = Path::new(asked);
         let is_file = path.exists() || path.extension().is_some() || path.components().count() > 1;
-        Ok(if is_file { Asked::File(path) } else { Asked::Builtin(asked) })
+        Ok(if is_file { InstrumentSpec::File(path) } else { InstrumentSpec::Builtin(asked) })
     }
 
     /// The text of the instrument's file, and what messages call it. The text of a keyboard's key is made of the keyboard's.
     ///
     /// # Errors
-    /// See [`AskedError`]; the text itself is not read yet.
-    pub fn text(self) -> Result<(String, String), AskedError> {
+    /// See [`InstrumentSpecError`]; the text itself is not read yet.
+    pub fn text(self) -> Result<(String, String), InstrumentSpecError> {
         match self {
-            Asked::File(path) => {
+            InstrumentSpec::File(path) => {
                 let name = shown(path);
                 let bytes = file_bytes(std::fs::File::open(path), &name)?;
                 let text = utf8(&bytes, &name)?;
                 if is_keyboard(text) {
-                    return Err(AskedError::IsKeyboard { file: name });
+                    return Err(InstrumentSpecError::IsKeyboard { file: name });
                 }
                 Ok((text.to_owned(), name))
             }
-            Asked::Builtin(name) => match Instrument::builtin_text(name) {
+            InstrumentSpec::Builtin(name) => match Instrument::builtin_text(name) {
                 Some(text) => Ok((text.to_owned(), name.to_owned())),
                 None => Err(UnknownInstrument { name: name.to_owned() }.into()),
             },
-            Asked::Key { keyboard, key } => {
-                let keyboard = Asked::of(keyboard)?.keyboard()?;
+            InstrumentSpec::Key { keyboard, key } => {
+                let keyboard = InstrumentSpec::of(keyboard)?.keyboard()?;
                 // What is wrong with it is said of the keyboard's own lines.
                 keyboard.key(key)?;
                 Ok((keyboard.key_text(key), format!("{}, key {key}", keyboard.name)))
@@ -105,14 +105,14 @@ impl<'a> Asked<'a> {
     /// The keyboard that was asked for, or whose key was.
     ///
     /// # Errors
-    /// See [`AskedError`].
-    pub fn keyboard(self) -> Result<Keyboard, AskedError> {
+    /// See [`InstrumentSpecError`].
+    pub fn keyboard(self) -> Result<Keyboard, InstrumentSpecError> {
         match self {
-            Asked::File(path) => Ok(Keyboard::load(path)?),
-            Asked::Builtin(name) => {
-                Keyboard::builtin(name).ok_or_else(|| AskedError::UnknownKeyboard { name: name.to_owned() })
+            InstrumentSpec::File(path) => Ok(Keyboard::load(path)?),
+            InstrumentSpec::Builtin(name) => {
+                Keyboard::builtin(name).ok_or_else(|| InstrumentSpecError::UnknownKeyboard { name: name.to_owned() })
             }
-            Asked::Key { keyboard, .. } => Asked::of(keyboard)?.keyboard(),
+            InstrumentSpec::Key { keyboard, .. } => InstrumentSpec::of(keyboard)?.keyboard(),
         }
     }
 }
@@ -124,20 +124,20 @@ mod tests {
     /// Names, files and keys are told apart; what there is none of is named.
     #[test]
     fn what_is_asked_for() {
-        assert_eq!(Asked::of("concert-grand").unwrap(), Asked::Builtin("concert-grand"));
-        assert_eq!(Asked::of("no/such.toml").unwrap(), Asked::File(Path::new("no/such.toml")));
-        let key = Asked::of("concert-grand:key=40").unwrap();
-        assert_eq!(key, Asked::Key { keyboard: "concert-grand", key: 40 });
+        assert_eq!(InstrumentSpec::of("concert-grand").unwrap(), InstrumentSpec::Builtin("concert-grand"));
+        assert_eq!(InstrumentSpec::of("no/such.toml").unwrap(), InstrumentSpec::File(Path::new("no/such.toml")));
+        let key = InstrumentSpec::of("concert-grand:key=40").unwrap();
+        assert_eq!(key, InstrumentSpec::Key { keyboard: "concert-grand", key: 40 });
         let (text, name) = key.text().unwrap();
         assert_eq!(text, Keyboard::builtin("concert-grand").unwrap().key_text(40));
         assert!(name.ends_with("key 40"), "{name}");
-        assert!(Asked::of("concert-grand:key=89").unwrap_err().to_string().contains("from 1 to 88"));
+        assert!(InstrumentSpec::of("concert-grand:key=89").unwrap_err().to_string().contains("from 1 to 88"));
         for (wrong, told) in [
             ("steinway", "no built-in instrument `steinway`"),
             ("steinway:key=3", "no built-in keyboard `steinway`"),
             ("no/such.toml", "no/such.toml"),
         ] {
-            let error = Asked::of(wrong).unwrap().text().unwrap_err().to_string();
+            let error = InstrumentSpec::of(wrong).unwrap().text().unwrap_err().to_string();
             assert!(error.contains(told), "{error}");
         }
     }

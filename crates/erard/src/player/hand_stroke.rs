@@ -58,7 +58,7 @@ pub enum Muscle {
 
 /// A touch: a hand and what its muscle does.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gesture {
+pub struct HandStroke {
     /// The hand.
     pub hand: Hand,
     /// What its muscle does.
@@ -70,20 +70,20 @@ pub struct Gesture {
     pub leaves: Option<[f64; 2]>,
 }
 
-impl Gesture {
+impl HandStroke {
     /// The loud pressed touch: the finger rests on the key, and its muscle's force rises at this rate, N/s, without end. The hand is
     /// [`Hand::default`] without the muscle's own damping.
     #[must_use]
     pub fn pressed(rate_n_s: f64) -> Self {
         let hand = Hand::default().undamped();
-        Gesture { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, relaxes: None, leaves: None }
+        HandStroke { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, relaxes: None, leaves: None }
     }
 
     /// The soft pressed touch: the finger rests on the key and is led down within so many s. The hand is [`Hand::default`].
     #[must_use]
     pub fn led(duration_s: f64) -> Self {
         let muscle = Muscle::Leads { depth_m: LED_DEPTH_M, duration_s };
-        Gesture { hand: Hand::default(), muscle, relaxes: None, leaves: None }
+        HandStroke { hand: Hand::default(), muscle, relaxes: None, leaves: None }
     }
 
     /// The struck touch: a finger with a share of the hand, 0.1 kg, arrives at the key with a speed, m/s, and its muscle presses on, by 6 N for every
@@ -91,13 +91,13 @@ impl Gesture {
     #[must_use]
     pub fn struck(speed_m_s: f64) -> Self {
         let hand = Hand { mass_kg: STRUCK_KG, start_m_s: speed_m_s, ..Hand::default() }.undamped();
-        Gesture { hand, muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_s }, relaxes: None, leaves: None }
+        HandStroke { hand, muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_s }, relaxes: None, leaves: None }
     }
 
     /// The same, relaxing from this instant on, s, to a force that holds the key, N.
     #[must_use]
     pub fn relaxing(self, at_s: f64, to_n: f64) -> Self {
-        Gesture { relaxes: Some([at_s, to_n]), ..self }
+        HandStroke { relaxes: Some([at_s, to_n]), ..self }
     }
 
     /// The same, relaxing to what holds the key as soon as the hammer is at the string: when that is, a run of so many s says. A touch that does not
@@ -112,14 +112,14 @@ impl Gesture {
         to_n: f64,
     ) -> Result<Self, SimulationError> {
         let short = Setup { record_every: None, ledger: false, ..*setup };
-        let blow = press_by_hand(instrument, &self, &short, &mut |_| true)?.events.hammer_contact_s;
+        let blow = press_by_hand(instrument, &self, &short, &mut |_| true)?.events.hammer_contact_s();
         Ok(self.relaxing(blow.unwrap_or(setup.duration_s), to_n))
     }
 
     /// The same, leaving from this instant on, s, its force gone within so many s.
     #[must_use]
     pub fn leaving(self, at_s: f64, within_s: f64) -> Self {
-        Gesture { leaves: Some([at_s, within_s]), ..self }
+        HandStroke { leaves: Some([at_s, within_s]), ..self }
     }
 
     /// What the muscle does at an instant, s: a force, or a motion.
@@ -188,7 +188,7 @@ pub fn least_jerk(s: f64) -> [f64; 2] {
 /// See [`SimulationError`].
 pub fn press_by_hand(
     instrument: &Instrument,
-    gesture: &Gesture,
+    gesture: &HandStroke,
     setup: &Setup,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Run, SimulationError> {
@@ -214,18 +214,18 @@ mod tests {
     /// Forces rise as said, and are gone, with what lifts the hand, when it has left.
     #[test]
     fn forces_rise_and_go() {
-        let force = |gesture: &Gesture, t| match gesture.input(t) {
+        let force = |gesture: &HandStroke, t| match gesture.input(t) {
             Input::Force(n) => n,
             other => panic!("{other:?}"),
         };
-        let pressed = Gesture::pressed(100.0).leaving(0.1, 0.03);
+        let pressed = HandStroke::pressed(100.0).leaving(0.1, 0.03);
         assert!((force(&pressed, 0.05) - 5.0).abs() < 1e-12 && (force(&pressed, 0.1) - 10.0).abs() < 1e-12);
         assert!((force(&pressed, 0.115) - 0.5 * (10.0 - 0.2 * LEAVING_M_S2)).abs() < 1e-9);
         assert!((force(&pressed, 0.2) + 0.2 * LEAVING_M_S2).abs() < 1e-12);
-        let struck = Gesture::struck(0.5).relaxing(0.1, 2.0);
+        let struck = HandStroke::struck(0.5).relaxing(0.1, 2.0);
         assert!((force(&struck, 0.05) - 3.0).abs() < 1e-12 && (force(&struck, 0.15) - 2.5).abs() < 1e-12);
         assert!((force(&struck.leaving(0.3, 0.03), 0.3) - 2.0).abs() < 1e-12);
-        match Gesture::led(0.2).leaving(0.5, 0.03).input(0.6) {
+        match HandStroke::led(0.2).leaving(0.5, 0.03).input(0.6) {
             Input::Motion { position_m, .. } => assert!((position_m + LEFT_M).abs() < 1e-12),
             other => panic!("{other:?}"),
         }

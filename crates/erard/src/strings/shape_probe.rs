@@ -11,7 +11,7 @@ const PLACES: usize = 35;
 
 /// A table that turns the modes of one string into its shape; of the length of steps at which it was made.
 #[derive(Debug, Clone)]
-pub struct Seen {
+pub struct ShapeProbe {
     /// For each place and mode: the mode's place in the blocks, and its displacement there.
     table: Vec<Vec<(usize, f64)>>,
 }
@@ -22,9 +22,9 @@ impl Strings {
         self.strings().len() / 2
     }
 
-    /// The places at which [`Strings::seen`] looks, m from the striking point, away from the nearer end.
+    /// The places at which [`Strings::shape_probe`] looks, m from the striking point, away from the nearer end.
     #[must_use]
-    pub fn places_seen_m(&self) -> Vec<f64> {
+    pub fn probe_places_m(&self) -> Vec<f64> {
         let string = &self.strings()[self.looked_at()];
         let [from, to] = [(-string.strike_m).max(-SEEN_M[0]), (string.length_m - string.strike_m).min(SEEN_M[1])];
         (0..PLACES).map(|i| from + (to - from) * i as f64 / (PLACES - 1) as f64).collect()
@@ -32,18 +32,18 @@ impl Strings {
 
     /// What tells the shape there. Allocates.
     #[must_use]
-    pub fn seen(&self) -> Seen {
+    pub fn shape_probe(&self) -> ShapeProbe {
         let index = self.looked_at();
         let string = &self.strings()[index];
         let at = |place_m: f64| {
             let modes = self.modes_of(index);
             modes.map(|(n, at)| (at, PianoString::shape(n, string.strike_m + place_m, string.length_m))).collect()
         };
-        Seen { table: self.places_seen_m().into_iter().map(at).collect() }
+        ShapeProbe { table: self.probe_places_m().into_iter().map(at).collect() }
     }
 }
 
-impl Seen {
+impl ShapeProbe {
     /// The displacements now, m, away from the hammer.
     pub fn read(&self, strings: &Strings, to: &mut [f32]) {
         for (row, place) in self.table.iter().zip(to) {

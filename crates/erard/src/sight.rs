@@ -1,3 +1,0 @@
-//! What can be seen of a mechanism from outside.
-
-pub use moreau_kernels::{Meeting, Visible};

@@ -1,0 +1,49 @@
+//! Adaptive steps of an engine: what is kept while the error is controlled.
+
+use moreau::{
+    Accuracy, ControlledStep, Controller, Model, Outcome, Settings, State, StepDoubling, Workspace, controlled_step,
+};
+
+use crate::mechanism::InputDuring;
+
+pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
+    controller: Controller<f64, Z>,
+    halves: StepDoubling<f64, B, Z, N>,
+    /// The half that was last.
+    half: usize,
+}
+
+impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
+    pub fn new(settings: &Settings<f64>) -> Self {
+        Control { controller: Controller::new(settings.step), halves: StepDoubling::new(settings), half: 1 }
+    }
+
+    /// Settings and workspace of the half that was last.
+    pub fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
+        (&self.halves.settings, &self.halves.workspace[self.half])
+    }
+
+    pub fn enter_second_half(&mut self) {
+        self.half = 1;
+    }
+
+    /// One adaptive step, and the state at the end of its first half; none where a number is not finite.
+    pub fn step(
+        &mut self,
+        model: &Model<f64, B, Z>,
+        state: &mut State<f64, B, Z>,
+        settings: &Settings<f64>,
+        accuracy: &Accuracy<f64>,
+        limit: f64,
+        input: &mut InputDuring,
+    ) -> (ControlledStep<f64>, Option<State<f64, B, Z>>) {
+        let Control { controller, halves, half } = self;
+        let input = |from: f64, h: f64, state: &State<f64, B, Z>| input(from, h, &|| model.site_position(&state.angle));
+        let report = controlled_step(model, settings, accuracy, controller, limit, input, state, halves);
+        if report.outcome == Outcome::NonFinite {
+            return (report, None);
+        }
+        *half = 0;
+        (report, Some(halves.middle.clone()))
+    }
+}

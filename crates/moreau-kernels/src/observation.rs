@@ -1,0 +1,115 @@
+//! What can be read of a mechanism's present pose, and the observer of a mechanism that is stepped in lanes.
+
+use core::cell::OnceCell;
+
+use moreau::{GROUND, Model, ModelError, Pose};
+
+use crate::impact::ImpactPredictor;
+use crate::size::with_size;
+use crate::{EveryBody, Impact, OwnedDescription, Probes, Size};
+
+/// The present pose of a mechanism, whatever its size. Indices follow the description's bodies and zones.
+pub trait Observation {
+    /// World coordinate of the driven point along the drive's direction, m; zero where nothing is driven.
+    fn site_position(&self) -> f64;
+    /// Compression of a zone, m; negative where it is open.
+    fn compression(&self, zone: usize) -> f64;
+    /// A point of a body (`None`: of the ground) in the world, m.
+    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
+    /// Rate of a zone's compression per unit angular velocity of every body, m. Allocates.
+    fn compression_row(&self, zone: usize) -> Vec<f64>;
+    /// Velocity of a point along `n` per unit angular velocity of every body, m. Allocates.
+    fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64>;
+}
+
+/// An observer of one mechanism that is stepped in lanes, whatever its size: it is given the angles and velocities after every step.
+pub trait LaneObserver: Observation + Send {
+    /// Takes note of an instant; the pose is computed only when it is asked for. Bodies beyond the model's are left out.
+    fn update(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody);
+    /// Whether the marked zone was out of reach at the last update.
+    fn is_far(&self) -> bool;
+    /// The impact of the marked point on the marked zone in the last step.
+    fn impact(&self) -> Option<Impact>;
+}
+
+/// An observer of a mechanism that is stepped in lanes.
+///
+/// # Errors
+/// [`ModelError`] if no size holds it.
+pub fn lane_observer(description: &OwnedDescription, probes: &Probes) -> Result<Box<dyn LaneObserver>, ModelError> {
+    with_size!(Size::of(description), boxed, description, probes)
+}
+
+fn boxed<const B: usize, const Z: usize, const N: usize>(
+    description: &OwnedDescription,
+    probes: &Probes,
+) -> Result<Box<dyn LaneObserver>, ModelError> {
+    let model: Model<f64, B, Z> = description.model()?;
+    let (predictor, angle) = (ImpactPredictor::new(&model, probes), description.first_angles());
+    let bodies = description.bodies.len();
+    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new() }))
+}
+
+struct Observed<const B: usize, const Z: usize> {
+    model: Model<f64, B, Z>,
+    predictor: ImpactPredictor<B>,
+    bodies: usize,
+    angle: [f64; B],
+    /// Computed when it is asked for.
+    pose: OnceCell<Pose<f64, B>>,
+}
+
+impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
+    fn update(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
+        self.pose = OnceCell::new();
+        // No size has more bodies.
+        if let (Some(angles), Some(velocities)) = (angles.first_chunk(), velocities.first_chunk()) {
+            self.angle = *angles;
+            self.predictor.update(&self.model, time_s, angles, velocities);
+        }
+    }
+
+    fn is_far(&self) -> bool {
+        self.predictor.is_far()
+    }
+
+    fn impact(&self) -> Option<Impact> {
+        self.predictor.impact()
+    }
+}
+
+impl<const B: usize, const Z: usize> Observed<B, Z> {
+    fn pose(&self) -> &Pose<f64, B> {
+        self.pose.get_or_init(|| Pose::of(&self.model, &self.angle))
+    }
+}
+
+impl<const B: usize, const Z: usize> Observation for Observed<B, Z> {
+    fn site_position(&self) -> f64 {
+        site_position(&self.model, self.pose())
+    }
+
+    fn compression(&self, zone: usize) -> f64 {
+        self.pose().compression(&self.model, zone)
+    }
+
+    fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
+        self.pose().point(body.unwrap_or(GROUND), point)
+    }
+
+    fn compression_row(&self, zone: usize) -> Vec<f64> {
+        self.pose().compression_row(&self.model, zone)[..self.bodies].to_vec()
+    }
+
+    fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64> {
+        self.pose().velocity_row(&self.model, body, point, n)[..self.bodies].to_vec()
+    }
+}
+
+/// See [`Observation::site_position`].
+pub(crate) fn site_position<const B: usize, const Z: usize>(model: &Model<f64, B, Z>, pose: &Pose<f64, B>) -> f64 {
+    model.site().map_or(0.0, |s| {
+        let x = pose.point(s.body, s.point);
+        s.direction[0] * x[0] + s.direction[1] * x[1]
+    })
+}
