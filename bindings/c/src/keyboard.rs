@@ -66,7 +66,7 @@ pub unsafe extern "C" fn erard_keyboard_new(
             }
         };
         let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
-        let range = erard::simulation::SMALLEST_STEP_S..=erard::simulation::LARGEST_STEP_S;
+        let range = erard::mechanism::SMALLEST_STEP_S..=erard::mechanism::LARGEST_STEP_S;
         let status = if range.contains(&step_s) { ErardStatus::Model } else { ErardStatus::Range };
         let keys =
             Keys::at_rest(&instruments, settings(step_s)).map_err(|error| Fault::new(status, error.to_string()))?;

@@ -86,7 +86,7 @@ pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const
         if played.angles().len() != own.instrument.bodies.len() || action.play.zones != own.instrument.zones.len() {
             return Err(Fault::new(ErardStatus::Foreign, "the watch is another instrument's"));
         }
-        played.observed_by(&mut own.watch);
+        own.watch.observe_action(played);
         Ok(())
     })
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use erard::instrument::Instrument as Inner;
 use erard::player::{Action as Player, Input, Snapshot};
-use erard::{Outcome, simulation};
+use erard::{Outcome, SimulationError};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -119,7 +119,7 @@ impl Action {
     fn new(py: Python<'_>, instrument: &Instrument, steps: Steps) -> PyResult<Self> {
         let settings = steps.settings()?;
         let inner = instrument.inner.clone();
-        steps.setup(0.0, 1.0)?.check().map_err(|error: simulation::SimulationError| fault::simulation(&error))?;
+        steps.setup(0.0, 1.0)?.check().map_err(|error: SimulationError| fault::simulation(&error))?;
         let player = py.detach(|| Player::with(&inner, settings)).map_err(|error| fault::action(&error))?;
         Ok(Action { player: Mutex::new(player), instrument: inner })
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use erard::instrument::Instrument as Inner;
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::KEYS;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
 use erard_workshop::distances::Protocol;
 use erard_workshop::kinematics::{Design, LinkageFile, derive};

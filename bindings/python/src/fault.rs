@@ -3,7 +3,7 @@
 use erard::instrument::FileError;
 use erard::instrument_spec::InstrumentSpecError;
 use erard::player::ActionError;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use erard::stroke::StrokeError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::study::ChangeError;

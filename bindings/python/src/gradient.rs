@@ -1,7 +1,7 @@
 //! One press and its derivatives.
 
 use erard::gradient::GradientError;
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard_workshop::cores;
 use erard_workshop::sensitivities::{SensitivityError, Variable, gradient as find};
 use numpy::PyArray2;

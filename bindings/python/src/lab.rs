@@ -1,6 +1,6 @@
 //! What holds the model against measurements: recordings, and published numbers.
 
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard_workshop::compare::{Choice, CompareError, Driven, Which, compare_chosen};
 use erard_workshop::validate::{Published, Verdict, validate as hold};
 use pyo3::prelude::*;

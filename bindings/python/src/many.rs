@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use erard::instrument::Instrument as Inner;
 use erard::player::Input;
-use erard::simulation::{Setup, SimulationError};
+use erard::run::{Setup, SimulationError};
 use erard::stroke::{PositionOf, Prescribed, Stroke as InnerStroke};
 use erard::trust::{Warning, worst_of_each};
 use erard_workshop::cores;

@@ -6,7 +6,7 @@ use erard::Impact;
 use erard::one_dof::reduce;
 use erard::player::{Inside, Loss, LossRecorder, ReactionRecorder};
 use erard::run::{BodySeries, Events, Run, ZoneSeries, column_unit};
-use erard::simulation::{Setup, simulate, simulate_observed};
+use erard::run::{Setup, simulate, simulate_observed};
 use erard::trust::Warning;
 use erard_figures::figure::run_svg;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};

@@ -1,6 +1,6 @@
 //! How to step, from keyword arguments.
 
-use erard::simulation::Setup;
+use erard::run::Setup;
 use moreau::{FrictionLaw, Settings, Solver};
 use pyo3::prelude::*;
 

@@ -7,7 +7,7 @@ use crate::inputs::shown;
 use crate::{signals, tell};
 use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use erard::stroke::StrokeError;
 use erard_workshop::advice::AdviceError;
 use erard_workshop::compare::CompareError;

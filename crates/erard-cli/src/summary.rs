@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::Write;
 
 use erard::run::Run;
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard::trust::Warning;
 use moreau::Ledger;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Error, Write};
 
-use erard::strings::{RATE_HZ, Sound};
+use erard::run::{RATE_HZ, Sound};
 use hound::{SampleFormat, WavSpec, WavWriter};
 
 /// The largest sample, of a full scale of 1.

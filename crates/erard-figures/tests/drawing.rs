@@ -6,7 +6,7 @@
 use erard::instrument::{Body, Curve, Instrument, InstrumentFile, Vec2, Zone};
 use erard::keyboard::Keyboard;
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 use erard_figures::drawing::{PoseOptions, angles_at, drawing, pose_svg};
 use moreau::Settings;

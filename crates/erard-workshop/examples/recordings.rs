@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use erard::instrument::Instrument;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Stroke, Touch};
 use erard_workshop::study::Parameter;
 

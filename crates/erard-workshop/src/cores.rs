@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 
 /// Asked now and then during long work; false ends it.
 pub type Interrupt<'a> = &'a dyn Fn() -> bool;

@@ -4,7 +4,7 @@ use crate::cores::{self, Interrupt, do_all, job};
 use crate::measure::MeasureError;
 use erard::instrument::Instrument;
 use erard::player;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::{Series, Touch};
 use erard::trust::Warning;
 
@@ -23,7 +23,7 @@ pub struct Tried {
 /// Presses an instrument with a mezzo forte, pressed. Without a key to press there is nothing to be tried, and nothing speaks against it.
 ///
 /// # Errors
-/// An interruption, or what is no fault of a run ([`Warning::of_error`]).
+/// An interruption, or what is no fault of a run ([`SimulationError::warning`]).
 pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, SimulationError> {
     let silent = Tried { hammer_speed_m_s: None, warnings: Vec::new() };
     // It is there: a test of strokes reads them all.
@@ -37,7 +37,7 @@ pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, 
     let setup = Setup { record_every: Some(100), ..Setup::new(end_s) };
     match simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going()) {
         Ok(run) => Ok(Tried { hammer_speed_m_s: run.events.hammer_speed_m_s(), warnings: run.warnings }),
-        Err(error) => match Warning::of_error(&error) {
+        Err(error) => match error.warning() {
             Some(warning) => Ok(Tried { warnings: vec![warning], ..silent }),
             None => Err(error),
         },

@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::player;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Series};
 use erard_workshop::compare::{Choice, CompareError, Driven, Which, compare, compare_chosen};
 use moreau::Settings;

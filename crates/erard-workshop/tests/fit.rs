@@ -6,7 +6,7 @@ mod recordings;
 
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::recording::Preparation;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Columns, PositionOf, Prescribed, Recording, Stroke, Touch};
 use erard_workshop::fit::{
     Asked, DIFFERENCES, Data, FitError, Found, Free, Jacobian, Loss, Native, Plan, Problem, course, free,

@@ -11,7 +11,7 @@ use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Certainty, Instrument};
 use erard::keyboard::{KEYS, Keyboard, note_name};
 use erard::player;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 use erard_workshop::distances::{Protocol, measure};
 use erard_workshop::measure::weights;

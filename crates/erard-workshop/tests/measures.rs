@@ -12,7 +12,7 @@ use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::one_dof;
 use erard::player::{self, Action};
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard_workshop::measure::inertia::inertia;
 use erard_workshop::measure::norms::lines;
 use erard_workshop::measure::range::{Softest, softest};

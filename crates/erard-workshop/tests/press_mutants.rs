@@ -9,13 +9,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use erard::equilibrium::EquilibriumError;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
 use erard::one_dof;
+use erard::player::equilibrium::EquilibriumError;
 use erard::player::{self, Input};
 use erard::run::Run;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::Series;
 use erard_workshop::study::{Job, Workers, play_all};
 use fastrand::Rng;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use erard::instrument::Instrument;
 use erard::recording::{LowPass, Preparation, prepare};
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard::stroke::Recording;
 use erard_workshop::compare::{Choice, Comparison, Driven, Which, compare_chosen};
 use erard_workshop::distances::Protocol;

@@ -10,7 +10,7 @@ use erard::instrument::Instrument;
 use erard::one_dof;
 use erard::player;
 use erard::run::Run;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::study::{Job, JobResult, Lanes, Played, Sampling, Stroke, Workers, play_all, sample_all};
 use moreau::Settings;
 

@@ -14,9 +14,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use erard::instrument::Instrument;
-use erard::player::{HandStroke, press_by_hand};
 use erard::run::Run;
-use erard::simulation::Setup;
+use erard::run::Setup;
+use erard::run::{HandStroke, press_by_hand};
 use moreau::Settings;
 
 /// Nuance, hammer speed (m/s), and what is published of the key's stroke, ms: Askenfelt and Jansson 1990 (p, f) and 1988 (pp, ff), second-hand.

@@ -2,7 +2,7 @@
 
 use crate::instrument::{Instrument, Roles};
 use crate::mechanism::{Impact, Observation};
-use crate::run::Events;
+use crate::player::Action;
 
 /// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths breathe
 /// and a hundredth of its dip.
@@ -10,6 +10,50 @@ pub const KEY_START_M: f64 = 1e-4;
 
 /// A check is looked for within this distance of the string, m.
 const NEAR_M: f64 = 0.02;
+
+/// Instants and speeds of one press; `None` where it did not happen. Seconds from the stroke's start.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Events {
+    /// The key front leaves its rest.
+    pub key_start_s: Option<f64>,
+    /// The jack's toe meets the let-off button.
+    pub toe_contact_s: Option<f64>,
+    /// The knuckle is pushed for the last time before the string.
+    pub let_off_s: Option<f64>,
+    /// The key meets its front punching.
+    pub key_bottom_s: Option<f64>,
+    /// The tail meets the back check after the blow.
+    pub check_s: Option<f64>,
+    /// Every impact of the hammer on the string.
+    pub impacts: Vec<Impact>,
+}
+
+impl Events {
+    /// The first impact of the hammer on the string.
+    pub fn first_impact(&self) -> Option<Impact> {
+        self.impacts.first().copied()
+    }
+
+    /// Instant of the first impact, s.
+    pub fn hammer_contact_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.time_s)
+    }
+
+    /// Total speed of the strike point at the first impact, m/s.
+    pub fn hammer_speed_m_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.hammer_speed_m_s)
+    }
+
+    /// From let-off to the string, s.
+    pub fn free_flight_s(&self) -> Option<f64> {
+        Some(self.hammer_contact_s()? - self.let_off_s?)
+    }
+
+    /// From the blow to the key's bottom, s: negative where the key is down before the hammer strikes.
+    pub fn key_bottom_after_blow_s(&self) -> Option<f64> {
+        Some(self.key_bottom_s? - self.hammer_contact_s()?)
+    }
+}
 
 /// Finds the events of a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
 #[derive(Debug, Clone)]
@@ -46,6 +90,12 @@ impl EventDetector {
             highest_m: f64::NEG_INFINITY,
             released_at_apex_s: None,
         }
+    }
+
+    /// Observes an action: call before the first step of a press and after every one.
+    pub fn observe_action(&mut self, action: &Action) {
+        let now = action.reading();
+        self.observe(action.time_s(), now.key_m, now.hammer_m, action.impact(), action.mechanism());
     }
 
     /// Call before the first step and after every one. `key_m` is the key front's travel, `hammer_m` the head's rise, `impact` the impact of the

@@ -19,7 +19,6 @@
 //! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 
 pub mod assembly;
-pub mod equilibrium;
 pub mod events;
 pub mod files;
 pub mod gradient;
@@ -33,7 +32,6 @@ pub mod player;
 #[cfg(feature = "recordings")]
 pub mod recording;
 pub mod run;
-pub mod simulation;
 pub mod strings;
 pub mod stroke;
 pub mod trust;
@@ -42,8 +40,7 @@ pub use instrument::Instrument;
 pub use mechanism::Impact;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
 pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
-pub use run::{Events, Run};
-pub use simulation::{Setup, SimulationError, press, simulate, simulate_hand, simulate_observed};
+pub use run::{Events, Run, Setup, SimulationError, press, simulate, simulate_hand, simulate_observed};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

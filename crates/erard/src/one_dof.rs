@@ -13,8 +13,8 @@
 use moreau::Settings;
 use thiserror::Error;
 
-use crate::equilibrium;
 use crate::instrument::{Body, Instrument, Part, Roles, Screw, Spring, Zone};
+use crate::player::equilibrium;
 use crate::player::{Action, ActionError};
 
 /// Why no one-degree-of-freedom model follows from an instrument.

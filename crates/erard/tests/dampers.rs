@@ -8,7 +8,7 @@ use common::{Play, USUAL_STEP_S};
 use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
 use erard::keyboard::Keys;
 use erard::mechanism::{Mechanism, mechanism, open_ledger, take_stock};
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::strings::{Pedal, Strings};
 use erard::stroke::Touch;
 use erard::{Action, Input, Settings};

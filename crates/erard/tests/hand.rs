@@ -5,7 +5,7 @@ mod common;
 use common::grand;
 use erard::player::{self, Hand};
 use erard::run::Run;
-use erard::simulation::{SimulationError, simulate_hand};
+use erard::run::{SimulationError, simulate_hand};
 use erard::{Input, Settings, Setup};
 
 fn pressed(hand: Hand, force_n: f64, step_s: f64) -> Run {

@@ -8,7 +8,7 @@ use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player;
 use erard::player::Action;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use moreau::{Energies, Settings, State};
 
 /// Arm of the key front, m.

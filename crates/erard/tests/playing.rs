@@ -9,7 +9,7 @@ use erard::instrument::Instrument;
 use erard::player;
 use erard::player::Action;
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use moreau::Settings;
 
 /// How long a key is held, and how long is waited for rest, s.

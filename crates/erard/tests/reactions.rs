@@ -6,7 +6,7 @@ use common::{USUAL_STEP_S, grand};
 use erard::instrument::{Body, Finger, Instrument, Roles, Vec2};
 use erard::mechanism::Mechanism;
 use erard::player::{Action, Input, Losses, Observer, ReactionRecorder, Reactions};
-use erard::simulation::{Setup, simulate_observed};
+use erard::run::{Setup, simulate_observed};
 use erard::stroke::{Series, Touch};
 use moreau::Settings;
 

@@ -5,12 +5,12 @@
 mod common;
 
 use common::{Play, USUAL_STEP_S, body, grand, largest, regularised, rigid_grand};
-use erard::equilibrium::EquilibriumError;
 use erard::instrument::Instrument;
 use erard::player;
+use erard::player::equilibrium::EquilibriumError;
 use erard::player::{Action, ActionError};
 use erard::run::Run;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::Touch;
 use moreau::{FrictionLaw, Settings};
 

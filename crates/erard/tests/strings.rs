@@ -549,12 +549,10 @@ fn the_keyboard_is_strung_and_tuned() {
 /// Controlled steps are refused with strings, and taken with a rigid one.
 #[test]
 fn controlled_steps_take_a_rigid_string() {
-    let mut setup = erard::simulation::Setup::new(0.05);
+    let mut setup = erard::run::Setup::new(0.05);
     setup.tolerance = Some(1e-4);
     let press = |instrument: &Instrument| {
-        erard::simulation::press(instrument, &erard::player::force(|_| 5.0), &setup)
-            .map(|_| ())
-            .map_err(|e| e.to_string())
+        erard::run::press(instrument, &erard::player::force(|_| 5.0), &setup).map(|_| ()).map_err(|e| e.to_string())
     };
     assert!(press(&strung()).unwrap_err().contains("rigid_string"));
     assert_eq!(press(&strung().with_rigid_string()), Ok(()));

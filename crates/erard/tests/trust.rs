@@ -108,7 +108,7 @@ fn a_string_far_away_is_not_trusted() {
         let setup = erard::Setup::new(0.3);
         match erard::press(&instrument, &erard::player::force(|_| 5.0), &setup) {
             Ok(run) => assert!(!run.is_trusted(), "{far}"),
-            Err(error) => assert!(erard::trust::Warning::of_error(&error).is_some(), "{far}: {error}"),
+            Err(error) => assert!(error.warning().is_some(), "{far}: {error}"),
         }
     }
 }
@@ -172,7 +172,7 @@ fn no_rest_is_a_warning_of_its_own() {
     instrument.springs.truncate(1);
     instrument.springs[0].stiffness_n_m_per_rad = 0.0;
     let error = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.1)).unwrap_err();
-    let warning = erard::trust::Warning::of_error(&error).expect("a fault of the instrument's");
+    let warning = error.warning().expect("a fault of the instrument's");
     assert_eq!((warning.kind, warning.part.is_some()), (Kind::NoRest, true), "{warning:?}");
 }
 

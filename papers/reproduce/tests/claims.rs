@@ -1,7 +1,7 @@
 //! What `erard-reproduce` claims, as far as it takes seconds: verdicts on the shipped grand must not change unnoticed.
 
 use erard::instrument::Instrument;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use erard_reproduce::subjects::{ReproduceError, Section, subjects};
 
 fn grand() -> Instrument {

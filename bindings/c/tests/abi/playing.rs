@@ -4,7 +4,7 @@ use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 use erard::instrument::InstrumentFile;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{NUANCES, Stroke, Touch};
 use erard::{Instrument, Run};
 use erard_c::*;

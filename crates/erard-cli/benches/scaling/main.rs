@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use erard::player::Input;
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard_figures::figure::chart_svg;
 use erard_figures::figure::png_from_svg;
 use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};

@@ -1,7 +1,7 @@
 //! `erard bench`.
 
 use clap::Args;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use erard_workshop::benchmarks::{Effort, Report, measure};
 
 use crate::answer;

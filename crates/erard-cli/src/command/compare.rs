@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
 use erard_workshop::compare::{Choice, Comparison, DRIVES, Driven, LONGEST_S, Trial, Which, compare_chosen};
 

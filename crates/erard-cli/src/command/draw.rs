@@ -2,8 +2,8 @@
 
 use clap::{Args, ValueEnum};
 use erard::player::{Inside, ReactionRecorder};
+use erard::run::Setup;
 use erard::run::{Events, Run};
-use erard::simulation::Setup;
 use moreau::Settings;
 
 use super::options::{InstrumentOption, Noted, StrokeOptions};

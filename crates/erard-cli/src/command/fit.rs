@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::recording::{LowPass, Preparation};
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::{figure_svg, png_from_svg};
 use erard_workshop::cores;

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::player;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::advice::advise;
 use erard_workshop::cores::{self, Ending, do_all, job};
 use erard_workshop::measure::norms::MIDDLE_C;

@@ -7,7 +7,7 @@ use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::instrument_spec::{InstrumentSpec, KEY};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
-use erard::simulation::{Setup, SimulationError};
+use erard::run::{Setup, SimulationError};
 pub use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
 use erard_workshop::measure::norms::{Line, lines};

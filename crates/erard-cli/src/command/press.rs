@@ -6,8 +6,9 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::player::{Hand, Inside, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate_hand, simulate_observed};
-use erard::strings::{Pedal, RATE_HZ, Sound, sound};
+use erard::run::{RATE_HZ, Sound, sound};
+use erard::run::{Setup, simulate_hand, simulate_observed};
+use erard::strings::Pedal;
 use erard::stroke::{Columns, Prescribed};
 
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};

@@ -3,7 +3,7 @@
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::player::Input;
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard_workshop::cores::{self, do_all, job};
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;

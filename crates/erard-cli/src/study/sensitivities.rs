@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use erard::instrument::Instrument;
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard_figures::figure::{Bar, Tornado, TornadoPanel, png_from_svg, tornado_svg};
 use erard_workshop::sensitivities::{
     Mark, Quantity, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,

@@ -4,7 +4,7 @@ use erard::Impact;
 use erard::instrument::{Body, Curve, Felt, Finger, Instrument, Material, Part, Roles, Zone};
 use erard::player;
 use erard::run::{BodySeries, Run};
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use moreau::Settings;
 
 fn body(name: &str, parent: Option<usize>, pivot_m: [f64; 2]) -> Body {

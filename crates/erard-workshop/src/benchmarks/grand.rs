@@ -6,7 +6,7 @@ use moreau_kernels::{Lanes, OwnedDescription, SideBySide, side_by_side};
 use erard::assembly;
 use erard::instrument::Instrument;
 use erard::player::Action;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 
 /// The usual step, s.
 pub const STEP_S: f64 = 50e-6;

@@ -7,7 +7,7 @@ use moreau_kernels::{Lanes, OwnedDescription};
 
 use super::grand::{GrandModel, GrandWorkspace, MF_N, STEP_S, STEPS, described, group, instrument};
 use crate::cores::{do_all, job};
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 
 /// Grands that are played one after the other, or side by side in lanes.
 pub struct Load {

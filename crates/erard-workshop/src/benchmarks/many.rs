@@ -11,7 +11,7 @@ use super::{Effort, Load, STEP_S, Timed, Times, WIDEST, in_turn, instrument};
 use crate::cores;
 use crate::study::{Job, Workers, play_all};
 use erard::player::Input;
-use erard::simulation::Setup;
+use erard::run::Setup;
 
 /// Times of many actions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Effort, STEP_S, Timed, grand, in_turn, instrument, press};
 use erard::player;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 
 /// Times of one action.

@@ -18,7 +18,7 @@ use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
 use erard::player::{self, Drive};
 use erard::recording::{Butterworth, Report};
-use erard::simulation::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
+use erard::run::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Role, SampleError, Series};
 
 /// Rate of the common time axis, Hz: twice what the highest band needs.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use erard::simulation::Setup;
+use erard::run::Setup;
 use erard::stroke::{Cursor, ForceSeries, PositionOf, PositionSeries, Prescribed, Recording, Role, Series, Stroke};
 use fastrand::Rng;
 use moreau::Settings;

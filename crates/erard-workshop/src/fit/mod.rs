@@ -29,7 +29,7 @@ pub use svd::Columns;
 pub use written::WriteError;
 
 use crate::sensitivities::SensitivityError;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use erard::stroke::DrivingError;
 use thiserror::Error;
 

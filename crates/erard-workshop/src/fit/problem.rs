@@ -2,7 +2,7 @@
 
 use crate::study::{Job, Sampling, Workers, play_all, sample_all};
 use erard::instrument::Instrument;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 
 use super::data::{COLUMNS, Data};
 use super::free::varied;

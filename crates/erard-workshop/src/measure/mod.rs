@@ -26,10 +26,10 @@ use thiserror::Error;
 use crate::cores::Ending;
 use crate::distances;
 use crate::kinematics::DeriveError;
-use erard::equilibrium::EquilibriumError;
 use erard::grand::AnatomyError;
+use erard::player::equilibrium::EquilibriumError;
 use erard::player::{ActionError, PlayError};
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 
 /// Why an instrument cannot be measured.
 #[derive(Debug, Error)]

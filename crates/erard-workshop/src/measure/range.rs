@@ -7,7 +7,7 @@ use erard::grand::{Parts, falling_moment_n_m};
 use erard::instrument::Instrument;
 use erard::player::force;
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::trust::Warning;
 
 /// Step, s.

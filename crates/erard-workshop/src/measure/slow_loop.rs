@@ -5,8 +5,9 @@ use moreau::Settings;
 
 use super::{Interrupt, MeasureError};
 use erard::instrument::Instrument;
-use erard::player::{least_jerk, motion};
-use erard::simulation::{Setup, simulate};
+use erard::player::motion;
+use erard::run::least_jerk;
+use erard::run::{Setup, simulate};
 
 /// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not damp;
 /// over eight seconds what is left of it is a few hundredths of a newton.

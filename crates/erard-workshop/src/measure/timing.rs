@@ -6,7 +6,7 @@ use super::{Interrupt, MeasureError};
 use erard::instrument::Instrument;
 use erard::player;
 use erard::run::Events;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{NUANCES, Series, Touch};
 use erard::trust::Warning;
 

@@ -4,7 +4,7 @@ use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::player::Input;
 use erard::run::Events;
-use erard::simulation::{Setup, SimulationError};
+use erard::run::{Setup, SimulationError};
 
 use super::Variable;
 use super::error::SensitivityError;

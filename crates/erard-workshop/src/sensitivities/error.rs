@@ -1,7 +1,7 @@
 //! Why derivatives cannot be computed.
 
 use erard::gradient::GradientError;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use thiserror::Error;
 
 use crate::cores::Ending;

@@ -16,7 +16,7 @@ pub use variable::{Variable, VariableError};
 
 use erard::gradient::{DIRECTIONS, Number, QUANTITIES};
 use erard::instrument::Instrument;
-use erard::simulation::Setup;
+use erard::run::Setup;
 
 use crate::cores;
 use crate::study::Stroke;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use erard::gradient::{DIRECTIONS, Direction, Followed, Number, QUANTITIES, STACK_BYTES, follow};
 use erard::instrument::Instrument;
-use erard::simulation::{Setup, SimulationError};
+use erard::run::{Setup, SimulationError};
 use moreau::Settings;
 
 use super::Variable;
@@ -120,7 +120,15 @@ pub(super) fn passes<'a>(
         job(place, move |going| -> Result<Followed, SensitivityError> {
             let followed = on_a_deep_stack(going, &|going| {
                 let drive = stroke();
-                follow(instrument, group, drive.as_ref(), &setup, erard::equilibrium::STEP_S, sample_every, going)
+                follow(
+                    instrument,
+                    group,
+                    drive.as_ref(),
+                    &setup,
+                    erard::player::equilibrium::STEP_S,
+                    sample_every,
+                    going,
+                )
             });
             Ok(followed?)
         })

@@ -7,12 +7,12 @@ use super::sampling::{Sampled, Sampling};
 use super::{JobResult, Played, Stroke};
 use crate::cores::Interrupt;
 use erard::assembly::{describe, probes};
-use erard::equilibrium::{self, PATIENCE_S, Settling};
 use erard::events::EventDetector;
 use erard::instrument::Instrument;
-use erard::player::run_loop::Rest;
+use erard::player::equilibrium::{self, PATIENCE_S, Settling};
+use erard::player::rest::Rest;
 use erard::player::{self, Action, ActionError};
-use erard::simulation::{Setup, SimulationError};
+use erard::run::{Setup, SimulationError};
 use erard::trust::{self, EnergyAudit, Extremes};
 
 /// Every so many steps the caller is asked whether to go on.

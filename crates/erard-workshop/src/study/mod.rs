@@ -23,7 +23,7 @@ use erard::instrument::Instrument;
 use erard::mechanism::Size;
 use erard::player::Input;
 use erard::run::Events;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::trust::{Warning, energy_residual};
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, groups};

@@ -14,9 +14,10 @@
 
 use crate::measure::MeasureError;
 use erard::instrument::Instrument;
-use erard::player::{self, HandStroke, press_by_hand};
+use erard::player::{self};
 use erard::run::Run;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{HandStroke, press_by_hand};
+use erard::run::{Setup, SimulationError, simulate};
 use moreau::Settings;
 
 /// Step, s.

@@ -5,7 +5,7 @@ use crate::measure::MeasureError;
 use crate::struck::{Blow, Stopped, blow_of_speed, rest};
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 
 /// The keys beside the instrument, which is middle C: A0, C6, C8.
 const A0: usize = 1;

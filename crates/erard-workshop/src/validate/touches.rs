@@ -11,9 +11,10 @@ use super::blows::{Drive, PressedBlow};
 use crate::measure::MeasureError;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
-use erard::player::{self, HandStroke, Muscle, press_by_hand};
+use erard::player::{self};
 use erard::run::Run;
-use erard::simulation::{Setup, SimulationError, simulate};
+use erard::run::{HandStroke, Muscle, press_by_hand};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, Series, Touch};
 
 /// Step, s.

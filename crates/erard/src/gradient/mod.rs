@@ -18,10 +18,10 @@ use moreau_kernels::{Tangents, tangents};
 use thiserror::Error;
 
 use crate::assembly::describe;
-use crate::equilibrium::{self, Settling};
 use crate::instrument::Instrument;
+use crate::player::equilibrium::{self, Settling};
 use crate::player::{self, Drive};
-use crate::simulation::{Setup, SimulationError};
+use crate::run::{Setup, SimulationError};
 use watch::DualEventDetector;
 
 /// Why there are no derivatives.
@@ -252,7 +252,7 @@ impl Places {
         }
     }
 
-    /// The engine's input, as [`player::run_loop::Rest::input`] gives it.
+    /// The engine's input, as [`player::rest::Rest::input`] gives it.
     fn input(&self, drive: &Drive<'_>, t0: f64, h: f64, theta: f64, correction_s: f64, at: Number) -> Input<Number> {
         match drive(t0 + theta * h) {
             player::Input::Free => Input::Free,
@@ -267,7 +267,7 @@ impl Places {
                     player::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
                     _ => 0.0,
                 };
-                let back = Number::constant(player::run_loop::RIGID_CORRECTION / correction_s);
+                let back = Number::constant(player::rest::RIGID_CORRECTION / correction_s);
                 Input::Rigid { velocity: Number::constant(velocity) + back * behind }
             }
         }

@@ -11,7 +11,7 @@ pub use moreau_kernels::Tick;
 use crate::assembly::{describe, probes};
 use crate::instrument::Instrument;
 use crate::mechanism::Impact;
-use crate::player::run_loop::Rest;
+use crate::player::rest::Rest;
 use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
 use crate::strings::Strings;
 

@@ -4,10 +4,9 @@ use moreau::{ModelError, Outcome, Settings, StepReport};
 use thiserror::Error;
 
 use super::Input;
-use super::run_loop::{RIGID_CORRECTION, Rest};
+use super::equilibrium::{self, EquilibriumError};
+use super::rest::{RIGID_CORRECTION, Rest};
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, digest};
-use crate::equilibrium::{self, EquilibriumError};
-use crate::events::EventDetector;
 use crate::instrument::Instrument;
 use crate::mechanism::{Impact, Mechanism, StepOutput, Stepping, mechanism};
 use crate::strings::Strings;
@@ -19,8 +18,8 @@ pub enum ActionError {
     /// The step is out of range.
     #[error(
         "the step is {found} s; expected a number from {:e} to {:e} s",
-        crate::simulation::SMALLEST_STEP_S,
-        crate::simulation::LARGEST_STEP_S
+        crate::mechanism::SMALLEST_STEP_S,
+        crate::mechanism::LARGEST_STEP_S
     )]
     Step {
         /// s.
@@ -152,7 +151,7 @@ impl Action {
     /// # Errors
     /// See [`ActionError`].
     pub fn as_drawn(instrument: &Instrument, settings: Settings<f64>) -> Result<Self, ActionError> {
-        let range = crate::simulation::SMALLEST_STEP_S..=crate::simulation::LARGEST_STEP_S;
+        let range = crate::mechanism::SMALLEST_STEP_S..=crate::mechanism::LARGEST_STEP_S;
         if !range.contains(&settings.step) {
             return Err(ActionError::Step { found: settings.step });
         }
@@ -357,12 +356,6 @@ impl Action {
     /// The digest of the instrument's numbers, which a [`Snapshot`] carries.
     pub fn digest(&self) -> u64 {
         self.digest
-    }
-
-    /// Lets a detector observe it: before the first step of a press, and after every one.
-    pub fn observed_by(&self, detector: &mut EventDetector) {
-        let now = self.reading();
-        detector.observe(self.time_s(), now.key_m, now.hammer_m, self.impact(), self.mechanism.as_ref());
     }
 
     /// The mechanism that is played: energies, rows, contacts.

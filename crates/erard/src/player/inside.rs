@@ -1,8 +1,8 @@
 //! What can be seen of the inside of the action in a run: pin reactions and accelerations, and where the energy goes.
 
+use super::Observer;
 use super::losses::LossRecorder;
 use super::reactions::ReactionRecorder;
-use super::run_loop::Observer;
 use crate::mechanism::Mechanism;
 
 /// What looks on; nothing, unless asked for.

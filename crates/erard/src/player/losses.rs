@@ -4,8 +4,8 @@
 //! rules: a dry force loses itself times the path of its velocity, which runs linearly over the step, a viscous one and a felt themselves times
 //! the velocity at the theta point, where they act.
 
+use super::Observer;
 use super::motion::{Motion, dot, sub};
-use super::run_loop::Observer;
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::strings::{StringLosses, Strings};

@@ -1,27 +1,29 @@
-//! The player: an action that is stepped from outside, and the one loop over steps that every run is.
+//! The player: an action that is stepped from outside, its rest, and the observers of its steps.
 
 mod action;
+pub mod equilibrium;
 pub(crate) mod hand;
-mod hand_stroke;
 mod input;
 mod inside;
 mod ledger;
 mod losses;
 mod motion;
+mod observer;
 mod reactions;
 mod recorder;
 #[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
-pub mod run_loop;
+pub mod rest;
 mod snapshot;
+mod work;
 
 pub use action::{Action, ActionError, PlayError, Reading};
 pub use hand::{Hand, HandError};
-pub use hand_stroke::{HandStroke, Muscle, least_jerk, press_by_hand};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use inside::Inside;
 pub use ledger::LedgerBook;
 pub use losses::{ContactLoss, Loss, LossRecorder, Losses, PinLoss};
+pub use observer::Observer;
 pub use reactions::{PinSeries, ReactionRecorder, Reactions};
-pub use recorder::{Recorded, Recorder};
-pub use run_loop::Observer;
+pub use recorder::{BodySeries, Recorded, Recorder, StringSeries, ZoneSeries};
 pub use snapshot::{BYTES as SNAPSHOT_BYTES, MechanismState, Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};
+pub use work::{ControlWork, Work};

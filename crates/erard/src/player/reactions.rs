@@ -5,8 +5,8 @@
 //! (felts, friction, weight, the finger) as they acted in the step, what is missing to m a is the pin's. The moments about the pins are not
 //! needed for that. They are left as a check: [`Reactions::moment_n_m`] is what Euler's law leaves over.
 
+use super::Observer;
 use super::motion::{Motion, add, cross, sub, turning};
-use super::run_loop::Observer;
 use crate::grand::KEY_DOWN;
 use crate::instrument::{Instrument, Vec2};
 use crate::mechanism::Mechanism;

@@ -4,8 +4,50 @@ use moreau::Contact;
 
 use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, Stepping};
-use crate::run::{BodySeries, StringSeries, ZoneSeries};
 use crate::strings::{ShapeProbe, Strings};
+
+/// What strings that yield do.
+#[derive(Debug, Clone, Default)]
+pub struct StringSeries {
+    /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a damper's weight displaces is in it.
+    pub displacement_m: Vec<f64>,
+    /// Force of all of them on the bridge, N, positive in the direction in which the hammer pushes.
+    pub bridge_n: Vec<f64>,
+    /// Places along the middle one of them, m from the striking point, away from the nearer end.
+    pub places_m: Vec<f64>,
+    /// Its displacement at these places, m, row after row.
+    pub shape_m: Vec<f32>,
+    /// Lift of the pedal's rail, m; empty where there is none.
+    pub pedal_m: Vec<f64>,
+}
+
+/// One body's motion.
+#[derive(Debug, Clone, Default)]
+pub struct BodySeries {
+    /// Body name.
+    pub name: String,
+    /// Absolute angle of the body's frame, rad, counter-clockwise.
+    pub angle_rad: Vec<f64>,
+    /// Absolute angular velocity, rad/s.
+    pub rate_rad_per_s: Vec<f64>,
+}
+
+/// One zone's forces.
+#[derive(Debug, Clone, Default)]
+pub struct ZoneSeries {
+    /// Zone name.
+    pub name: String,
+    /// Human label.
+    pub label: String,
+    /// Normal force, N, never negative.
+    pub normal_n: Vec<f64>,
+    /// Coulomb force on side A along the tangent (normal turned clockwise by 90 degrees), N; empty where the zone has no friction.
+    pub tangential_n: Vec<f64>,
+    /// Whether the zone has Coulomb friction.
+    pub has_friction: bool,
+    /// Contact point in the world and the outward unit normal of side B, `[x, y, nx, ny]`, m; valid where `normal_n > 0`.
+    pub contact: Vec<[f32; 4]>,
+}
 
 /// What was written down. Units and signs as in [`crate::run::Run`].
 #[derive(Debug)]

@@ -39,13 +39,11 @@ mod modal;
 mod pedal;
 mod rows;
 mod shape_probe;
-mod sound;
 
 pub use crate::instrument::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
 pub use modal::Strings;
 pub use pedal::{PEDAL_M_S, PEDAL_MOST_M, Pedal, PedalError};
 pub use shape_probe::ShapeProbe;
-pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
 
 use crate::instrument::Instrument;
 

@@ -28,10 +28,9 @@ use std::collections::BTreeMap;
 use moreau::Ledger;
 use serde::Serialize;
 
-use crate::equilibrium::EquilibriumError;
+use crate::events::Events;
 use crate::instrument::Instrument;
-use crate::run::{Events, Work};
-use crate::simulation::SimulationError;
+use crate::player::Work;
 
 /// Largest energy that the books may leave unexplained, over the energy turned over ([`energy_residual`]).
 pub const ENERGY_RESIDUAL: f64 = 0.01;
@@ -102,26 +101,6 @@ pub struct Warning {
 impl std::fmt::Display for Warning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.what)
-    }
-}
-
-impl Warning {
-    /// The warning that an error of a run is where it is one of many runs, and the others go on; `None` for what is no run's fault.
-    #[must_use]
-    pub fn of_error(error: &SimulationError) -> Option<Self> {
-        let warning = |kind, part, value, unit, time_s| {
-            Some(Warning { kind, what: error.to_string(), part, value, bound: 0.0, unit, time_s })
-        };
-        match error {
-            SimulationError::Equilibrium(EquilibriumError::NoRest { body, speed, .. }) => {
-                warning(Kind::NoRest, Some(body.clone()), *speed, "rad/s", None)
-            }
-            SimulationError::Equilibrium(EquilibriumError::NonFinite) => {
-                warning(Kind::NonFinite, None, f64::INFINITY, "", None)
-            }
-            SimulationError::NonFinite { time_s } => warning(Kind::NonFinite, None, f64::INFINITY, "", Some(*time_s)),
-            _ => None,
-        }
     }
 }
 

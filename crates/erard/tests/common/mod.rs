@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use erard::instrument::Instrument;
 use erard::player::{self, Drive};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{PositionSeries, Series, Touch};
 use moreau::{FrictionLaw, Settings};
 

@@ -1,8 +1,8 @@
 //! Random instruments and random strokes, each made from one number, so that a bad one can be made again.
 
-use erard::equilibrium::EquilibriumError;
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::mechanism::{open_ledger, take_stock};
+use erard::player::equilibrium::EquilibriumError;
 use erard::player::{Action, Input};
 use erard::stroke::{Cursor, NUANCES, Series, Touch};
 use moreau::{Ledger, Outcome, Settings};

@@ -11,7 +11,7 @@ use std::time::Instant;
 use erard::instrument::Instrument;
 use erard::player::{self, Drive};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 
 /// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
@@ -217,5 +217,5 @@ pub fn halvings(first: f64, count: i32) -> Vec<f64> {
 
 /// Passes progress on; an error if the work is to end.
 pub fn tell(progress: &mut Progress, share: f64) -> Result<(), ReproduceError> {
-    if progress(share.clamp(0.0, 1.0)) { Ok(()) } else { Err(erard::simulation::SimulationError::Interrupted.into()) }
+    if progress(share.clamp(0.0, 1.0)) { Ok(()) } else { Err(erard::run::SimulationError::Interrupted.into()) }
 }

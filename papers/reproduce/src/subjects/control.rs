@@ -9,7 +9,7 @@ use std::time::Instant;
 use erard::instrument::Instrument;
 use erard::player;
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{ForceSeries, Touch};
 
 /// Fixed steps: the first, s, and how many halvings. The last is 0.39 us.

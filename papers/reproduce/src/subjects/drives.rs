@@ -9,7 +9,7 @@ use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player::{self, Drive};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Cursor, ForceSeries, PositionOf, PositionSeries, Series, Touch};
 use erard_workshop::compare::{Errors, RATE_HZ};
 

@@ -5,9 +5,9 @@ use moreau::Settings;
 use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
-use erard::player::{HandStroke, press_by_hand};
 use erard::run::Run;
-use erard::simulation::{Setup, SimulationError};
+use erard::run::{HandStroke, press_by_hand};
+use erard::run::{Setup, SimulationError};
 
 /// s.
 const STEP_S: f64 = 50e-6;

@@ -92,7 +92,7 @@ fn throw(felt: erard::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
         friction: None,
     };
     let description = Description { bodies: &[body], zones: &[zone], ..Description::default() };
-    let model = description.compile::<1, 1>().map_err(erard::simulation::SimulationError::from)?;
+    let model = description.compile::<1, 1>().map_err(erard::run::SimulationError::from)?;
     let settings = Settings { tolerance: 1e-12, ..Settings::new(2e-6) };
     let mut state = State::at_rest([0.0]);
     state.velocity = [speed / ARM_M];

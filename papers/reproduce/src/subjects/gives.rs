@@ -7,9 +7,9 @@ use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Zone};
 use erard::one_dof;
-use erard::player::{HandStroke, press_by_hand};
 use erard::run::Run;
-use erard::simulation::Setup;
+use erard::run::Setup;
+use erard::run::{HandStroke, press_by_hand};
 use erard_workshop::validate::{Loudness, loudness};
 
 /// What a row shows, in the unit that its name ends with.

@@ -33,7 +33,7 @@ pub(crate) use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
 
 use erard::instrument::Instrument;
 use erard::one_dof::OneDofError;
-use erard::simulation::SimulationError;
+use erard::run::SimulationError;
 use erard_workshop::compare::CompareError;
 use erard_workshop::kinematics::DeriveError;
 

@@ -8,8 +8,8 @@ use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
-use erard::player::{HandStroke, Muscle, press_by_hand};
-use erard::simulation::Setup;
+use erard::run::Setup;
+use erard::run::{HandStroke, Muscle, press_by_hand};
 
 /// s.
 const STEP_S: f64 = 50e-6;

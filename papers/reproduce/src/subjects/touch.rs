@@ -23,9 +23,10 @@ use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDof, reduce};
-use erard::player::{self, HandStroke, press_by_hand};
+use erard::player::{self};
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{HandStroke, press_by_hand};
+use erard::run::{Setup, simulate};
 use erard::stroke::PositionSeries;
 
 /// s.
@@ -425,7 +426,7 @@ fn statistics(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use erard::player::Muscle;
+    use erard::run::Muscle;
 
     /// A sine of known amplitude has its root mean square in its band, and nowhere else.
     #[test]

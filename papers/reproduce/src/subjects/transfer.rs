@@ -15,7 +15,7 @@ use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player;
 use erard::run::Run;
-use erard::simulation::{Setup, simulate};
+use erard::run::{Setup, simulate};
 
 /// Step, s: the sampling too.
 const STEP_S: f64 = 50e-6;

@@ -1,35 +1,24 @@
 //! The loop over the steps of a run, from its rest to its end: `RunLoop::fixed` and `RunLoop::adaptive`. Both call [`Mechanism`], which solves the
 //! equations at the top of [`moreau::step()`].
 
-use moreau::{Accuracy, ControlledStep, Input, Outcome, Settings, StepReport};
+use moreau::{Accuracy, Outcome, Settings, StepReport};
 
-use super::hand::MovingHand;
-use super::recorder::Recorded;
-use super::{Action, Drive, LedgerBook, PlayError, Recorder};
 use crate::events::EventDetector;
 use crate::instrument::Instrument;
-use crate::mechanism::{Mechanism, Observation, StepOutput};
-use crate::run::{ControlWork, Run, Work};
-use crate::simulation::{LARGEST_STEP_S, MOST_ROWS, Setup, SimulationError};
+use crate::mechanism::{LARGEST_STEP_S, Mechanism, StepOutput};
+use crate::player::hand::MovingHand;
+use crate::player::rest::{RIGID_CORRECTION_S, Rest};
+use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
 use crate::trust::{Extremes, assess};
+
+use super::Run;
+use super::setup::{MOST_ROWS, Setup, SimulationError};
 
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
 /// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
 pub const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
-/// How much of a rigid drive's position error is taken back per step, or in this time where steps are of any length, s.
-pub(crate) const RIGID_CORRECTION: f64 = 0.1;
-const RIGID_CORRECTION_S: f64 = 50e-6;
-
 /// Called with the share done; ends the run by returning false.
 type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
-
-/// A further observer of a run.
-pub trait Observer {
-    /// Where the run begins: the mechanism stands still, and this instant is its first row.
-    fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism);
-    /// After every step, which ends at `time_s`; `row`: this instant is a row of the run.
-    fn step(&mut self, time_s: f64, row: bool, mechanism: &dyn Mechanism);
-}
 
 /// A run under way.
 pub(crate) struct RunLoop<'a> {
@@ -239,104 +228,6 @@ impl Observers<'_> {
         }
         if row {
             self.recorder.row(time_s, key_m, hammer_m, m);
-        }
-    }
-}
-
-impl Work {
-    /// Counts what one call of the engine did.
-    fn count(&mut self, report: &StepReport, steps: u64) {
-        self.unconverged_steps += u64::from(report.outcome == Outcome::IterationLimit);
-        self.steps += steps;
-        self.newton_iterations += u64::from(report.newton);
-        self.solver_iterations += u64::from(report.solver);
-    }
-}
-
-impl ControlWork {
-    fn none() -> Self {
-        ControlWork {
-            accepted: 0,
-            rejected: 0,
-            inner_steps: 0,
-            extrapolated: 0,
-            beyond_tolerance: 0,
-            shortest_s: f64::INFINITY,
-            longest_s: 0.0,
-        }
-    }
-
-    /// Counts a step; `cut`: it ended because a row was due.
-    fn count(&mut self, step: &ControlledStep<f64>, cut: bool) {
-        self.accepted += 1;
-        self.rejected += u64::from(step.rejected);
-        self.inner_steps += u64::from(step.inner);
-        self.extrapolated += u64::from(step.extrapolated);
-        self.beyond_tolerance += u64::from(step.error > 1.0);
-        if !cut {
-            self.shortest_s = self.shortest_s.min(step.step);
-        }
-        self.longest_s = self.longest_s.max(step.step);
-    }
-}
-
-impl From<PlayError> for SimulationError {
-    fn from(error: PlayError) -> Self {
-        match error {
-            PlayError::Interrupted => SimulationError::Interrupted,
-            PlayError::NonFinite { time_s } => SimulationError::NonFinite { time_s },
-        }
-    }
-}
-
-/// What travels are measured from, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rest {
-    /// World coordinate of the key front along its drive (down).
-    pub site_m: f64,
-    /// Height of the hammer's strike point.
-    pub head_m: f64,
-}
-
-impl Rest {
-    /// Where a mechanism is now.
-    pub fn of(instrument: &Instrument, m: &(impl Observation + ?Sized)) -> Self {
-        let head_m = instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1]);
-        Rest { site_m: m.site_position(), head_m }
-    }
-
-    /// The engine's input for the step from t0, each number at the instant that the engine expects.
-    /// `correction_s`: in what time [`RIGID_CORRECTION`] of a rigid drive's position error is taken back; `site_m`: where the driven point is.
-    pub fn input(
-        &self,
-        drive: &Drive<'_>,
-        t0: f64,
-        h: f64,
-        theta: f64,
-        correction_s: f64,
-        site_m: &dyn Fn() -> f64,
-    ) -> Input<f64> {
-        let input = drive(t0 + theta * h);
-        self.engine_input(&input, || {
-            let behind = self.site_m + drive(t0).position_m() - site_m();
-            let velocity = match drive(t0 + h) {
-                super::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
-                _ => 0.0,
-            };
-            velocity + RIGID_CORRECTION * behind / correction_s
-        })
-    }
-
-    /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the motion is rigid, m/s.
-    #[inline]
-    pub fn engine_input(&self, input: &super::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
-        match *input {
-            super::Input::Free => Input::Free,
-            super::Input::Force(force_n) => Input::Force(force_n),
-            super::Input::Motion { position_m, velocity_m_s } => {
-                Input::Motion { position: self.site_m + position_m, velocity: velocity_m_s }
-            }
-            super::Input::Rigid { .. } => Input::Rigid { velocity: imposed() },
         }
     }
 }

@@ -3,8 +3,8 @@
 use moreau::{FrictionLaw, Input, ModelError, Settings};
 use thiserror::Error;
 
+use super::{Action, PlayError};
 use crate::instrument::Instrument;
-use crate::player::{Action, PlayError};
 
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
 pub const STEP_S: f64 = 50e-6;

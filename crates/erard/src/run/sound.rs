@@ -2,11 +2,12 @@
 
 use moreau::Settings;
 
-use super::Strings;
+use super::setup::{Setup, SimulationError};
+use super::simulation::simulate_observed;
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::player::{Drive, Observer};
-use crate::simulation::{Setup, SimulationError, simulate_observed};
+use crate::strings::Strings;
 
 /// Samples per second of a [`Sound`].
 pub const RATE_HZ: u32 = 48_000;
@@ -51,7 +52,7 @@ impl Observer for Microphone {
 /// Plays a stroke in steps of 1/96000 s, whatever else it is played with, and listens at the bridge. `None` where the string is rigid.
 ///
 /// # Errors
-/// As [`crate::simulation::simulate`].
+/// As [`crate::run::simulate`].
 pub fn sound(
     instrument: &Instrument,
     drive: &Drive<'_>,

@@ -13,10 +13,11 @@
 
 use std::f64::consts::PI;
 
-use super::{Hand, Input};
+use super::Run;
+use super::setup::{Setup, SimulationError};
+use super::simulation::simulate_hand;
 use crate::instrument::Instrument;
-use crate::run::Run;
-use crate::simulation::{Setup, SimulationError, simulate_hand};
+use crate::player::{Hand, Input};
 
 /// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key down at the end.
 const LED_DEPTH_M: f64 = 10.5e-3;

@@ -1,20 +1,14 @@
-//! One key press: from rest, driven, to the end of its duration.
+//! How a run is made, and why it cannot be.
 
 use moreau::{ModelError, Settings};
 use thiserror::Error;
 
-use crate::equilibrium::EquilibriumError;
-use crate::instrument::Instrument;
-use crate::player::hand::MovingHand;
-use crate::player::run_loop::RunLoop;
-use crate::player::{Action, ActionError, Drive, Hand, HandError, Input, Observer};
-use crate::run::Run;
+use crate::mechanism::{LARGEST_STEP_S, SMALLEST_STEP_S};
+use crate::player::equilibrium::{self, EquilibriumError};
+use crate::player::{ActionError, HandError, PlayError};
 use crate::strings::Pedal;
+use crate::trust::{Kind, Warning};
 
-/// Smallest step that a run accepts, s: below it the rounding of a position sum exceeds what the step improves.
-pub const SMALLEST_STEP_S: f64 = 1e-8;
-/// Largest step that a run accepts, s: a fortissimo blow lasts two of them.
-pub const LARGEST_STEP_S: f64 = 1e-3;
 /// Most rows that a run keeps unless told otherwise; longer runs keep every n-th step.
 pub const MOST_ROWS: u64 = 200_000;
 /// Most rows that a run keeps when told how many. The concert grand's hold some 500 bytes each.
@@ -128,7 +122,7 @@ pub enum SimulationError {
 
 impl SimulationError {
     /// An interruption is one, wherever it is heard.
-    fn settling(error: EquilibriumError) -> Self {
+    pub(super) fn settling(error: EquilibriumError) -> Self {
         match error {
             EquilibriumError::Interrupted => SimulationError::Interrupted,
             error => error.into(),
@@ -150,7 +144,7 @@ impl Setup {
     /// A run of so many seconds from the stroke's start at 0: steps of 50 us with the usual settings, every step a row (or so many that
     /// [`MOST_ROWS`] are not exceeded), with the ledger.
     pub fn new(duration_s: f64) -> Self {
-        let settings = Settings::new(crate::equilibrium::STEP_S);
+        let settings = Settings::new(equilibrium::STEP_S);
         Setup {
             settings,
             start_s: 0.0,
@@ -197,121 +191,31 @@ impl Setup {
     }
 }
 
-/// [`simulate`] for who does not want to be told how far it is.
-///
-/// # Errors
-/// See [`SimulationError`].
-pub fn press(instrument: &Instrument, drive: &Drive<'_>, setup: &Setup) -> Result<Run, SimulationError> {
-    simulate(instrument, drive, setup, &mut |_| true)
+impl From<PlayError> for SimulationError {
+    fn from(error: PlayError) -> Self {
+        match error {
+            PlayError::Interrupted => SimulationError::Interrupted,
+            PlayError::NonFinite { time_s } => SimulationError::NonFinite { time_s },
+        }
+    }
 }
 
-/// Simulates one press. `progress` is told the share done now and then, and ends the run by returning false.
-///
-/// The mechanism starts in equilibrium, friction included: undriven for a force, under the finger's first position for a
-/// motion.
-///
-/// # Errors
-/// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`crate::run::Work`].
-pub fn simulate(
-    instrument: &Instrument,
-    drive: &Drive<'_>,
-    setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Run, SimulationError> {
-    simulate_before(instrument, drive, setup, None, progress)
-}
-
-/// [`simulate`] before the eyes of an observer of its own.
-///
-/// # Errors
-/// As [`simulate`].
-pub fn simulate_observed(
-    instrument: &Instrument,
-    drive: &Drive<'_>,
-    setup: &Setup,
-    observer: &mut dyn Observer,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Run, SimulationError> {
-    simulate_before(instrument, drive, setup, Some(observer), progress)
-}
-
-fn simulate_before<'a>(
-    instrument: &Instrument,
-    drive: &'a Drive<'a>,
-    setup: &'a Setup,
-    observer: Option<&'a mut (dyn Observer + 'a)>,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Run, SimulationError> {
-    let steps = setup.check()?;
-    if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
-        return Err(SimulationError::NoKey);
+impl SimulationError {
+    /// The warning that this error is where the run is one of many and the others go on; `None` for an error that this instrument did not cause.
+    #[must_use]
+    pub fn warning(&self) -> Option<Warning> {
+        let warning = |kind, part, value, unit, time_s| {
+            Some(Warning { kind, what: self.to_string(), part, value, bound: 0.0, unit, time_s })
+        };
+        match self {
+            SimulationError::Equilibrium(EquilibriumError::NoRest { body, speed, .. }) => {
+                warning(Kind::NoRest, Some(body.clone()), *speed, "rad/s", None)
+            }
+            SimulationError::Equilibrium(EquilibriumError::NonFinite) => {
+                warning(Kind::NonFinite, None, f64::INFINITY, "", None)
+            }
+            SimulationError::NonFinite { time_s } => warning(Kind::NonFinite, None, f64::INFINITY, "", Some(*time_s)),
+            _ => None,
+        }
     }
-    if setup.tolerance.is_some() && instrument.has_yielding_strings() {
-        return Err(SimulationError::StringsControlled);
-    }
-    let mut action = Action::asking(instrument, setup.settings, &mut || progress(0.0))?;
-    put_pedal(&mut action, instrument, setup, &mut || progress(0.0))?;
-    if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)
-        && position_m > 0.0
-    {
-        let finger = Input::Motion { position_m, velocity_m_s: 0.0 };
-        action.settle(instrument, finger, &mut || progress(0.0)).map_err(SimulationError::settling)?;
-    }
-
-    let mut run = RunLoop::new(instrument, drive, setup, steps, action, observer);
-    match setup.tolerance {
-        None => run.fixed(progress)?,
-        Some(tolerance) => run.adaptive(tolerance, progress)?,
-    }
-    progress(1.0);
-    Ok(run.finish(instrument))
-}
-
-/// The pedal where it is at the start, and the action at rest over it.
-fn put_pedal(
-    action: &mut Action,
-    instrument: &Instrument,
-    setup: &Setup,
-    going: &mut dyn FnMut() -> bool,
-) -> Result<(), SimulationError> {
-    if !setup.pedal.is_used() {
-        return Ok(());
-    }
-    if action.strings().and_then(|strings| strings.pedal_m()).is_none() {
-        return Err(SimulationError::NoPedal);
-    }
-    let lift_m = setup.pedal.lift_m(setup.start_s);
-    if lift_m > 0.0 {
-        action.set_pedal(lift_m);
-        action.settle(instrument, Input::Free, going).map_err(SimulationError::settling)?;
-    }
-    Ok(())
-}
-
-/// [`simulate`] with a hand between stroke and key: the stroke's force is its muscle's, or its motion is where muscle drives it.
-///
-/// # Errors
-/// See [`SimulationError`].
-pub fn simulate_hand(
-    instrument: &Instrument,
-    hand: &Hand,
-    stroke: &Drive<'_>,
-    setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Run, SimulationError> {
-    let steps = setup.check()?;
-    if instrument.roles.key.is_none() {
-        return Err(SimulationError::NoKey);
-    }
-    if setup.tolerance.is_some() {
-        return Err(SimulationError::HandControlled);
-    }
-    let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
-    let fitted = hand.fitted(instrument);
-    let mut action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
-    put_pedal(&mut action, &fitted, setup, &mut || progress(0.0))?;
-    let mut run = RunLoop::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
-    run.fixed(progress)?;
-    progress(1.0);
-    Ok(run.finish(&fitted))
 }

@@ -1,0 +1,64 @@
+//! Where travels are measured from, and how inputs become the engine's.
+
+use moreau::Input;
+
+use super::input::{self, Drive};
+use crate::instrument::Instrument;
+use crate::mechanism::Observation;
+
+/// How much of a rigid drive's position error is taken back per step, or in this time where steps are of any length, s.
+pub const RIGID_CORRECTION: f64 = 0.1;
+/// See [`RIGID_CORRECTION`].
+pub const RIGID_CORRECTION_S: f64 = 50e-6;
+
+/// What travels are measured from, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// World coordinate of the key front along its drive (down).
+    pub site_m: f64,
+    /// Height of the hammer's strike point.
+    pub head_m: f64,
+}
+
+impl Rest {
+    /// Where a mechanism is now.
+    pub fn of(instrument: &Instrument, m: &(impl Observation + ?Sized)) -> Self {
+        let head_m = instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1]);
+        Rest { site_m: m.site_position(), head_m }
+    }
+
+    /// The engine's input for the step from t0, each number at the instant that the engine expects.
+    /// `correction_s`: in what time [`RIGID_CORRECTION`] of a rigid drive's position error is taken back; `site_m`: where the driven point is.
+    pub fn input(
+        &self,
+        drive: &Drive<'_>,
+        t0: f64,
+        h: f64,
+        theta: f64,
+        correction_s: f64,
+        site_m: &dyn Fn() -> f64,
+    ) -> Input<f64> {
+        let input = drive(t0 + theta * h);
+        self.engine_input(&input, || {
+            let behind = self.site_m + drive(t0).position_m() - site_m();
+            let velocity = match drive(t0 + h) {
+                input::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
+                _ => 0.0,
+            };
+            velocity + RIGID_CORRECTION * behind / correction_s
+        })
+    }
+
+    /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the motion is rigid, m/s.
+    #[inline]
+    pub fn engine_input(&self, input: &input::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
+        match *input {
+            input::Input::Free => Input::Free,
+            input::Input::Force(force_n) => Input::Force(force_n),
+            input::Input::Motion { position_m, velocity_m_s } => {
+                Input::Motion { position: self.site_m + position_m, velocity: velocity_m_s }
+            }
+            input::Input::Rigid { .. } => Input::Rigid { velocity: imposed() },
+        }
+    }
+}

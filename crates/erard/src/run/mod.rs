@@ -1,0 +1,120 @@
+//! One key press from rest to the end of its duration, and what it leaves behind: series, events and the energy balance.
+//!
+//! [`simulate`] prepares an action and hands it to the loop over steps in `run_loop.rs`.
+
+mod hand_stroke;
+mod run_loop;
+mod setup;
+mod simulation;
+mod sound;
+
+pub use hand_stroke::{HandStroke, Muscle, least_jerk, press_by_hand};
+pub use run_loop::SMALLEST_CONTROLLED_STEP_S;
+pub use setup::{MOST_ROWS, MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
+pub use simulation::{press, simulate, simulate_hand, simulate_observed};
+pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
+
+pub use crate::events::Events;
+pub use crate::player::{BodySeries, ControlWork, StringSeries, Work, ZoneSeries};
+
+use moreau::Ledger;
+
+use crate::trust::{Extremes, Warning};
+
+/// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
+///
+/// Angles and velocities are those at the row's instant; forces are the mean of the steps before and after it, which is
+/// their value there to second order.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Instrument name.
+    pub instrument: String,
+    /// Time of each row, s.
+    pub time_s: Vec<f64>,
+    /// Finger force on the key, N, pushing positive.
+    pub force_n: Vec<f64>,
+    /// Travel of the key front from its rest, m, down positive.
+    pub key_m: Vec<f64>,
+    /// Rise of the hammer's strike point from its rest, m, up positive; empty when the model has no hammer.
+    pub hammer_head_m: Vec<f64>,
+    /// One series per body.
+    pub bodies: Vec<BodySeries>,
+    /// One series per zone.
+    pub zones: Vec<ZoneSeries>,
+    /// The strings, where they yield.
+    pub strings: Option<StringSeries>,
+    /// Instants.
+    pub events: Events,
+    /// Largest finger force of any step, N.
+    pub peak_force_n: f64,
+    /// Dry friction torque of every pivot at the end, N m.
+    pub final_pivot_friction_n_m: Vec<f64>,
+    /// The energy ledger at the end, where it was kept.
+    pub ledger: Option<Ledger>,
+    /// Steps and iterations.
+    pub work: Work,
+    /// How far the bodies turned, and how deep the felts were pressed.
+    pub extremes: Extremes,
+    /// Why the run is not to be trusted; empty if nothing speaks against it.
+    pub warnings: Vec<Warning>,
+}
+
+impl Run {
+    /// Whether nothing speaks against the run's numbers ([`crate::trust`]).
+    pub fn is_trusted(&self) -> bool {
+        self.warnings.is_empty()
+    }
+
+    /// Name and values of every column of its table; a column without values (no hammer in the model) is empty. A name ends with the unit
+    /// ([`column_unit`]).
+    pub fn columns(&self) -> Vec<(String, &[f64])> {
+        let mut columns: Vec<(String, &[f64])> = vec![
+            ("time_s".into(), &self.time_s),
+            ("force_N".into(), &self.force_n),
+            ("key_m".into(), &self.key_m),
+            ("hammer_head_m".into(), &self.hammer_head_m),
+        ];
+        for body in &self.bodies {
+            columns.push((format!("{}_rad", body.name), &body.angle_rad));
+            columns.push((format!("{}_rad_per_s", body.name), &body.rate_rad_per_s));
+        }
+        for zone in &self.zones {
+            columns.push((format!("{}_N", zone.name), &zone.normal_n));
+            if zone.has_friction {
+                columns.push((format!("{}_tangential_N", zone.name), &zone.tangential_n));
+            }
+        }
+        if let Some(strings) = &self.strings {
+            columns.push(("string_m".into(), &strings.displacement_m));
+            columns.push(("bridge_N".into(), &strings.bridge_n));
+        }
+        columns
+    }
+}
+
+/// What the endings of columns' names mean, the longer before the shorter.
+const UNITS: [(&str, &str); 18] = [
+    ("_rad_per_s2", "rad/s2"),
+    ("_degrees", "deg"),
+    ("_kg", "kg"),
+    ("_ms", "ms"),
+    ("_rad_per_s", "rad/s"),
+    ("_m_per_s", "m/s"),
+    ("_N_mm", "N mm"),
+    ("_N_m", "N m"),
+    ("_kg_m2", "kg m2"),
+    ("_rad", "rad"),
+    ("_deg", "deg"),
+    ("_mm", "mm"),
+    ("_Hz", "Hz"),
+    ("_g", "g"),
+    ("_J", "J"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_N", "N"),
+];
+
+/// The unit that a column's name ends with; `1` for a number without.
+pub fn column_unit(name: &str) -> &'static str {
+    UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("1", |(_, unit)| unit)
+}

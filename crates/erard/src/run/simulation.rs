@@ -1,0 +1,127 @@
+//! One key press: from rest, driven, to the end of its duration.
+
+use super::Run;
+use super::run_loop::RunLoop;
+use super::setup::{Setup, SimulationError};
+use crate::instrument::Instrument;
+use crate::player::hand::MovingHand;
+use crate::player::{Action, Drive, Hand, Input, Observer};
+
+/// [`simulate`] for who does not want to be told how far it is.
+///
+/// # Errors
+/// See [`SimulationError`].
+pub fn press(instrument: &Instrument, drive: &Drive<'_>, setup: &Setup) -> Result<Run, SimulationError> {
+    simulate(instrument, drive, setup, &mut |_| true)
+}
+
+/// Simulates one press. `progress` is told the share done now and then, and ends the run by returning false.
+///
+/// The mechanism starts in equilibrium, friction included: undriven for a force, under the finger's first position for a
+/// motion.
+///
+/// # Errors
+/// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`crate::run::Work`].
+pub fn simulate(
+    instrument: &Instrument,
+    drive: &Drive<'_>,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    simulate_before(instrument, drive, setup, None, progress)
+}
+
+/// [`simulate`] before the eyes of an observer of its own.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_observed(
+    instrument: &Instrument,
+    drive: &Drive<'_>,
+    setup: &Setup,
+    observer: &mut dyn Observer,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    simulate_before(instrument, drive, setup, Some(observer), progress)
+}
+
+fn simulate_before<'a>(
+    instrument: &Instrument,
+    drive: &'a Drive<'a>,
+    setup: &'a Setup,
+    observer: Option<&'a mut (dyn Observer + 'a)>,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    let steps = setup.check()?;
+    if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
+        return Err(SimulationError::NoKey);
+    }
+    if setup.tolerance.is_some() && instrument.has_yielding_strings() {
+        return Err(SimulationError::StringsControlled);
+    }
+    let mut action = Action::asking(instrument, setup.settings, &mut || progress(0.0))?;
+    put_pedal(&mut action, instrument, setup, &mut || progress(0.0))?;
+    if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)
+        && position_m > 0.0
+    {
+        let finger = Input::Motion { position_m, velocity_m_s: 0.0 };
+        action.settle(instrument, finger, &mut || progress(0.0)).map_err(SimulationError::settling)?;
+    }
+
+    let mut run = RunLoop::new(instrument, drive, setup, steps, action, observer);
+    match setup.tolerance {
+        None => run.fixed(progress)?,
+        Some(tolerance) => run.adaptive(tolerance, progress)?,
+    }
+    progress(1.0);
+    Ok(run.finish(instrument))
+}
+
+/// The pedal where it is at the start, and the action at rest over it.
+fn put_pedal(
+    action: &mut Action,
+    instrument: &Instrument,
+    setup: &Setup,
+    going: &mut dyn FnMut() -> bool,
+) -> Result<(), SimulationError> {
+    if !setup.pedal.is_used() {
+        return Ok(());
+    }
+    if action.strings().and_then(|strings| strings.pedal_m()).is_none() {
+        return Err(SimulationError::NoPedal);
+    }
+    let lift_m = setup.pedal.lift_m(setup.start_s);
+    if lift_m > 0.0 {
+        action.set_pedal(lift_m);
+        action.settle(instrument, Input::Free, going).map_err(SimulationError::settling)?;
+    }
+    Ok(())
+}
+
+/// [`simulate`] with a hand between stroke and key: the stroke's force is its muscle's, or its motion is where muscle drives it.
+///
+/// # Errors
+/// See [`SimulationError`].
+pub fn simulate_hand(
+    instrument: &Instrument,
+    hand: &Hand,
+    stroke: &Drive<'_>,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Run, SimulationError> {
+    let steps = setup.check()?;
+    if instrument.roles.key.is_none() {
+        return Err(SimulationError::NoKey);
+    }
+    if setup.tolerance.is_some() {
+        return Err(SimulationError::HandControlled);
+    }
+    let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
+    let fitted = hand.fitted(instrument);
+    let mut action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
+    put_pedal(&mut action, &fitted, setup, &mut || progress(0.0))?;
+    let mut run = RunLoop::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
+    run.fixed(progress)?;
+    progress(1.0);
+    Ok(run.finish(&fitted))
+}
