@@ -183,7 +183,7 @@ fn points_land_where_the_start_set_has_them() {
 
 /// The compression of each felt as drawn, worked out by hand from the start set and the five distances moved since (the shank's sine and cosine to 1e-6).
 #[test]
-fn gaps_as_drawn_have_the_right_size_and_sign() {
+fn compressions_as_drawn_have_the_right_size_and_sign() {
     let grand = rigid();
     for (name, compression_mm) in [
         ("key_front", -9.18),

@@ -153,18 +153,18 @@ def compiled(mechanism):
                 distance = math.hypot(cx - px, cy - py)
                 nx, ny = (cx - px) / distance, (cy - py) / distance
                 distance -= rounding[z]
-            gap = disc_radius[z] - distance
-            if gap <= 0.0:
+            compression = disc_radius[z] - distance
+            if compression <= 0.0:
                 continue
             ux, uy = velocity(place, a, cx, cy)
             wx, wy = velocity(place, b, cx, cy)
             if exponent[z] == 2.0:
-                elastic = gap * gap
+                elastic = compression * compression
             elif exponent[z] == 2.5:
-                elastic = gap * gap * math.sqrt(gap)
+                elastic = compression * compression * math.sqrt(compression)
             else:
-                elastic = gap ** exponent[z]
-            pressure = stiffness[z] * elastic - damping[z] * gap * gap * (nx * (ux - wx) + ny * (uy - wy))
+                elastic = compression ** exponent[z]
+            pressure = stiffness[z] * elastic - damping[z] * compression * compression * (nx * (ux - wx) + ny * (uy - wy))
             if pressure <= 0.0:
                 continue
             x, y = cx - distance * nx, cy - distance * ny

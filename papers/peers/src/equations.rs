@@ -245,17 +245,17 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
     #[inline(always)]
     fn felt<T: Number>(&self, zone: &Zone, pose: &Pose<T, B>, torque: &mut [T; B]) {
         let (distance, normal, center) = Self::distance(zone, pose);
-        let gap = T::constant(zone.disc.radius_m) - distance;
-        if gap.value() <= 0.0 {
+        let compression = T::constant(zone.disc.radius_m) - distance;
+        if compression.value() <= 0.0 {
             return;
         }
         let closing = |x| dot(normal, sub(pose.velocity(zone.curve_body, x), pose.velocity(zone.disc.body, x)));
-        let square = gap * gap;
+        let square = compression * compression;
         let elastic = match zone.felt.exponent {
             2.0 => square,
-            2.5 => square * gap.sqrt(),
-            3.0 => square * gap,
-            r => gap.powf(r),
+            2.5 => square * compression.sqrt(),
+            3.0 => square * compression,
+            r => compression.powf(r),
         };
         let pressure = elastic.times(zone.felt.stiffness) + square.times(zone.felt.damping) * closing(center);
         if pressure.value() <= 0.0 {

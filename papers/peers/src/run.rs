@@ -90,7 +90,7 @@ pub fn run<const B: usize, const S: usize>(
             },
         )
         .init(|_p: &[f64], _t: f64, y: &mut [f64]| y.copy_from_slice(&equations.rest()), S)
-        .root(|y: &[f64], _p: &[f64], _t: f64, gap: &mut [f64]| gap[0] = equations.beyond_string(&state(y)), 1)
+        .root(|y: &[f64], _p: &[f64], _t: f64, beyond: &mut [f64]| beyond[0] = equations.beyond_string(&state(y)), 1)
         .build()
         .map_err(|e| e.to_string())?;
     // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it takes.

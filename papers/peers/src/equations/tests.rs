@@ -82,10 +82,10 @@ fn energy<T: Number>(mechanism: &Mechanism, y: &[T; S]) -> T {
         sum += (turn * turn).times(0.5 * s.stiffness) - turn.times(s.torque);
     }
     for z in &mechanism.zones {
-        let gap = T::constant(z.disc.radius_m) - Equations::<B, S>::distance(z, &pose).0;
-        if gap.value() > 0.0 {
+        let compression = T::constant(z.disc.radius_m) - Equations::<B, S>::distance(z, &pose).0;
+        if compression.value() > 0.0 {
             let r = z.felt.exponent + 1.0;
-            sum += gap.powf(r).times(z.felt.stiffness / r);
+            sum += compression.powf(r).times(z.felt.stiffness / r);
         }
     }
     sum

@@ -153,7 +153,7 @@ impl Parts {
     fn reaches(&self, instrument: &Instrument, lift: usize, drawn: &[Placement]) -> bool {
         let from_pin = |zone: &Zone| drawn_disc(zone, drawn)[0] - drawn[self.key_pin].pivot_m[0];
         let (front, lift) = (&instrument.zones[self.punching], &instrument.zones[lift]);
-        gap(lift, drawn) < OUT_OF_REACH * gap(front, drawn) * (from_pin(lift) / from_pin(front)).abs()
+        clearance(lift, drawn) < OUT_OF_REACH * clearance(front, drawn) * (from_pin(lift) / from_pin(front)).abs()
     }
 
     /// Which component a body belongs to.
@@ -234,7 +234,7 @@ fn drawn_disc(zone: &Zone, drawn: &[Placement]) -> Vec2 {
 }
 
 /// How far a disc and a line are apart as drawn, m; infinite for other curves.
-pub(super) fn gap(zone: &Zone, drawn: &[Placement]) -> f64 {
+pub(super) fn clearance(zone: &Zone, drawn: &[Placement]) -> f64 {
     let Curve::Line { point_m, normal } = zone.curve else { return f64::INFINITY };
     let carrier = zone.curve_body.map_or(Placement::GROUND, |body| drawn[body]);
     let [x, y] = carrier.from_world(drawn_disc(zone, drawn));

@@ -286,7 +286,7 @@ impl<'i> Places<'i> {
         let (at, normal) = self.line_of(&self.instrument.zones[zone], Component::Key)?;
         let (tail, radius) = self.disc(zone, Component::Hammer)?;
         let (front, pin) = (&self.instrument.zones[self.parts.punching], self.origin(Component::Key));
-        let dip = super::parts::gap(front, self.drawn) / -self.find(Place::KeyFront)?.at[0] * 1e3;
+        let dip = super::parts::clearance(front, self.drawn) / -self.find(Place::KeyFront)?.at[0] * 1e3;
         let hammer = self.parts.frame(Component::Hammer, self.drawn);
         let on_face = |rise: f64| {
             let risen = Placement { angle_rad: hammer.angle_rad + rise, ..hammer };
