@@ -1,10 +1,8 @@
 //! Singular and unreachable poses: located, named, and never a wrong answer.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{angle_error, four_bar, slider_crank};
+use crate::common::{angle_error, four_bar, slider_crank};
 use moreau_linkage::closed_form::{FourBar, SliderCrank};
 use moreau_linkage::{Mechanism, Pose, StartError, StopKind};
 

@@ -1,10 +1,8 @@
 //! Newton-Raphson on generated equations against textbook solutions.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{add_four_bar, angle_error, four_bar, slider_crank};
+use crate::common::{add_four_bar, angle_error, four_bar, slider_crank};
 use moreau_linkage::closed_form::{FourBar, SliderCrank};
 use moreau_linkage::{Direction, Length, Linkage, Mechanism, Pose};
 use proptest::prelude::*;

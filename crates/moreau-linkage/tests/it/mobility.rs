@@ -1,10 +1,8 @@
 //! Degrees of freedom, over- and under-constraint: told apart and explained.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{add_four_bar, four_bar, slider_crank};
+use crate::common::{add_four_bar, four_bar, slider_crank};
 use moreau_linkage::closed_form::{FourBar, SliderCrank};
 use moreau_linkage::{AssembleError, Direction, Length, Linkage, Mechanism, Pose, Redundancy, StartError, Verdict};
 
