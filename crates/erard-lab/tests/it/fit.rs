@@ -1,8 +1,10 @@
 //! Fits find what made the data, and say what the data do not tell.
 
 #[allow(dead_code)]
-#[path = "../examples/recordings.rs"]
+#[path = "../../examples/recordings.rs"]
 mod recordings;
+
+use std::sync::LazyLock;
 
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::simulation::{Setup, simulate};
@@ -105,17 +107,24 @@ fn both_strokes() -> [Recording; 2] {
     [recorded(&true_one, "p", 0, NOISE, 0.0), recorded(&true_one, "f", 1, NOISE, 0.0)]
 }
 
-/// Four parameters of a grand that differ from the file, from two strokes with the noise of good sensors: each is found within four of its errors, by differences
-/// and by the model's own derivatives, which end at the same place and say the same errors.
+/// What is asked of two strokes whose force has no noise.
+fn quiet<'a>(vary: &'a [&'a str]) -> Asks<'a> {
+    let mut asks = asks(vary);
+    asks.sigma.push(("force_N".to_owned(), 0.0));
+    asks
+}
+
+/// Names of the parameters, two strokes of the grand that has the true ones, and the fit to them by differences: several tests look at it.
+static FITTED: LazyLock<(Vec<&str>, [Recording; 2], Found)> = LazyLock::new(|| {
+    let (vary, data) = (names(), both_strokes());
+    let found = fit(&data, &quiet(&vary)).unwrap();
+    (vary, data, found)
+});
+
+/// Four parameters of a grand that differ from the file, from two strokes with the noise of good sensors: each is found within four of its errors.
 #[test]
 fn the_truth_is_found_within_its_errors() {
-    let (vary, data) = (names(), both_strokes());
-    let quiet = || {
-        let mut asks = asks(&vary);
-        asks.sigma.push(("force_N".to_owned(), 0.0));
-        asks
-    };
-    let found = fit(&data, &quiet()).unwrap();
+    let (_, _, found) = &*FITTED;
     for ((name, truth), (x, std)) in TRUE.iter().zip(found.x.iter().zip(&found.std)) {
         assert!((x - truth).abs() < 4.0 * std, "{name}: {x} +- {std}, {truth}");
         assert!(
@@ -131,21 +140,6 @@ fn the_truth_is_found_within_its_errors() {
     let (hammer, value, error) = found.values().next().unwrap();
     assert!((value - hammer.value * found.x[0]).abs() < 1e-12 && (error - hammer.value * found.std[0]).abs() < 1e-12);
 
-    let mut exact = quiet();
-    exact.plan.jacobian = Jacobian::Gradient;
-    let exact = fit(&data, &exact).unwrap();
-    assert!(exact.differentiated > 0 && found.differentiated == 0);
-    for (k, name) in vary.iter().enumerate() {
-        assert!(
-            (exact.x[k] - found.x[k]).abs() < 0.2 * found.std[k],
-            "{name}: {} {} +- {}",
-            exact.x[k],
-            found.x[k],
-            found.std[k]
-        );
-        assert!((exact.std[k] / found.std[k] - 1.0).abs() < 0.2, "{name}: {} {}", exact.std[k], found.std[k]);
-    }
-
     // The fitted instrument as a file has the fitted numbers.
     let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
     let written = found.rewrite(text, &["p.csv", "f.csv"]).unwrap();
@@ -158,9 +152,31 @@ fn the_truth_is_found_within_its_errors() {
     }
 }
 
+/// The model's own derivatives end at the same place as differences do, and say the same errors.
+#[test]
+#[ignore = "ci: two fits of four parameters"]
+fn derivatives_find_the_truth_too() {
+    let (vary, data, found) = &*FITTED;
+    let mut exact = quiet(vary);
+    exact.plan.jacobian = Jacobian::Gradient;
+    let exact = fit(data, &exact).unwrap();
+    assert!(exact.differentiated > 0 && found.differentiated == 0);
+    for (k, name) in vary.iter().enumerate() {
+        assert!(
+            (exact.x[k] - found.x[k]).abs() < 0.2 * found.std[k],
+            "{name}: {} {} +- {}",
+            exact.x[k],
+            found.x[k],
+            found.std[k]
+        );
+        assert!((exact.std[k] / found.std[k] - 1.0).abs() < 0.2, "{name}: {} {}", exact.std[k], found.std[k]);
+    }
+}
+
 /// The synthetic recordings that lie beside the book are what their example makes; the flexible grand that made them is found in them: hammer, balance pin, capstan's felt and let-off, with
 /// offsets and noise on all three sensors, the load cell's on what drives included.
 #[test]
+#[ignore = "ci: a fit of four parameters to recordings with noise on the force"]
 fn the_recordings_tell_the_grand_that_made_them() {
     let none = Preparation { low_pass: erard_lab::recording::LowPass::Off, ..Preparation::default() };
     let grand = InstrumentFile::builtin("concert-grand").unwrap();
@@ -244,16 +260,28 @@ fn what_is_not_seen_is_said() {
     assert!(blind.singular_values[1] < 1.0 && blind.singular_values[0] > 1.0);
 }
 
-/// Noise is read from the recording where nobody says it; noise of what drives makes errors larger; without either the report says so.
+/// A stroke of a grand with a heavier hammer.
+fn heavier() -> [Recording; 1] {
+    [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)]
+}
+
+/// Noise is read from the recording where nobody says it.
 #[test]
-fn noise_is_told_or_asked_for() {
-    let data = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)];
+fn noise_is_read() {
+    let data = heavier();
     let mut mass = asks(&["body.hammer.mass"]);
     mass.sigma.clear();
     let read = fit(&data, &mass).unwrap();
     for ((title, sigma, _), put_in) in read.channels.iter().zip(&NOISE[1..]) {
         assert!((sigma / put_in - 1.0).abs() < 0.3, "{title}: {sigma}");
     }
+}
+
+/// Noise of what drives makes errors larger; where it cannot be told the report says so.
+#[test]
+#[ignore = "ci: three fits, one with noise on the force"]
+fn noise_of_the_drive_is_told_or_asked_for() {
+    let data = heavier();
     let with = |force: f64| {
         let mut asks = asks(&["body.hammer.mass"]);
         asks.sigma.push(("force_N".to_owned(), force));
@@ -275,6 +303,7 @@ fn noise_is_told_or_asked_for() {
 
 /// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean square deviation is about one error.
 #[test]
+#[ignore = "ci: four fits to recordings with noise on the force"]
 fn errors_are_true_with_a_noisy_drive() {
     let true_one = varied(&[("body.hammer.mass", 1.05), ("zone.capstan_heel.stiffness", 1.3)]);
     let (mut squares, count) = (0.0, 4);

@@ -16,18 +16,26 @@ fn section(name: &str) -> Section {
 /// Claims of the papers (and of this program about itself) that hold on the shipped instrument.
 #[test]
 fn claims_hold() {
-    for name in [
+    hold(&["paper2-felt", "paper3-levers"]);
+}
+
+#[test]
+#[ignore = "ci: eight subjects of the report"]
+fn claims_of_slow_subjects_hold() {
+    hold(&[
         "paper1-transfer",
         "paper1-fine-structure",
         "touch-scatter",
-        "paper2-felt",
         "paper2-finger",
-        "paper3-levers",
         "scheme-energy",
         "scheme-solvers",
         "what-gives",
         "strings",
-    ] {
+    ]);
+}
+
+fn hold(names: &[&str]) {
+    for &name in names {
         for claim in section(name).claims {
             // Gauss-Seidel may need more sweeps than it has in a step of a hundred thousand; the report counts them.
             if name == "scheme-solvers" && claim.source == "this program" {
@@ -41,6 +49,7 @@ fn claims_hold() {
 /// Controlled steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At 1e-3 they do
 /// not pay, or hardly; the report says.)
 #[test]
+#[ignore = "ci: a convergence study"]
 fn controlled_steps_pay_at_high_precision() {
     let claims = section("scheme-control").claims;
     let kept: Vec<_> = claims.iter().filter(|c| !c.says.contains("1e-3 costs")).collect();
@@ -83,12 +92,18 @@ fn work_can_be_ended() {
 /// The same numbers every time, but for what is said to be on the clock.
 #[test]
 fn sections_are_the_same_each_time() {
-    for name in ["paper1-drives", "paper1-transfer", "paper3-levers"] {
-        assert_eq!(section(name), section(name), "{name}");
-    }
+    assert_eq!(section("paper3-levers"), section("paper3-levers"));
     let names: Vec<&str> = subjects().iter().map(|s| s.name).collect();
     let mut sorted = names.clone();
     sorted.sort_unstable();
     sorted.dedup();
     assert_eq!(sorted.len(), names.len(), "names are unique");
+}
+
+#[test]
+#[ignore = "ci: two subjects, each twice"]
+fn slow_sections_are_the_same_each_time() {
+    for name in ["paper1-drives", "paper1-transfer"] {
+        assert_eq!(section(name), section(name), "{name}");
+    }
 }

@@ -19,14 +19,27 @@ const SILENT: [&str; 1] = ["shank_modes"];
 /// How the values of rows on strings begin.
 const STRING_ROWS: [&str; 4] = ["contact_", "peak_", "return_", "second_partial_"];
 
+// That the grand misses no other rows is seen in every run of the tests by those of the command (`validate`).
 #[test]
-fn the_grands_meet_what_they_met() {
-    for (name, missed) in MISSED {
-        meets(name, missed);
-    }
+#[ignore = "ci: a validation"]
+fn the_grand_meets_what_it_met() {
+    meets(0);
 }
 
-fn meets(name: &str, missed: &[&str]) {
+#[test]
+#[ignore = "ci: a validation with strings and keys"]
+fn the_grand_with_strings_meets_what_it_met() {
+    meets(1);
+}
+
+#[test]
+#[ignore = "ci: a validation"]
+fn the_rigid_grand_meets_what_it_met() {
+    meets(2);
+}
+
+fn meets(grand: usize) {
+    let (name, missed) = MISSED[grand];
     let published = Published::builtin();
     let grand = Instrument::builtin(name).unwrap();
     let keyboard = Keyboard::builtin(name);
