@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use moreau::Ledger;
 use serde::Serialize;
 
-use crate::equilibrium::EquilibriumError;
+use crate::equilibrium::{EquilibriumError, UNSOLVED_STEPS};
 use crate::instrument::Instrument;
 use crate::run::{Events, Work};
 use crate::simulation::SimulationError;
@@ -115,6 +115,9 @@ impl Warning {
         match error {
             SimulationError::Equilibrium(EquilibriumError::NoRest { body, speed, .. }) => {
                 warning(Kind::NoRest, Some(body.clone()), *speed, "rad/s", None)
+            }
+            SimulationError::Equilibrium(EquilibriumError::Unsolved { time_s, .. }) => {
+                warning(Kind::UnconvergedSteps, None, f64::from(UNSOLVED_STEPS), "steps", Some(*time_s))
             }
             SimulationError::Equilibrium(EquilibriumError::NonFinite) => {
                 warning(Kind::NonFinite, None, f64::INFINITY, "", None)

@@ -1,10 +1,8 @@
 //! Parts that bend: what they are when their bends are locked, and that they play like the rigid ones when the bends are stiff.
 
-mod common;
-
 use std::path::Path;
 
-use common::{Play, rigid_grand};
+use crate::common::{Play, rigid_grand};
 use erard::instrument::{Instrument, Zone};
 use erard::{Action, Input, Settings};
 
@@ -71,7 +69,7 @@ fn locked_it_is_the_rigid_grand() {
 #[test]
 fn energies_of_frozen_pieces_are_those_of_the_locked_part() {
     let mut bent = bending(8);
-    let head = common::body(&bent, "hammer");
+    let head = crate::common::body(&bent, "hammer");
     // The head turned against its shank as drawn, so that frames differ.
     bent.bodies[head].angle_rad += 0.3;
     let locked = bent.locked();

@@ -1,8 +1,6 @@
 //! Presses whose error is controlled: the tolerance is what the error follows, and all else stays as it was.
 
-mod common;
-
-use common::{Play, grand};
+use crate::common::{Play, grand};
 use erard::run::Run;
 use erard::stroke::Touch;
 use moreau::Settings;
@@ -22,19 +20,26 @@ fn speed(run: &Run) -> f64 {
 /// is extrapolated beyond it; up to the blow some sixteen changes of friction may each err by it, either way, which makes four of it.
 #[test]
 fn the_error_follows_the_tolerance() {
-    for play in [
-        MF,
-        Play::FrozenMotion("mf", Touch::Pressed),
-        Play::FrozenRigid("mf", Touch::Pressed),
-        Play::ForceStep(8.0, 1.0),
-    ] {
-        let fixed = |h: f64| speed(&play.run_every(&grand(), Settings::new(h), 0.06, Some(u64::MAX)));
-        let exact = 2.0 * fixed(0.1e-6) - fixed(0.2e-6);
-        for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-            let error = (speed(&controlled(&play, tolerance, 0.06, 40)) / exact - 1.0).abs();
-            println!("{play:?}, tolerance {tolerance:e}: {error:.1e}");
-            assert!(error < 4.0 * tolerance, "{play:?}, tolerance {tolerance:e}: {error:.1e}");
-        }
+    error_follows(MF);
+}
+
+#[test]
+#[ignore = "ci: other drives, beside steps of 0.1 us"]
+fn the_error_follows_the_tolerance_for_every_drive() {
+    for play in
+        [Play::FrozenMotion("mf", Touch::Pressed), Play::FrozenRigid("mf", Touch::Pressed), Play::ForceStep(8.0, 1.0)]
+    {
+        error_follows(play);
+    }
+}
+
+fn error_follows(play: Play) {
+    let fixed = |h: f64| speed(&play.run_every(&grand(), Settings::new(h), 0.06, Some(u64::MAX)));
+    let exact = 2.0 * fixed(0.1e-6) - fixed(0.2e-6);
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+        let error = (speed(&controlled(&play, tolerance, 0.06, 40)) / exact - 1.0).abs();
+        println!("{play:?}, tolerance {tolerance:e}: {error:.1e}");
+        assert!(error < 4.0 * tolerance, "{play:?}, tolerance {tolerance:e}: {error:.1e}");
     }
 }
 

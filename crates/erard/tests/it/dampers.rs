@@ -1,10 +1,8 @@
 //! What lies on the strings and where they end: dampers against an independent solution, at rest, under key and pedal; a bridge that moves against its eigenvalues.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{Play, USUAL_STEP_S};
+use crate::common::{Play, USUAL_STEP_S};
 use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
 use erard::keyboard::Keys;
 use erard::mechanism::{Mechanism, mechanism};
@@ -358,6 +356,7 @@ fn the_books_close_over_dampers_and_pedal() {
 
 /// A hammer that is pressed on a string on which a damper lies, for a second, from the same side and from the other: the two are solved together within a step, so that the books close.
 #[test]
+#[ignore = "ci: steps of three lengths, for a second"]
 fn the_books_close_over_hammer_and_damper_on_the_same_string() {
     for (side, gravity) in [(1.0, 225.0), (-1.0, -225.0)] {
         let mut instrument = damped(0.0);
@@ -612,12 +611,12 @@ fn the_bridge_is_an_option() {
     without.bridge_modes.clear();
     let play =
         |instrument: &Instrument| Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.4);
-    let digest = |instrument: &Instrument| common::digests::digest(&play(instrument));
+    let digest = |instrument: &Instrument| crate::common::digests::digest(&play(instrument));
     assert!(instrument.roles.rigid_bridge);
     assert_eq!(digest(&instrument), digest(&without));
     instrument.roles.rigid_bridge = false;
     let run = play(&instrument);
-    assert_ne!(common::digests::digest(&run), digest(&without));
+    assert_ne!(crate::common::digests::digest(&run), digest(&without));
     let ledger = run.ledger.as_ref().unwrap();
     println!("residual {:.1e}", ledger.residual_relative());
     assert!(ledger.residual_relative() < 1e-4);

@@ -1,9 +1,7 @@
 //! The same input gives the same bits, and the same amount of work.
 
-mod common;
-
-use common::digests::{BENDING, GOLDEN, LOADED, digest, loaded, long_bending_run, long_run};
-use common::{Play, USUAL_STEP_S, grand};
+use crate::common::digests::{BENDING, GOLDEN, LOADED, digest, loaded, long_bending_run, long_run};
+use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::stroke::Touch;
 use moreau::Settings;
 

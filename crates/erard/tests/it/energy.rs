@@ -1,8 +1,8 @@
 //! The energy ledger closes, and friction never gives energy.
 
-mod common;
+use std::sync::LazyLock;
 
-use common::{Play, USUAL_STEP_S, grand};
+use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::run::Run;
 use erard::stroke::{NUANCES, Touch};
 use moreau::{Ledger, Settings};
@@ -22,9 +22,28 @@ fn run(play: &Play, theta: f64, step: f64) -> Run {
     play.run_every(&grand(), Settings { theta, ..Settings::new(step) }, 1.0, Some(u64::MAX))
 }
 
+/// What is asked of a play: its ledger, and how many steps did not converge.
+struct Played {
+    play: Play,
+    theta: f64,
+    ledger: Ledger,
+    unconverged_steps: u64,
+}
+
+fn played(theta: f64, step: f64) -> Vec<Played> {
+    let of = |play: Play| {
+        let run = run(&play, theta, step);
+        Played { play, theta, ledger: run.ledger.unwrap(), unconverged_steps: run.work.unconverged_steps }
+    };
+    plays().into_iter().map(of).collect()
+}
+
+/// All plays in steps of the usual length, at theta = 1/2 and 1: every test looks at them.
+static USUAL: LazyLock<[Vec<Played>; 2]> = LazyLock::new(|| [0.5, 1.0].map(|theta| played(theta, USUAL_STEP_S)));
+
 /// Largest residual, relative to the work put in, of all plays.
-fn worst(theta: f64, step: f64, residual: fn(&Ledger) -> f64) -> f64 {
-    plays().iter().map(|play| residual(&run(play, theta, step).ledger.unwrap())).fold(0.0, f64::max)
+fn worst(played: &[Played], residual: fn(&Ledger) -> f64) -> f64 {
+    played.iter().map(|one| residual(&one.ledger)).fold(0.0, f64::max)
 }
 
 /// theta = 1/2 loses no energy of its own on straight paths; what is left comes from paths that are curved within a step, of order
@@ -32,12 +51,19 @@ fn worst(theta: f64, step: f64, residual: fn(&Ledger) -> f64) -> f64 {
 /// less than a quarter of the residual (a sixteenth in the mean, were it not for the contacts' phases).
 #[test]
 fn the_books_close_at_theta_one_half() {
-    let residuals = [4.0, 1.0, 0.25].map(|part| worst(0.5, part * USUAL_STEP_S, Ledger::residual_relative));
+    let residual = worst(&USUAL[0], Ledger::residual_relative);
+    assert!(residual < 1e-4, "{residual:e}");
+}
+
+#[test]
+#[ignore = "ci: all plays in steps of three lengths"]
+fn the_books_close_with_the_square_of_the_step() {
+    let [coarse, fine] = [4.0, 0.25].map(|part| worst(&played(0.5, part * USUAL_STEP_S), Ledger::residual_relative));
+    let residuals = [coarse, worst(&USUAL[0], Ledger::residual_relative), fine];
     println!(
         "largest energy residual at 200, 50 and 12.5 us: {:.1e} {:.1e} {:.1e}",
         residuals[0], residuals[1], residuals[2]
     );
-    assert!(residuals[1] < 1e-4, "{residuals:?}");
     assert!(residuals[1] < residuals[0] / 4.0 && residuals[2] < residuals[1] / 4.0, "{residuals:?}");
 }
 
@@ -46,11 +72,14 @@ fn the_books_close_at_theta_one_half() {
 #[test]
 fn the_scheme_itself_only_takes_energy_at_theta_one() {
     let gain = |ledger: &Ledger| ledger.residual() / ledger.drive_work_in;
-    assert_eq!(worst(1.0, USUAL_STEP_S, gain), 0.0, "no play gains");
-    let (coarse, fine) = (
-        worst(1.0, USUAL_STEP_S, |l| -l.residual() / l.drive_work_in),
-        worst(1.0, 0.25 * USUAL_STEP_S, |l| -l.residual() / l.drive_work_in),
-    );
+    assert_eq!(worst(&USUAL[1], gain), 0.0, "no play gains");
+}
+
+#[test]
+#[ignore = "ci: all plays in steps of two lengths"]
+fn the_scheme_takes_energy_of_first_order_at_theta_one() {
+    let taken = |ledger: &Ledger| -ledger.residual() / ledger.drive_work_in;
+    let (coarse, fine) = (worst(&USUAL[1], taken), worst(&played(1.0, 0.25 * USUAL_STEP_S), taken));
     println!("energy that theta = 1 takes at 50 and 12.5 us: {coarse:.2} {fine:.2} of the work");
     assert!(fine < coarse / 3.0, "{coarse} {fine}");
 }
@@ -59,13 +88,9 @@ fn the_scheme_itself_only_takes_energy_at_theta_one() {
 /// all runs is not negative, not even by rounding, for every drive and both thetas. No step is left unconverged.
 #[test]
 fn no_dissipation_is_negative_in_any_step() {
-    for theta in [0.5, 1.0] {
-        for play in plays() {
-            let run = run(&play, theta, USUAL_STEP_S);
-            let l = run.ledger.as_ref().unwrap();
-            assert!(l.smallest_term >= 0.0, "{play:?}, theta {theta}: {:e}", l.smallest_term);
-            assert!(l.pivot_dry > 0.0 && l.pivot_viscous > 0.0 && l.felt_damping > 0.0 && l.coulomb > 0.0, "{play:?}");
-            assert_eq!(run.work.unconverged_steps, 0, "{play:?}, theta {theta}");
-        }
+    for Played { play, theta, ledger: l, unconverged_steps } in USUAL.iter().flatten() {
+        assert!(l.smallest_term >= 0.0, "{play:?}, theta {theta}: {:e}", l.smallest_term);
+        assert!(l.pivot_dry > 0.0 && l.pivot_viscous > 0.0 && l.felt_damping > 0.0 && l.coulomb > 0.0, "{play:?}");
+        assert_eq!(*unconverged_steps, 0, "{play:?}, theta {theta}");
     }
 }

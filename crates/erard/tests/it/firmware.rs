@@ -1,6 +1,6 @@
 //! The instrument that firmware has compiled in is the built-in one. That it plays the same bits, `.ci/run` asks.
 
-#[path = "../examples/firmware/source.rs"]
+#[path = "../../examples/firmware/source.rs"]
 mod source;
 
 /// `cargo run --release -p erard --example firmware > firmware/src/grand.rs` makes it anew.

@@ -1,8 +1,6 @@
 //! A hand that presses: what it does that a prescribed force does not.
 
-mod common;
-
-use common::grand;
+use crate::common::grand;
 use erard::player::{self, Hand};
 use erard::run::Run;
 use erard::simulation::{SimulationError, simulate_hand};

@@ -2,7 +2,7 @@
 
 use erard::instrument::{FileError, Instrument, InstrumentFile, MAX_FILE_BYTES};
 
-const CLOCK: &str = include_str!("instruments/escapement.toml");
+const CLOCK: &str = include_str!("../instruments/escapement.toml");
 
 /// One slip of the pen in a file that reads.
 struct Slip {

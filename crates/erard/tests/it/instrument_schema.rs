@@ -5,7 +5,7 @@ use std::path::Path;
 use erard::instrument::{Instrument, json_schema};
 use serde_json::{Value, json};
 
-const CLOCK: &str = include_str!("instruments/escapement.toml");
+const CLOCK: &str = include_str!("../instruments/escapement.toml");
 
 #[test]
 fn the_shipped_schema_is_the_generated_one() {

@@ -1,8 +1,6 @@
 //! The one-degree-of-freedom model against the six bodies that it is derived from.
 
-mod common;
-
-use common::{Play, USUAL_STEP_S, grand, rigid_grand};
+use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::assembly::assemble;
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;

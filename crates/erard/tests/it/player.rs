@@ -1,8 +1,6 @@
 //! The player from outside: readings, blows, snapshots, bad inputs, sizes.
 
-mod common;
-
-use common::{Play, USUAL_STEP_S, grand, rigid_grand};
+use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::stroke::{Cursor, Series, Touch};
 use erard::{Action, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError, Strike};
 

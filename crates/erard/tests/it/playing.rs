@@ -2,9 +2,7 @@
 //!
 //! `cargo run --release -p erard --example force_steps` prints the table.
 
-mod common;
-
-use common::{Play, USUAL_STEP_S, grand, largest, rigid_grand};
+use crate::common::{Play, USUAL_STEP_S, grand, largest, rigid_grand};
 use erard::instrument::Instrument;
 use erard::player;
 use erard::player::Action;

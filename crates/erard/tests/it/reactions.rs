@@ -1,8 +1,6 @@
 //! Pin reactions obey Newton's laws, and what is lost is lost somewhere.
 
-mod common;
-
-use common::{USUAL_STEP_S, grand};
+use crate::common::{USUAL_STEP_S, grand};
 use erard::instrument::{Body, Finger, Instrument, Roles, Vec2};
 use erard::mechanism::Mechanism;
 use erard::player::{Action, Input, Losses, Observer, ReactionRecorder, Reactions};
@@ -221,7 +219,7 @@ fn moments_about_the_pins_balance() {
     for (coarse, fine) in left[0].iter().zip(&left[1]) {
         assert!(*coarse < 1e-4 && (*fine < coarse / 10.0 || *fine < 1e-12), "{left:?}");
     }
-    let damper = common::body(&grand(), "damper");
+    let damper = crate::common::body(&grand(), "damper");
     assert!(left.iter().all(|left| left[damper] < 1e-12), "{left:?}");
 }
 
@@ -305,7 +303,7 @@ fn controlled_steps_lose_what_the_ledger_says() {
 /// where a felt is met one row differs by what the force grows in a step).
 #[test]
 fn reactions_of_controlled_steps_are_the_limit_of_short_steps() {
-    let grand = common::rigid_grand();
+    let grand = crate::common::rigid_grand();
     let series = Series::rigid("f", Touch::Pressed).unwrap();
     let play = |settings: Settings<f64>, record_every: u64, tolerance: Option<f64>| {
         let force = series.force.as_ref().unwrap().drive();

@@ -1,10 +1,8 @@
 //! Rest is rest: what friction holds does not move at all, and what a regularised friction should hold creeps.
 //!
-//! The numbers are printed with `cargo test --release -p erard --test rest -- --nocapture`.
+//! The numbers are printed with `cargo test --release -p erard --test it rest:: -- --nocapture`.
 
-mod common;
-
-use common::{Play, USUAL_STEP_S, body, grand, largest, regularised, rigid_grand};
+use crate::common::{Play, USUAL_STEP_S, body, grand, largest, regularised, rigid_grand};
 use erard::equilibrium::EquilibriumError;
 use erard::instrument::Instrument;
 use erard::player;
@@ -56,6 +54,7 @@ fn a_minute_of_rest_after_a_note() {
 /// With tanh(u / width) instead, nothing holds: in a minute the mechanism creeps to where it would rest without any friction, by
 /// more than 1e-3 rad at whatever width, and no friction is left.
 #[test]
+#[ignore = "ci: three minutes of creeping"]
 fn regularised_friction_creeps() {
     let grand = grand();
     for width in WIDTHS {
@@ -118,6 +117,7 @@ fn a_held_note_creeps_when_regularised() {
 /// Errors against a step of 3.125/32 us, root mean squares over 8 steps within an eighth of the nominal one (see
 /// `common/ladder.rs`); over four halvings the observed order is 2.0 with a scatter of 0.1.
 #[test]
+#[ignore = "ci: a convergence study"]
 fn the_caught_angle_is_of_second_order() {
     let grand = rigid_grand();
     let hammer = body(&grand, "hammer");
@@ -180,6 +180,21 @@ fn a_search_for_a_rest_that_does_not_end_well() {
         ledger: true,
         pedal: erard::strings::Pedal::default(),
     };
+    // Stiffnesses that no step resolves end the search soon, with strings or without: it asks every 512 steps, 20 s are 400 000.
+    for name in ["concert-grand", "concert-grand-strings"] {
+        let mut explosive = Instrument::builtin(name).unwrap();
+        explosive.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300);
+        let mut asked = 0;
+        let error = Action::asking(&explosive, Settings::new(USUAL_STEP_S), &mut || {
+            asked += 1;
+            true
+        })
+        .err();
+        println!("{name}: asked {asked} times, {error:?}");
+        let said = error.as_ref().map(ToString::to_string).unwrap_or_default();
+        assert!(matches!(error, Some(ActionError::Equilibrium(_))), "{error:?}");
+        assert!(asked <= 2 && said.contains("stiffness"), "{asked} {said}");
+    }
     let free = simulate(&mill, &|_| player::Input::Free, &setup, &mut |_| false);
     assert!(matches!(free, Err(SimulationError::Interrupted)), "{free:?}");
 }

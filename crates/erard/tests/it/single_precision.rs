@@ -1,8 +1,6 @@
 //! The same kernel in single precision, as a control loop on a small processor would run it.
 
-mod common;
-
-use common::{USUAL_STEP_S, rigid_grand};
+use crate::common::{USUAL_STEP_S, rigid_grand};
 use erard::assembly::{assemble, drawn_angles};
 use moreau::{Input, Model, Outcome, Scalar, Settings, State, Workspace, step};
 

@@ -1,8 +1,6 @@
 //! Strings that yield: a bare hammer head thrown at middle C's, against an independent solution; books, rest, partials, snapshots; the whole action.
 
-mod common;
-
-use common::{Play, USUAL_STEP_S, grand};
+use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keys;
 use erard::mechanism::{Mechanism, mechanism};
@@ -462,7 +460,7 @@ fn one_word_makes_the_string_rigid() {
     without.strings.clear();
     let play = |instrument: &Instrument| {
         let run = Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.3);
-        common::digests::digest(&run)
+        crate::common::digests::digest(&run)
     };
     let rigid = play(&strung.with_rigid_string());
     assert_eq!(rigid, play(&without));

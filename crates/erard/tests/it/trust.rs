@@ -1,8 +1,6 @@
 //! Runs that can be trusted say nothing, and those that cannot say why.
 
-mod common;
-
-use common::{Play, USUAL_STEP_S, grand, rigid_grand};
+use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
 use erard::run::Run;
@@ -29,9 +27,23 @@ fn motions() -> impl Iterator<Item = Play> {
 /// Every built-in stroke on every built-in instrument, by force and by motion, and steps of force. The only thing that any of them may say is
 /// that the jack or the damper flies further than it can: the model has no stop there, and that is the finding. The default press says nothing.
 #[test]
+fn the_grand_is_trusted() {
+    missing_stops(&["concert-grand"]);
+}
+
+#[test]
+#[ignore = "ci: 36 strokes on every built-in instrument"]
 fn what_is_built_in_is_trusted() {
+    let names: Vec<&str> = Instrument::builtin_names().collect();
+    let missing_stops = missing_stops(&names);
+    println!("{missing_stops} findings");
+    assert!(missing_stops > 0, "loud strokes are known to need stops that the model does not have");
+}
+
+/// Plays all strokes on these instruments; how often a body flew further than it can.
+fn missing_stops(names: &[&str]) -> u32 {
     let mut missing_stops = 0;
-    for name in Instrument::builtin_names() {
+    for name in names {
         let instrument = Instrument::builtin(name).unwrap();
         for play in Play::strokes().chain(motions()).chain(Play::force_steps()) {
             let run = play.run_every(&instrument, settings(), 0.5, Some(u64::MAX));
@@ -46,8 +58,7 @@ fn what_is_built_in_is_trusted() {
             assert!(!soft || run.is_trusted(), "{name}, {play:?}: {:?}", run.warnings);
         }
     }
-    println!("{missing_stops} findings");
-    assert!(missing_stops > 0, "loud strokes are known to need stops that the model does not have");
+    missing_stops
 }
 
 /// The README's longest step and its repetition, and the keys of the keyboard at its ends.
