@@ -1,9 +1,6 @@
 //! The technician's distances against what geometry and felts say without any simulation.
 
-#[path = "../../erard/tests/common/mod.rs"]
-mod common;
-
-use common::rigid_grand;
+use crate::common::rigid_grand;
 use erard::instrument::{Curve, Felt, Instrument};
 use erard_workshop::distances::{Distances, Protocol, measure};
 

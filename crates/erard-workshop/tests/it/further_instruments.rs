@@ -1,9 +1,6 @@
 //! The instruments beside the concert grand: their published arms, their regulation, and how they play.
 
-#[path = "../../erard/tests/common/mod.rs"]
-mod common;
-
-use common::{Play, USUAL_STEP_S};
+use crate::common::{Play, USUAL_STEP_S};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard_workshop::distances::{Protocol, measure};
 use erard_workshop::regulate::{Goal, Kind};

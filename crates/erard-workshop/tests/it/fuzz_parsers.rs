@@ -10,7 +10,7 @@ use erard::stroke::{Cursor, MAX_FORCE_N, MAX_POSITION_M, Series, StrokeError};
 use erard_workshop::kinematics::LinkageFile;
 use fastrand::Rng;
 
-const CLOCK: &str = include_str!("../../erard/tests/instruments/escapement.toml");
+const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.toml");
 const STROKE: &str = "# a short stroke\ntime_s,force_N,position_m,note\n0,0,0,\n0.001,0.5,0.0002,on\n0.0025,1.25,0.001,\n\
                       0.01,3e0,0.004,\"a, b\"\n0.02,5,0.009,\n0.05,0,0.0098,off\n";
 
@@ -201,25 +201,55 @@ fn damage_instrument(good: &str, mutants: usize, seed: u64) -> usize {
 
 #[test]
 fn damaged_clocks() {
-    let read = damage_instrument(CLOCK, 30_000, 0x9e37_79b9_7f4a_7c15);
+    damage_clocks(2_000);
+}
+
+#[test]
+#[ignore = "ci: 30 000 mutants"]
+fn many_damaged_clocks() {
+    damage_clocks(30_000);
+}
+
+fn damage_clocks(mutants: usize) {
+    let read = damage_instrument(CLOCK, mutants, 0x9e37_79b9_7f4a_7c15);
     // Both kinds must occur, or the damage is too light or too heavy to test anything.
-    assert!((300..29_000).contains(&read), "{read} of 30000 read");
+    assert!((mutants / 100..mutants * 29 / 30).contains(&read), "{read} of {mutants} read");
 }
 
 #[test]
 fn damaged_grands() {
+    damage_grands(200);
+}
+
+#[test]
+#[ignore = "ci: 4 000 mutants"]
+fn many_damaged_grands() {
+    damage_grands(4_000);
+}
+
+fn damage_grands(mutants: usize) {
     let grand = Instrument::builtin_text("concert-grand").expect("a text");
-    let read = damage_instrument(grand, 4_000, 0x2545_f491_4f6c_dd1d);
-    assert!((40..3_900).contains(&read), "{read} of 4000 read");
+    let read = damage_instrument(grand, mutants, 0x2545_f491_4f6c_dd1d);
+    assert!((mutants / 100..mutants * 39 / 40).contains(&read), "{read} of {mutants} read");
 }
 
 /// What still reads has finite levers, and either goes through its stroke or says where it stops.
 #[test]
 fn damaged_linkages() {
+    damage_linkages(2_000);
+}
+
+#[test]
+#[ignore = "ci: 20 000 mutants"]
+fn many_damaged_linkages() {
+    damage_linkages(20_000);
+}
+
+fn damage_linkages(mutants: usize) {
     let good = LinkageFile::builtin_text("c7f-like").expect("a text");
     let mut chance = Chance::new(0x0bad_cafe_dead_beef);
     let (mut read, mut moved) = (0, 0);
-    for _ in 0..20_000 {
+    for _ in 0..mutants {
         let bytes = damaged(good, &mut chance);
         let file = match LinkageFile::parse_bytes(&bytes, "mutant.toml") {
             Ok(file) => file,
@@ -238,7 +268,8 @@ fn damaged_linkages() {
         assert_eq!(stroke.stop.is_none(), stroke.poses.len() == 6);
         assert!(case.digest().start.leverage.is_finite());
     }
-    assert!((200..19_000).contains(&read) && moved > 100, "{read} of 20000 read, {moved} moved");
+    let fair = mutants / 100..mutants * 19 / 20;
+    assert!(fair.contains(&read) && moved > mutants / 200, "{read} of {mutants} read, {moved} moved");
 }
 
 /// A keyboard of clocks: every kind of grading, on an instrument that is read quickly.
@@ -267,11 +298,21 @@ by_mm = [{ key = 1, value = -1.5 }, { key = 40, value = 0 }]
 /// What still reads has curves that are finite at every key, and gives sound instruments or says what is wrong with them.
 #[test]
 fn damaged_keyboards() {
+    damage_keyboards(1_000);
+}
+
+#[test]
+#[ignore = "ci: 20 000 mutants"]
+fn many_damaged_keyboards() {
+    damage_keyboards(20_000);
+}
+
+fn damage_keyboards(mutants: usize) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/tests/instruments");
     assert!(Keyboard::parse(KEYBOARD, "good.toml", &folder).is_ok_and(|k| k.instruments().is_ok()));
     let mut chance = Chance::new(0x0f1e_2d3c_4b5a_6978);
     let (mut read, mut sound) = (0, 0);
-    for _ in 0..20_000 {
+    for _ in 0..mutants {
         let bytes = damaged(KEYBOARD, &mut chance);
         match Keyboard::parse_bytes(&bytes, "mutant.toml", &folder) {
             Ok(keyboard) => {
@@ -290,14 +331,25 @@ fn damaged_keyboards() {
             Err(error) => assert_helpful(&error),
         }
     }
-    assert!((100..19_000).contains(&read) && sound > 100, "{read} of 20000 read, {sound} keys are sound");
+    let fair = mutants / 200..mutants * 19 / 20;
+    assert!(fair.contains(&read) && sound > mutants / 200, "{read} of {mutants} read, {sound} keys are sound");
 }
 
 #[test]
 fn damaged_strokes() {
+    damage_strokes(5_000);
+}
+
+#[test]
+#[ignore = "ci: 60 000 mutants"]
+fn many_damaged_strokes() {
+    damage_strokes(60_000);
+}
+
+fn damage_strokes(mutants: usize) {
     let mut chance = Chance::new(0x1234_5678_9abc_def1);
     let mut read = 0;
-    for _ in 0..60_000 {
+    for _ in 0..mutants {
         let bytes = damaged(STROKE, &mut chance);
         match Series::read(bytes.as_slice(), "mutant.csv") {
             Ok(series) => {
@@ -307,7 +359,7 @@ fn damaged_strokes() {
             Err(error) => assert_stroke_error_helpful(&error, &bytes),
         }
     }
-    assert!((600..58_000).contains(&read), "{read} of 60000 read");
+    assert!((mutants / 100..mutants * 29 / 30).contains(&read), "{read} of {mutants} read");
 }
 
 fn assert_stroke_sound(series: &Series) {

@@ -1,12 +1,9 @@
 //! The keyboard file: 88 graded actions, each of which plays as a piano's does.
 
-#[path = "../../erard/tests/common/mod.rs"]
-mod common;
-
 use std::path::Path;
 use std::sync::OnceLock;
 
-use common::{USUAL_STEP_S, grand};
+use crate::common::{USUAL_STEP_S, grand};
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Certainty, Instrument};
 use erard::keyboard::{KEYS, Keyboard, note_name};
@@ -54,7 +51,7 @@ fn added_masses_obey_mechanics() {
     let (_, instruments) = concert_grand();
     let base = grand();
     for (key, added_kg) in [(1, 1.72e-3), (88, -4.05e-3)] {
-        let [old, new] = [&base, &instruments[key - 1]].map(|i| &i.bodies[common::body(i, "hammer")]);
+        let [old, new] = [&base, &instruments[key - 1]].map(|i| &i.bodies[crate::common::body(i, "hammer")]);
         let at = [0.070, 0.018];
         assert!((new.mass_kg - (old.mass_kg + added_kg)).abs() < 1e-5 * new.mass_kg);
         for (axis, at) in at.into_iter().enumerate() {
@@ -109,6 +106,7 @@ fn every_key_escapes_checks_and_repeats() {
 /// 16 g in the bass and 10 g in the treble, one balance weight of 34 to 40 g everywhere (the leads are worked out from the equation of
 /// balance, not from these measurements), down-weight 45 to 55 g, up-weight from 20 g; strike weights between Stanwood's bounds.
 #[test]
+#[ignore = "ci: five keys weighed"]
 fn touch_weights_follow_the_norms() {
     let (_, instruments) = concert_grand();
     // Medium tonal projection, lower and upper bound, at notes 1, 22, 44, 66 and 88, g.
@@ -142,8 +140,18 @@ fn touch_weights_follow_the_norms() {
 /// 49 mm, let-off and drop about 1.5 mm, aftertouch about 1 mm, check 12 to 15 mm) and the spring lifts the hammer as briskly as in the
 /// instrument.
 #[test]
+fn both_ends_are_in_regulation() {
+    in_regulation(&[1, 88]);
+}
+
+#[test]
+#[ignore = "ci: five more keys"]
 fn every_register_is_in_regulation() {
-    for key in [1, 21, 40, 52, 68, 78, 88] {
+    in_regulation(&[21, 40, 52, 68, 78]);
+}
+
+fn in_regulation(keys: &[usize]) {
+    for &key in keys {
         let instrument = &concert_grand().1[key - 1];
         let found = measure(instrument, &Protocol::default(), &mut || true).expect("measured");
         let distance = |what: &str, metres: Option<f64>, least: f64, most: f64| {
@@ -163,6 +171,7 @@ fn every_register_is_in_regulation() {
 
 /// The keys with strings check, too, between those at which the check was regulated; light hammers are thrown back fastest, and those of keys that lift a damper are caught lowest.
 #[test]
+#[ignore = "ci: seven keys with strings"]
 fn keys_with_strings_check_between_regulated_ones() {
     let keyboard = Keyboard::builtin("concert-grand-strings").expect("built in");
     for key in [8, 14, 34, 55, 61, 68, 69] {
@@ -182,7 +191,7 @@ fn the_top_keys_have_no_damper() {
     let (_, instruments) = concert_grand();
     for key in [68, 69, 88] {
         let instrument = &instruments[key - 1];
-        let damper = common::body(instrument, "damper");
+        let damper = crate::common::body(instrument, "damper");
         let setup = Setup {
             settings: Settings::new(USUAL_STEP_S),
             start_s: 0.0,
@@ -193,7 +202,8 @@ fn the_top_keys_have_no_damper() {
             pedal: erard::strings::Pedal::default(),
         };
         let run = simulate(instrument, &player::force(|_| 5.0), &setup, &mut |_| true).expect("runs");
-        let moved = common::largest(run.bodies[damper].angle_rad.iter().map(|q| q - run.bodies[damper].angle_rad[0]));
+        let moved =
+            crate::common::largest(run.bodies[damper].angle_rad.iter().map(|q| q - run.bodies[damper].angle_rad[0]));
         assert_eq!(moved > 0.0, key == 68, "key {key}: {moved}");
     }
 }
@@ -216,7 +226,7 @@ fn all_keys_have_one_topology() {
 /// What is wrong with a keyboard file is told with file, line, key, what was found and what was expected.
 #[test]
 fn wrong_files_are_told() {
-    let text = include_str!("../../erard/keyboards/concert-grand.toml");
+    let text = include_str!("../../../erard/keyboards/concert-grand.toml");
     let told = |from: &str, to: &str| {
         assert_eq!(text.matches(from).count(), 1, "{from}");
         let error = Keyboard::parse(&text.replace(from, to), "my.toml", Path::new("")).expect_err(to).to_string();
@@ -261,7 +271,7 @@ fn wrong_files_are_told() {
 /// The schema that lies beside the keyboards is the one that the reader's structs give.
 #[test]
 fn the_schema_is_up_to_date() {
-    let committed = include_str!("../../erard/keyboards/keyboard.schema.json");
+    let committed = include_str!("../../../erard/keyboards/keyboard.schema.json");
     assert!(
         committed == erard::keyboard::json_schema(),
         "run `cargo run -p erard --example keyboard_schema > keyboards/keyboard.schema.json`"

@@ -2,12 +2,9 @@
 //!
 //! Where a law is a formula, the number comes from masses and arms of the instrument file, not from the measuring code.
 
-#[path = "../../erard/tests/common/mod.rs"]
-mod common;
-
 use std::sync::OnceLock;
 
-use common::{body, rigid_grand};
+use crate::common::{body, rigid_grand};
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::one_dof;
@@ -424,6 +421,7 @@ fn half_way_repeats_faster() {
 /// The whole sheet of an action without a damper: what needs one is missing, everything else is there, and the same as with the
 /// pedal down. Measured on several threads, the sheet is the same, bit for bit.
 #[test]
+#[ignore = "ci: another sheet"]
 fn an_action_without_a_damper_has_a_sheet() {
     let bare = without_damper(&rigid_grand());
     let sheet = measure(&bare, &mut |_| true).unwrap();
@@ -460,6 +458,7 @@ fn what_cannot_be_measured_is_said() {
 /// An action that blocks, its let-off button and drop screw turned out of reach, is measured all the same: up to where the hammer
 /// meets the string, and let-off, drop and aftertouch are red flags.
 #[test]
+#[ignore = "ci: a sheet whose searches go to their ends"]
 fn a_blocking_action_has_a_sheet() {
     let mut blocking = without_damper(&rigid_grand());
     lower_let_off(&mut blocking, -10e-3);

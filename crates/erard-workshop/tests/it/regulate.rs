@@ -1,9 +1,8 @@
 //! Regulation as the trade does it: a mis-set action is put right, and what cannot be put right is said so.
 
-#[path = "../../erard/tests/common/mod.rs"]
-mod common;
+use std::sync::LazyLock;
 
-use common::{Play, USUAL_STEP_S, rigid_grand};
+use crate::common::{Play, USUAL_STEP_S, rigid_grand};
 use erard::instrument::Instrument;
 use erard_workshop::distances::{DistanceError, Protocol, measure};
 use erard_workshop::regulate::{Goal, Miss, RegulateError, Regulated, Specification, known_screw, regulate};
@@ -23,10 +22,13 @@ fn regulated(instrument: &Instrument, specification: &Specification) -> Regulate
     regulate(instrument, specification, &Protocol::default(), &mut |_| true).unwrap()
 }
 
+/// The grand regulated to the norms, from which several tests begin.
+static NORMAL: LazyLock<Regulated> = LazyLock::new(|| regulated(&rigid_grand(), &Goal::norms()));
+
 /// A regulated grand mis-set: let-off 5 mm or more, no drop to speak of, dip 8 mm, a spring too weak to lift the hammer, a check too far to
 /// catch it.
 fn mis_set() -> Instrument {
-    let mut instrument = regulated(&rigid_grand(), &Goal::norms()).instrument;
+    let mut instrument = NORMAL.instrument.clone();
     turn_on(
         &mut instrument,
         &[
@@ -81,7 +83,7 @@ fn a_mis_set_action_is_put_right() {
 /// What is regulated already is left alone: one round, no screw.
 #[test]
 fn a_regulated_action_is_left_alone() {
-    let once = regulated(&rigid_grand(), &Goal::norms());
+    let once = &*NORMAL;
     let twice = regulated(&once.instrument, &Goal::norms());
     assert!(twice.turned.iter().all(|t| (t.setting[1] - t.setting[0]).abs() < 0.02e-3), "{:?}", twice.turned);
     assert!(twice.all_met() && twice.rounds <= 2, "{:?}", twice.achieved);
@@ -92,7 +94,7 @@ fn a_regulated_action_is_left_alone() {
 /// the let-off back.
 #[test]
 fn one_goal_turns_one_screw() {
-    let mut instrument = regulated(&rigid_grand(), &Goal::norms()).instrument;
+    let mut instrument = NORMAL.instrument.clone();
     turn_on(&mut instrument, &[("string_height", 1.0)]);
     let regulated = regulated(&instrument, &vec![(Goal::LetOff, 1.5e-3)]);
     let names: Vec<&str> = regulated.turned.iter().map(|t| t.name.as_str()).collect();
@@ -112,17 +114,17 @@ fn a_file_may_count_the_other_way() {
     );
     assert_ne!(text, lowers);
     let other = Instrument::parse(&lowers, "other.toml").unwrap();
-    let (a, b) = (regulated(&rigid_grand(), &Goal::norms()), regulated(&other, &Goal::norms()));
+    let (a, b) = (&*NORMAL, &regulated(&other, &Goal::norms()));
     assert!(b.all_met());
     let drop = |r: &Regulated| r.turned.iter().find(|t| t.name == "drop").unwrap().clone();
-    assert!((drop(&a).setting[1] + drop(&b).setting[1]).abs() < 0.02e-3, "{:?} {:?}", drop(&a), drop(&b));
-    assert_eq!(drop(&a).way, drop(&b).way);
+    assert!((drop(a).setting[1] + drop(b).setting[1]).abs() < 0.02e-3, "{:?} {:?}", drop(a), drop(b));
+    assert_eq!(drop(a).way, drop(b).way);
 }
 
 /// What geometry does not give is said so, with the nearest: a dip of 3 mm needs more than 3 mm of punchings and 2 mm of cloth;
 /// a hammer checked 15 mm below the string has no 20 mm to rise.
 #[test]
-fn what_cannot_be_met_is_said_so() {
+fn a_dip_that_cannot_be_met_is_said_so() {
     let far = regulated(&rigid_grand(), &vec![(Goal::Dip, 3e-3), (Goal::Blow, 46e-3)]);
     let [blow, dip] = &far.achieved[..] else { panic!("{:?}", far.achieved) };
     assert_eq!((blow.goal, &blow.miss, dip.goal), (Goal::Blow, &None, Goal::Dip));
@@ -130,7 +132,11 @@ fn what_cannot_be_met_is_said_so() {
     assert_eq!(screws, &["front_punching", "back_rail_cloth"]);
     let nearest_mm = dip.after.unwrap() * 1e3;
     assert!((3.5..7.0).contains(&nearest_mm), "all that the punchings and the cloth give: {dip:?}");
+}
 
+#[test]
+#[ignore = "ci: two regulations with the check"]
+fn a_rise_that_cannot_be_met_is_said_so() {
     let mut goals = Goal::norms();
     goals.push((Goal::RepetitionRise, 20e-3));
     let rise = regulated(&rigid_grand(), &goals);
@@ -145,6 +151,7 @@ fn what_cannot_be_met_is_said_so() {
 
 /// The spring's own torque limits how far it can be loosened; every screw stays in its range.
 #[test]
+#[ignore = "ci: three regulations to the ends of ranges"]
 fn screws_stay_in_their_range() {
     for goals in [vec![(Goal::Spring, 2.0)], vec![(Goal::LetOff, 20e-3)], vec![(Goal::Check, 40e-3)]] {
         let end = regulated(&rigid_grand(), &goals);

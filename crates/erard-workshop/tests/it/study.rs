@@ -1,11 +1,9 @@
 //! Many strokes side by side and on several cores come out as each of them alone.
 
-#[path = "../../erard/tests/common/mod.rs"]
-mod common;
-
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
-use common::{grand, tremolo};
+use crate::common::{grand, tremolo};
 use erard::instrument::Instrument;
 use erard::one_dof;
 use erard::player;
@@ -89,11 +87,9 @@ fn played(results: Vec<JobResult>) -> Vec<Played> {
 /// blows and releases multiply it, and instants inherit it through the speeds there.
 #[test]
 fn a_study_gives_what_simulate_gives() {
-    let (instruments, plan) = (instruments(), plan());
-    let runs: Vec<Run> =
-        plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
+    let plan = plan();
     for lanes in Lanes::here().filter(|lanes| !lanes.is_single()) {
-        let apart = compare(lanes, &plan, &runs);
+        let apart = compare(lanes, &plan, &RUNS);
         assert!(apart.seconds < 1e-9 && apart.speed < 1e-7 && apart.rise_m < 1e-9, "{apart:?}");
     }
 }
@@ -101,11 +97,9 @@ fn a_study_gives_what_simulate_gives() {
 /// In single precision, too, but for its own rounding: angles are known to 3e-8 rad, which is 4 nm at the string.
 #[test]
 fn in_single_precision_the_same_to_its_rounding() {
-    let (instruments, plan) = (instruments(), plan());
-    let runs: Vec<Run> =
-        plan.iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect();
+    let plan = plan();
     for lanes in Lanes::here().filter(|lanes| lanes.is_single()) {
-        let apart = compare(lanes, &plan, &runs);
+        let apart = compare(lanes, &plan, &RUNS);
         assert!(apart.seconds < 1e-4 && apart.speed < 1e-3 && apart.rise_m < 1e-5, "{apart:?}");
     }
 }
@@ -145,6 +139,12 @@ fn what_is_remembered_is_remembered_in_lanes() {
         }
     }
 }
+
+/// The plan by `simulate`, one job after the other.
+static RUNS: LazyLock<Vec<Run>> = LazyLock::new(|| {
+    let instruments = instruments();
+    plan().iter().map(|&(instrument, kind, strength)| alone(&instruments[instrument], kind, strength)).collect()
+});
 
 /// One job by `simulate`.
 fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
