@@ -1,12 +1,10 @@
 //! Wrong input gets one message that says where and what, exit code 2, and nothing is written.
 
-mod common;
-
 use std::io::Write;
 
-use common::Folder;
+use crate::common::Folder;
 
-const GRAND: &str = include_str!("../../erard/instruments/concert-grand.toml");
+const GRAND: &str = include_str!("../../../erard/instruments/concert-grand.toml");
 
 /// The concert grand with its first `what` replaced, and the line (from 1) where that stood.
 fn damaged(what: &str, by: &str) -> (String, usize) {

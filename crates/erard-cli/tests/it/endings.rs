@@ -1,13 +1,11 @@
 //! Requests to end are heard at once, whatever is going on, and leave nothing half done.
 #![cfg(unix)]
 
-mod common;
-
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use common::Folder;
+use crate::common::Folder;
 
 /// A request that was heard ends the process within this time, however busy the machine is: none of the commands here would be over by then.
 /// How long it takes on an idle machine, some hundredths of a second, is not for a test to say.
@@ -53,7 +51,7 @@ fn mill() -> String {
 fn control_c_is_heard_everywhere() {
     let folder = Folder::new("control-c");
     folder.file("mill.toml", &mill());
-    folder.file("mf.csv", include_str!("../../erard-lab/recordings/heavier-mf.csv"));
+    folder.file("mf.csv", include_str!("../../../erard-lab/recordings/heavier-mf.csv"));
     let before = folder.names();
     for (arguments, delays_ms) in [
         (&["press", "--instrument", "mill.toml"][..], &[30_u64][..]),
@@ -155,6 +153,16 @@ fn a_loop_in_a_shell_stops() {
 /// Asked twice in a row, and at every moment of a short run: the old results or the new ones, all of them.
 #[test]
 fn asked_again_and_at_any_moment() {
+    at_moments(12, 25);
+}
+
+#[test]
+#[ignore = "ci: sixty moments"]
+fn asked_again_and_at_many_moments() {
+    at_moments(60, 5);
+}
+
+fn at_moments(rounds: u64, apart_ms: u64) {
     let folder = Folder::new("again");
     let short = |dt: &'static str| ["press", "--duration", "0.02", "--dt", dt];
     folder.good(&short("5e-5"));
@@ -164,10 +172,10 @@ fn asked_again_and_at_any_moment() {
         (steps["steps"].as_u64().unwrap(), folder.read("erard-out/run.csv").lines().count() as u64 - 2)
     };
     let mut seen = [0, 0];
-    for round in 0..60_u64 {
+    for round in 0..rounds {
         let dt = if round.is_multiple_of(2) { "1e-4" } else { "5e-5" };
         let mut child = folder.command(&short(dt)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(5 * round));
+        std::thread::sleep(Duration::from_millis(apart_ms * round));
         let signal = ["-INT", "-TERM", "-HUP", "-KILL"][round as usize % 4];
         // What has ended by itself needs none.
         if child.try_wait().unwrap().is_none() {

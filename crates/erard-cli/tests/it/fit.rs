@@ -1,14 +1,12 @@
 //! `erard fit`: numbers, files, and what is wrong.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use erard::instrument::Instrument;
 use erard_workshop::study::Parameter;
 use serde_json::Value;
 
-const MF: &str = include_str!("../../erard-lab/recordings/heavier-mf.csv");
-const F: &str = include_str!("../../erard-lab/recordings/heavier-f.csv");
+const MF: &str = include_str!("../../../erard-lab/recordings/heavier-mf.csv");
+const F: &str = include_str!("../../../erard-lab/recordings/heavier-f.csv");
 
 fn json(folder: &Folder) -> Value {
     serde_json::from_str(&folder.read("erard-out-fit/fit.json")).unwrap()
@@ -18,8 +16,29 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("{key} of {value}"))
 }
 
+/// What is written of a fit: table, JSON, table of curves and the new instrument say the same.
+#[test]
+fn a_fit_is_written() {
+    let folder = Folder::new("fit-written");
+    folder.file("mf.csv", MF);
+    let said = folder.good(&["fit", "concert-grand", "mf.csv", "--vary=body.hammer.mass", "--restarts=0"]);
+    let found = json(&folder);
+    let row = &found["parameters"][0];
+    let fitted = Instrument::parse(&folder.read("erard-out-fit/fitted.toml"), "fitted").unwrap();
+    let (_, mass) = Parameter::all(&fitted).into_iter().find(|(name, _)| name == "body.hammer.mass").unwrap();
+    assert!((mass.value(&fitted) / number(row, "value") - 1.0).abs() < 1e-8 && number(row, "std") > 0.0, "{row}");
+    assert!(row["name"] == "body.hammer.mass" && said.contains("body.hammer.mass"), "{said}");
+    let table = folder.read("erard-out-fit/fit.csv");
+    assert!(table.starts_with("recording,time_s,measured_hammer_head_m,fitted_hammer_head_m,"), "{table}");
+    assert_eq!(table.lines().count(), 1 + number(&found, "samples") as usize / 2);
+    for picture in ["fit.svg", "fit.png"] {
+        assert!(folder.0.join("erard-out-fit").join(picture).exists());
+    }
+}
+
 /// One command finds hammer and felt of the grand that was recorded within their errors; table, JSON, table of curves and the new instrument say the same.
 #[test]
+#[ignore = "ci: a fit of four parameters to two recordings"]
 fn a_recording_is_fitted_in_one_command() {
     let folder = Folder::new("fit");
     folder.file("mf.csv", MF);
@@ -103,6 +122,7 @@ fn a_recording_is_fitted_in_one_command() {
 
 /// What a recording does not tell is said in words; delays are found.
 #[test]
+#[ignore = "ci: a fit of five parameters and delays"]
 fn what_is_not_told_is_said() {
     let folder = Folder::new("fit-unseen");
     // Columns of the motion, written down 1 ms later.

@@ -1,11 +1,9 @@
 //! `erard fmu`: what is in the unit, and what it says when there is none. That simulators take it, the tests of `erard-c` show.
 
-mod common;
-
 use std::fs::File;
 use std::io::Read;
 
-use common::Folder;
+use crate::common::Folder;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::fmu::{INSTRUMENT, model_description};
 use zip::ZipArchive;

@@ -1,10 +1,8 @@
 //! `erard press`, `draw` and `compare` as a user runs them: what they write.
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 const FILES: [&str; 6] = ["run.csv", "run.html", "run.parquet", "run.png", "run.svg", "summary.json"];

@@ -1,8 +1,6 @@
 //! `erard press --reactions` and `--losses`, as a user runs them.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 /// The columns of a CSV file by name.

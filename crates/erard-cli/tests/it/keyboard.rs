@@ -1,8 +1,6 @@
 //! `erard keyboard`, and keys of a keyboard in the place of instruments, as a user has them.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 
 /// A keyboard around the built-in grand: hammers alone.
 const MINE: &str = r#"format = "erard-keyboard/1"

@@ -1,12 +1,10 @@
 //! `erard kinematics` as a user runs it: what it writes, and what it says when it cannot.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 const COLUMNS: &str = "case,key_mm,key_rad,whippen_rad,hammer_rad,s1_mm,s2_mm,capstan_sliding_mm,knuckle_sliding_mm,\

@@ -1,10 +1,8 @@
 //! Memory is bounded by what is promised, and what goes beyond it is refused before the work begins.
 
-mod common;
-
 use std::fs;
 
-use common::Folder;
+use crate::common::Folder;
 
 /// Address space that a command may take where it has to refuse, KiB: the program itself and a file at its limit.
 #[cfg(target_os = "linux")]
@@ -58,7 +56,7 @@ fn a_file_at_its_limit() {
     let said = refused(&folder, "check line.toml");
     assert!(said.contains("line.toml:1:") && said.len() < 1000, "{} characters", said.len());
     let name = format!("name = \"{}\"\n", "x".repeat(200));
-    let grand = include_str!("../../../instruments/concert-grand.toml");
+    let grand = include_str!("../../../../instruments/concert-grand.toml");
     let own = grand.lines().find(|line| line.starts_with("name = ")).unwrap();
     folder.file("name.toml", &grand.replacen(own, name.trim(), 1));
     assert!(refused(&folder, "check name.toml").contains("too long for a name"));
@@ -92,7 +90,7 @@ fn rows() {
 #[test]
 fn nothing_steers_the_terminal() {
     let folder = Folder::new("limits-steers");
-    let grand = include_str!("../../../instruments/concert-grand.toml");
+    let grand = include_str!("../../../../instruments/concert-grand.toml");
     let name = grand.lines().find(|line| line.starts_with("name = ")).unwrap();
     let raw = |output: std::process::Output| {
         assert_eq!(output.status.code(), Some(2));
@@ -127,7 +125,7 @@ fn keyboards_do_not_show_other_files() {
     let folder = Folder::new("limits-keyboard");
     folder.file("secret", "password = hunter2\n");
     fs::create_dir(folder.0.join("keys")).unwrap();
-    let keyboard = include_str!("../../../keyboards/concert-grand.toml");
+    let keyboard = include_str!("../../../../keyboards/concert-grand.toml");
     let pointing = |to: &str| keyboard.replacen("instrument = \"concert-grand\"", &format!("instrument = \"{to}\""), 1);
     folder.file("keys/out.toml", &pointing("../secret"));
     folder.file("keys/in.toml", &pointing("secret"));
@@ -145,7 +143,7 @@ fn keyboards_do_not_show_other_files() {
     folder.file("keys/secret", "password = 5\n");
     assert!(folder.bad(&["check", "keys/in.toml"]).contains("password"));
     // Elsewhere too it may be used.
-    folder.file("grand.toml", include_str!("../../../instruments/concert-grand.toml"));
+    folder.file("grand.toml", include_str!("../../../../instruments/concert-grand.toml"));
     folder.file("keys/out.toml", &pointing("../grand.toml"));
     assert!(folder.good(&["check", "keys/out.toml"]).contains("88"));
 }

@@ -1,14 +1,12 @@
 //! What a command reads it does not write over; what it writes appears whole or not at all; what belongs to others stays.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use common::Folder;
+use crate::common::Folder;
 
-const GRAND: &str = include_str!("../../../instruments/concert-grand.toml");
+const GRAND: &str = include_str!("../../../../instruments/concert-grand.toml");
 const STROKE: &str = "time_s,force_N\n0,0\n0.01,3\n0.02,3\n";
 const SHORT: [&str; 3] = ["press", "--duration", "0.005"];
 
@@ -91,7 +89,7 @@ fn an_input_is_never_replaced() {
     // The base of a keyboard is read too.
     let keys = Folder::new("inputs-keyboard");
     keys.file("key.toml", GRAND);
-    let keyboard = include_str!("../../../keyboards/concert-grand.toml");
+    let keyboard = include_str!("../../../../keyboards/concert-grand.toml");
     keys.file("keys.toml", &keyboard.replacen("instrument = \"concert-grand\"", "instrument = \"key.toml\"", 1));
     refused(
         &keys,
@@ -226,7 +224,7 @@ fn pipes() {
         (&["press", "--duration", "0.005", "--instrument", "/dev/stdin"][..], GRAND),
         (&["press", "--duration", "0.005", "/dev/stdin"], STROKE),
         (&["compare", "/dev/stdin", "--out", "compare"], STROKE),
-        (&["kinematics", "/dev/stdin"], include_str!("../../../linkages/c7f-like.toml")),
+        (&["kinematics", "/dev/stdin"], include_str!("../../../../linkages/c7f-like.toml")),
     ] {
         let mut child = folder
             .command(arguments)

@@ -1,10 +1,8 @@
 //! Recordings as laboratories have them: understood, made ready, compared, in one command.
 
-mod common;
-
 use std::fmt::Write as _;
 
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 /// What is put into the synthetic recording, in SI units.

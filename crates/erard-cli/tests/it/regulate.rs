@@ -1,8 +1,6 @@
 //! `erard regulate` as a user runs it: what it writes, what it never overwrites, and what it says when it cannot.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use erard::instrument::Instrument;
 use erard_workshop::distances::{Protocol, measure};
 use erard_workshop::measure::range::{HARDLY_HEARD_M_S, double_strike};
@@ -142,6 +140,7 @@ fn force_replaces_an_old_output() {
 
 /// What geometry cannot give: exit code 1, the goal and the nearest on standard error, and the nearest in the file.
 #[test]
+#[ignore = "ci: two regulations"]
 fn what_cannot_be_met_is_said_and_the_nearest_written() {
     let folder = folder("unmet");
     let output = folder.erard(&["--dip", "3mm", "--out", "flat.toml"]);
@@ -181,6 +180,7 @@ fn interrupted_it_leaves_nothing() {
 
 /// Let-off alone leaves the drop screw in the way: it says which screw must follow; with `--follow` it does, and its distance stays.
 #[test]
+#[ignore = "ci: two regulations"]
 fn what_must_follow_is_said_and_follows() {
     let folder = folder("follow");
     let output = folder.erard(&["concert-grand-rigid", "--let-off", "3mm", "--out", "alone.toml"]);

@@ -1,48 +1,30 @@
 //! `erard reproduce` as a user runs it.
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
-/// A folder of its own for a test, gone at its end.
-struct Folder(PathBuf);
+use crate::common::Folder;
 
-impl Folder {
-    fn new(test: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("erard-reproduce-{test}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        Folder(folder)
-    }
-
-    fn erard(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
-        command.current_dir(&self.0).arg("reproduce").args(arguments).output().unwrap()
-    }
-
-    fn report(&self, out: &str) -> String {
-        fs::read_to_string(self.0.join(out).join("report.html")).unwrap()
-    }
+fn folder(test: &str) -> Folder {
+    Folder::for_command("reproduce", test)
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+/// The page that a run left behind.
+fn report(folder: &Folder, out: &str) -> String {
+    folder.read(&format!("{out}/report.html"))
 }
 
 /// One subject alone: its figures, its claims with verdicts, the command that makes it again; the same bytes twice, and nothing
 /// fetched from anywhere.
 #[test]
 fn one_subject() {
-    let folder = Folder::new("one");
+    let folder = folder("one");
     for out in ["a", "b"] {
         let output = folder.erard(&["--only", "paper3-levers", "--out", out]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert!(String::from_utf8(output.stdout).unwrap().contains("6 of 6 claims hold."));
     }
-    let page = folder.report("a");
-    assert_eq!(page, folder.report("b"));
+    let page = report(&folder, "a");
+    assert_eq!(page, report(&folder, "b"));
     assert_eq!(page.matches("<svg ").count(), 2);
     assert_eq!(page.matches("Again: <code>erard reproduce --only paper3-levers</code>").count(), 1);
     assert_eq!(page.matches("<b>Holds.</b>").count(), 6);
@@ -55,10 +37,10 @@ fn one_subject() {
 /// The beginning of a name stands for all subjects that begin so.
 #[test]
 fn several_subjects() {
-    let folder = Folder::new("several");
+    let folder = folder("several");
     let output = folder.erard(&["--only", "paper2-f", "--only", "outlook"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let page = folder.report("erard-out-reproduce");
+    let page = report(&folder, "erard-out-reproduce");
     let sections: Vec<&str> = page.split("<section id=\"").skip(1).filter_map(|s| s.split('"').next()).collect();
     assert_eq!(sections, ["paper2-felt", "paper2-finger", "outlook"]);
 }
@@ -66,7 +48,7 @@ fn several_subjects() {
 /// What does not exist is named, with what does; code 2, and nothing is written.
 #[test]
 fn unknown_subjects_are_named() {
-    let folder = Folder::new("unknown");
+    let folder = folder("unknown");
     for arguments in [&["--only", "paper4"][..], &["--only", ""], &["--only", "outlook", "--instrument", "none"]] {
         let output = folder.erard(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -79,7 +61,7 @@ fn unknown_subjects_are_named() {
 /// `--list` names every subject.
 #[test]
 fn the_list() {
-    let folder = Folder::new("list");
+    let folder = folder("list");
     let output = folder.erard(&["--list"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(text.lines().count(), 22);

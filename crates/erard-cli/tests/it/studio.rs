@@ -1,12 +1,10 @@
 //! `erard studio`: the page is served as it was built, and nothing else; what is missing is said.
 
-mod common;
-
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 
-use common::Folder;
+use crate::common::Folder;
 
 /// A command that serves, and ends with the test.
 struct Serving(Child, u16);

@@ -1,8 +1,6 @@
 //! A run that cannot be trusted says so, wherever its numbers go; one that can says nothing.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 /// The grand with a line of a zone replaced.
@@ -138,6 +136,7 @@ fn a_key_at_180_metres_a_second() {
 
 /// Springs and felts that are absurd in the treble, and nobody calls that sound.
 #[test]
+#[ignore = "ci: three keyboards of 88 keys"]
 fn a_keyboard_with_an_absurd_key_is_not_sound() {
     let folder = Folder::new("trust-keyboard");
     let keyboard = |numbers: &str, factor: &str| {
@@ -165,9 +164,19 @@ fn a_keyboard_with_an_absurd_key_is_not_sound() {
 /// Mutants from end to end: the command presses what it accepts, touches nothing that it reads and leaves nothing behind.
 #[test]
 fn mutants_touch_nothing_and_leave_nothing_behind() {
+    touch_nothing(6);
+}
+
+#[test]
+#[ignore = "ci: 24 mutants"]
+fn many_mutants_touch_nothing_and_leave_nothing_behind() {
+    touch_nothing(24);
+}
+
+fn touch_nothing(seeds: u64) {
     let folder = Folder::new("trust-mutants");
-    let (mut pressed, mut refused) = (0, 0);
-    for seed in 0..24_u64 {
+    let (mut pressed, mut refused) = (0_u64, 0_u64);
+    for seed in 0..seeds {
         let mut rng = fastrand::Rng::with_seed(seed);
         let zones = ["string", "check", "capstan_heel", "let_off_button", "key_front"];
         let (key, value) = match rng.u8(..4) {
@@ -208,5 +217,6 @@ fn mutants_touch_nothing_and_leave_nothing_behind() {
         assert_eq!(left, ["mutant.csv", "mutant.toml"], "{seed}");
     }
     println!("{pressed} pressed, {refused} refused");
-    assert!(pressed > 6 && refused > 1, "{pressed} pressed, {refused} refused");
+    // More than 6 and 1 of 24.
+    assert!(4 * pressed > seeds && 24 * refused > seeds, "{pressed} pressed, {refused} refused");
 }

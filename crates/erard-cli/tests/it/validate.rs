@@ -1,21 +1,25 @@
 //! `erard validate` as a user runs it: what it writes, and what it says when it cannot.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
-/// The same rows in table, JSON and CSV; misses have a reason; the picture is there in both forms.
+/// The same rows in table, JSON and CSV; misses have a reason, and end with code 1 where that is asked for; the picture is there in both forms.
 #[test]
 fn a_validated_grand() {
     let folder = Folder::for_command("validate", "grand");
-    let told = folder.good(&["--out", "out"]);
+    let output = folder.erard(&["--out", "out", "--fail-on-miss"]);
+    let (told, said) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(output.status.code() == Some(1) && said.contains("rows are missed: "), "{said}");
     let report: Value = serde_json::from_str(&folder.read("out/validate.json")).unwrap();
     let rows = report["rows"].as_array().unwrap();
     let count = |verdict: &str| rows.iter().filter(|row| row["verdict"] == verdict).count() as u64;
     assert_eq!(report["met"], count("met"));
     assert_eq!(report["missed"], count("missed") + count("did not happen"));
     assert_eq!(report["silent"], count("cannot speak to it"));
+    // As in the laboratory's tests, which ask all three grands.
+    let missed: Vec<&str> =
+        rows.iter().filter(|row| row["verdict"] == "missed").map(|row| row["name"].as_str().unwrap()).collect();
+    assert_eq!(missed, ["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]);
     for row in rows {
         assert!(told.contains(row["quantity"].as_str().unwrap()), "{row}");
         assert!(!row["source_title"].as_str().unwrap().is_empty(), "{row}");
@@ -35,7 +39,7 @@ fn a_validated_grand() {
 fn what_is_no_action_is_refused() {
     let folder = Folder::for_command("validate", "bad");
     assert!(folder.bad(&["--instrument", "harpsichord"]).contains("no built-in instrument `harpsichord`"));
-    folder.file("clock.toml", include_str!("../../erard/tests/instruments/escapement.toml"));
+    folder.file("clock.toml", include_str!("../../../erard/tests/instruments/escapement.toml"));
     let told = folder.bad(&["--instrument", "clock.toml"]);
     assert!(told.contains("clock.toml") && told.contains("names no `key`"), "{told}");
 }

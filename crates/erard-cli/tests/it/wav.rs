@@ -1,10 +1,8 @@
 //! The sound that `press --wav` writes, measured in the file as it is: partials where the formula has them, how they fall, and no clicks.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::Folder;
+use crate::common::Folder;
 use erard::instrument::{BridgeMode, Instrument, InstrumentFile, PianoString};
 use rustfft::num_complex::Complex;
 

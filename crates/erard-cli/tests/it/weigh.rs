@@ -1,8 +1,6 @@
 //! `erard keyboard --weigh` as a technician uses it: from a table of weights to a work list.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 /// A piano with a ratio of 5.6, whose keys have a balance weight of 40 g in the bass and 36 g in the treble; key 30 was not weighed, key 40 only

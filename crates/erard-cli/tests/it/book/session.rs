@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::blocks::{Block, Format, Kind, without_numbers};
-use super::common::Folder;
+use crate::common::Folder;
 
 /// A chapter being followed.
 pub struct Session {

@@ -2,9 +2,13 @@
 
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
+#[cfg(unix)]
+mod signals;
+
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A folder of its own for a test, gone at its end.
 pub struct Folder(pub PathBuf, Option<&'static str>);
@@ -21,7 +25,12 @@ impl Folder {
     }
 
     fn of(test: &str, command: Option<&'static str>) -> Self {
-        let folder = std::env::temp_dir().join(format!("erard-{test}-{}", std::process::id()));
+        #[cfg(unix)]
+        signals::as_at_a_terminal();
+        // Tests of several modules run side by side in one process, and some have the same name.
+        static FOLDERS: AtomicUsize = AtomicUsize::new(0);
+        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("erard-{test}-{}-{number}", std::process::id()));
         let _ = fs::remove_dir_all(&folder);
         fs::create_dir_all(&folder).unwrap();
         Folder(folder, command)
