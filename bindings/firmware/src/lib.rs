@@ -1,7 +1,7 @@
 //! The whole grand without the standard library and without a heap: what a control loop on a chip steps.
 //!
 //! `grand.rs` is the built-in instrument as source, made by `cargo run --release -p erard --example firmware` and checked by
-//! `crates/erard/tests/firmware.rs`. The model is built at start, on the stack or in a static.
+//! `crates/erard/tests/it/firmware.rs`. The model is built at start, on the stack or in a static.
 
 #![no_std]
 

@@ -7,6 +7,7 @@ use erard::instrument::InstrumentFile;
 use erard::{Action, Input, Instrument};
 use erard_workshop::fmu::{INSTRUMENT, model_description};
 
+use crate::not_run::not_run;
 use crate::programs::library;
 
 /// Where Python has fmpy: `ERARD_FMPY` names that Python, or it is the one on the path.
@@ -15,7 +16,7 @@ fn python() -> Option<String> {
     let python = named.unwrap_or_else(|| "python3".into());
     let has = Command::new(&python).args(["-c", "import fmpy"]).output().is_ok_and(|output| output.status.success());
     if !has {
-        println!("not run: {python} has no fmpy");
+        not_run(&format!("{python} has no fmpy"));
     }
     has.then_some(python)
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
+use crate::not_run::not_run;
 use crate::programs::library;
 
 /// Where it begins: what the functions of the interface call, and the engine behind its dynamic call.
@@ -53,7 +54,7 @@ fn calls(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
 fn real_time_functions_reach_nothing_else() {
     let tools = ["ar", "objdump"].iter().all(|tool| Command::new(tool).arg("--version").output().is_ok());
     if !tools || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
-        println!("not run: no ar and objdump for x86-64 are here");
+        not_run("no ar and objdump for x86-64");
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::not_run::not_run;
+
 use erard::{Action, Input, Instrument};
 
 fn root() -> &'static Path {
@@ -20,7 +22,7 @@ pub(crate) fn library(name: &str) -> PathBuf {
 fn has(tool: &str) -> bool {
     let is_there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !is_there {
-        println!("not run: {tool} is not here");
+        not_run(&format!("no {tool}"));
     }
     is_there
 }
@@ -122,7 +124,7 @@ fn sanitized() {
     let flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"];
     let linked = Command::new("cc").args(flags).arg(&probe).arg("-o").arg(folder.path().join("probe")).output();
     if !linked.is_ok_and(|output| output.status.success()) {
-        println!("not run: this compiler has no sanitizers");
+        not_run("the C compiler has no sanitizers");
         return;
     }
     for name in ["press", "haptic", "keyboard"] {

@@ -93,9 +93,9 @@ pub(super) fn settle(
     going: Interrupt<'_>,
 ) -> Result<Vec<Rested>, SimulationError> {
     let descriptions: Vec<OwnedDescription> = instruments.iter().map(|instrument| describe(instrument)).collect();
-    let drawn = descriptions.iter().map(|description| standing(&description.angles, &[])).collect();
+    let drawn: Vec<State> = descriptions.iter().map(|description| standing(&description.angles, &[])).collect();
     let free = vec![Input::Free; instruments.len()];
-    let states = match come_to_rest(descriptions.iter().collect(), drawn, &free, lanes, going) {
+    let states = match rests_of(&descriptions.iter().collect::<Vec<_>>(), &drawn, &free, lanes, going) {
         Ok(states) => states,
         Err(SimulationError::Interrupted) => return Err(SimulationError::Interrupted),
         // One that cannot be assembled: each says so for itself.
@@ -109,15 +109,47 @@ pub(super) fn settle(
     Ok(rested.collect())
 }
 
-/// Steps mechanisms until they rest, as [`equilibrium::settle`] does; `None` for one that it would have to slow down, or that flies
-/// apart.
+/// Where mechanisms rest; `None` for one that [`equilibrium::settle`] would have to slow down, that flies apart, or whose steps find no solution.
+/// Lanes wait for each other's iterations: the others begin anew without a hopeless one, and come out as if it had never been there.
+fn rests_of(
+    descriptions: &[&OwnedDescription],
+    from: &[State],
+    inputs: &[Input<f64>],
+    lanes: Lanes,
+    going: Interrupt<'_>,
+) -> Result<Vec<Option<State>>, SimulationError> {
+    let mut states: Vec<Option<State>> = vec![None; descriptions.len()];
+    let mut together: Vec<usize> = (0..descriptions.len()).collect();
+    while !together.is_empty() {
+        let begin = together.iter().map(|&i| from[i]).collect();
+        let driven: Vec<Input<f64>> = together.iter().map(|&i| inputs[i]).collect();
+        match come_to_rest(together.iter().map(|&i| descriptions[i]).collect(), begin, &driven, lanes, going)? {
+            Together::Ended(rested) => {
+                together.iter().zip(rested).for_each(|(&i, state)| states[i] = state);
+                break;
+            }
+            Together::Hopeless(lane) => drop(together.remove(lane)),
+        }
+    }
+    Ok(states)
+}
+
+/// How a search for the rests of several mechanisms ends.
+enum Together {
+    /// With the state of each, or `None` for one that [`equilibrium::settle`] would have to slow down.
+    Ended(Vec<Option<State>>),
+    /// With the lane of one that flies apart or whose steps find no solution.
+    Hopeless(usize),
+}
+
+/// Steps mechanisms until they rest, as [`equilibrium::settle`] does.
 fn come_to_rest(
     descriptions: Vec<&OwnedDescription>,
     from: Vec<State>,
     own_inputs: &[Input<f64>],
     lanes: Lanes,
     going: Interrupt<'_>,
-) -> Result<Vec<Option<State>>, SimulationError> {
+) -> Result<Together, SimulationError> {
     let count = descriptions.len();
     let bodies = descriptions.first().map_or(0, |d| d.bodies.len()).min(BODIES);
     let mut group = group(descriptions, from, &equilibrium::settings(), lanes)?;
@@ -138,12 +170,12 @@ fn come_to_rest(
             if !waited_for[i] {
                 continue;
             }
-            if outcomes[i] == Outcome::NonFinite {
-                waited_for[i] = false;
-                continue;
-            }
             group.motion(i, &mut angles, &mut velocities);
-            if settling[i].rests(&velocities[..bodies]) {
+            let rests = settling[i].rests(&velocities[..bodies]);
+            if settling[i].is_hopeless(outcomes[i]) {
+                return Ok(Together::Hopeless(i));
+            }
+            if rests {
                 let mut state = group.state(i);
                 state.velocity = [0.0; BODIES];
                 rested[i] = Some(state);
@@ -153,7 +185,7 @@ fn come_to_rest(
             }
         }
     }
-    Ok(rested)
+    Ok(Together::Ended(rested))
 }
 
 /// Brings one instrument to rest by itself, first undriven and then, if it begins there, under a finger so far down.
@@ -381,8 +413,8 @@ fn first_states(
     }
     let finger = |(lane, at): (&&mut Lane, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
     let inputs: Vec<Input<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
-    let descriptions = own.iter().map(|lane| &lane.at_rest.description).collect();
-    let settled = come_to_rest(descriptions, at_rest.clone(), &inputs, lanes.in_doubles(), going)?;
+    let descriptions: Vec<&OwnedDescription> = own.iter().map(|lane| &lane.at_rest.description).collect();
+    let settled = rests_of(&descriptions, &at_rest, &inputs, lanes.in_doubles(), going)?;
     let mut states = at_rest;
     for (((state, settled), lane), at) in states.iter_mut().zip(settled).zip(own).zip(begins_at_m) {
         match settled.map_or_else(|| alone(lane.player.instrument, setup.settings, at), Ok) {

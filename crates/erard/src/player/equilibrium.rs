@@ -1,6 +1,6 @@
 //! Rest, friction included: where a run starts.
 
-use moreau::{FrictionLaw, Input, ModelError, Settings};
+use moreau::{FrictionLaw, Input, ModelError, Outcome, Settings};
 use thiserror::Error;
 
 use super::{Action, PlayError};
@@ -17,6 +17,9 @@ const QUIET_S: f64 = 0.05;
 /// Below this speed (rad/s) a mechanism without dry friction counts as resting.
 const CREEP_RAD_PER_S: f64 = 1e-9;
 
+/// The search gives up after this many steps in a row without a solution (10 ms, longer than any impact lasts).
+pub const UNSOLVED_STEPS: u32 = 200;
+
 /// Why there is no rest to start from.
 #[derive(Debug, Clone, Error)]
 pub enum EquilibriumError {
@@ -31,6 +34,16 @@ pub enum EquilibriumError {
         body: String,
         /// Its angular speed, rad/s.
         speed: f64,
+    },
+    /// The solver finds no solution, step after step.
+    #[error(
+        "{instrument}: the mechanism finds no rest: {UNSOLVED_STEPS} steps in a row, until {time_s:.3} s, reached the solver's iteration limit. A stiffness, mass or length must be far off"
+    )]
+    Unsolved {
+        /// The instrument's name.
+        instrument: String,
+        /// Simulated time until the search gave up, s.
+        time_s: f64,
     },
     /// A number overflowed.
     #[error(
@@ -61,6 +74,8 @@ pub struct Settling {
     quiet_s: f64,
     /// Largest angular speed now, rad/s.
     speed: f64,
+    /// Steps in a row that found no solution while something moved.
+    unsolved: u32,
 }
 
 impl Default for Settling {
@@ -72,7 +87,7 @@ impl Default for Settling {
 impl Settling {
     /// In steps of another length than [`STEP_S`], s.
     pub fn of_steps(step_s: f64) -> Self {
-        Settling { time_s: 0.0, step_s, quiet_s: 0.0, speed: 0.0 }
+        Settling { time_s: 0.0, step_s, quiet_s: 0.0, speed: 0.0, unsolved: 0 }
     }
 
     /// Looks after every step; true when the mechanism has come to rest.
@@ -81,6 +96,14 @@ impl Settling {
         self.speed = velocities.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         self.quiet_s = if self.speed <= CREEP_RAD_PER_S { self.quiet_s + self.step_s } else { 0.0 };
         self.quiet_s >= QUIET_S
+    }
+
+    /// Counts the steps that the solver does not solve, told every step's outcome after [`Settling::rests`]; true when there is no hope. What stands
+    /// still may be undetermined (felts with a set-valued loss lock more than there are freedoms) and does not count.
+    pub fn is_hopeless(&mut self, outcome: Outcome) -> bool {
+        let unsolved = outcome == Outcome::IterationLimit && self.quiet_s == 0.0;
+        self.unsolved = if unsolved { self.unsolved + 1 } else { 0 };
+        outcome == Outcome::NonFinite || self.unsolved >= UNSOLVED_STEPS
     }
 }
 
@@ -100,12 +123,15 @@ pub(crate) fn settle(
     action.let_strings_follow(true);
     let (mut settling, mut energy, mut result) = (Settling::default(), 0.0_f64, None);
     let played = action.play_engine(going, &mut |action, last| {
-        if last.is_none() {
-            return Some(*input);
-        }
+        let Some(report) = last else { return Some(*input) };
         let velocities = action.velocities();
         if settling.rests(velocities) {
             result = Some(Ok(settling.time_s));
+            return None;
+        }
+        if settling.is_hopeless(report.outcome) {
+            let (instrument, time_s) = (instrument.name.clone(), settling.time_s);
+            result = Some(Err(EquilibriumError::Unsolved { instrument, time_s }));
             return None;
         }
         if settling.time_s > LIMIT_S {

@@ -4,7 +4,7 @@ use moreau::{ModelError, Settings};
 use thiserror::Error;
 
 use crate::mechanism::{LARGEST_STEP_S, SMALLEST_STEP_S};
-use crate::player::equilibrium::{self, EquilibriumError};
+use crate::player::equilibrium::{self, EquilibriumError, UNSOLVED_STEPS};
 use crate::player::{ActionError, HandError, PlayError};
 use crate::strings::Pedal;
 use crate::trust::{Kind, Warning};
@@ -210,6 +210,9 @@ impl SimulationError {
         match self {
             SimulationError::Equilibrium(EquilibriumError::NoRest { body, speed, .. }) => {
                 warning(Kind::NoRest, Some(body.clone()), *speed, "rad/s", None)
+            }
+            SimulationError::Equilibrium(EquilibriumError::Unsolved { time_s, .. }) => {
+                warning(Kind::UnconvergedSteps, None, f64::from(UNSOLVED_STEPS), "steps", Some(*time_s))
             }
             SimulationError::Equilibrium(EquilibriumError::NonFinite) => {
                 warning(Kind::NonFinite, None, f64::INFINITY, "", None)

@@ -31,7 +31,7 @@
 //!
 //! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Their forces are found together
 //! ([`moreau_kernels::Surfaces::coupled`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
-//! books close exactly (`tests/dampers.rs`).
+//! books close exactly (`tests/it/dampers.rs`).
 
 mod bridge;
 mod damping;

@@ -171,7 +171,7 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
     let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
     match action.settle(instrument, Input::Free, &mut || true) {
         Ok(time) => fate.settling_s = time,
-        Err(EquilibriumError::NoRest { .. }) => fate.restless = true,
+        Err(EquilibriumError::NoRest { .. } | EquilibriumError::Unsolved { .. }) => fate.restless = true,
         Err(_) => {
             fate.not_finite = true;
             return fate;

@@ -1,0 +1,123 @@
+//! The book under `book/`: its commands run, its files are valid, its links lead somewhere, its pictures were drawn by its
+//! own commands, and its command-line reference is the program's.
+//!
+//! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book::commands -- --ignored` draws the pictures and prints the outputs anew.
+
+mod blocks;
+mod links;
+mod session;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use blocks::Block;
+use session::Session;
+
+/// A chapter.
+struct Page {
+    /// Path below `book/src`, with slashes.
+    name: String,
+    text: String,
+}
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src")
+}
+
+/// All chapters, sorted; not the table of contents.
+fn pages() -> Vec<Page> {
+    let mut pages: Vec<Page> = files(&source())
+        .into_iter()
+        .filter(|name| name.ends_with(".md") && name != "SUMMARY.md")
+        .map(|name| Page { text: fs::read_to_string(source().join(&name)).expect("a chapter in UTF-8"), name })
+        .collect();
+    pages.sort_by(|a, b| a.name.cmp(&b.name));
+    assert!(pages.len() > 5, "the chapters are found");
+    pages
+}
+
+/// Files below a folder, as paths with slashes.
+fn files(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).expect("the book is there").map(|e| e.expect("readable")) {
+        let name = entry.file_name().into_string().expect("a name in UTF-8");
+        if entry.path().is_dir() {
+            names.extend(files(&entry.path()).into_iter().map(|below| format!("{name}/{below}")));
+        } else {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Every chapter's blocks in order, each chapter in a folder of its own; then its pictures.
+#[test]
+#[ignore = "ci: every command of the book"]
+fn commands_run_and_print_what_the_book_says() {
+    let pages = pages();
+    let faults: Vec<String> = std::thread::scope(|scope| {
+        let running: Vec<_> = pages.iter().map(|page| scope.spawn(|| play(page))).collect();
+        running.into_iter().flat_map(|r| r.join().expect("a chapter's run does not panic")).collect()
+    });
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+/// Runs a chapter; what is wrong with it, a line each.
+fn play(page: &Page) -> Vec<String> {
+    let blocks = match blocks::read(&page.text) {
+        Ok(blocks) => blocks,
+        Err(fault) => return vec![format!("book/src/{}:{fault}", page.name)],
+    };
+    let mut session = Session::new(&page.name);
+    let mut printed: Vec<(&Block, String)> = Vec::new();
+    for block in &blocks {
+        match session.play(block) {
+            Ok(None) => {}
+            Ok(Some(output)) => printed.push((block, output)),
+            // What follows may need it.
+            Err(fault) => return vec![format!("book/src/{}:{}: {fault}", page.name, block.line)],
+        }
+    }
+    let pictures = links::pictures(&page.text);
+    if std::env::var("ERARD_BOOK").is_ok_and(|v| v == "write") {
+        fs::write(source().join(&page.name), blocks::with_outputs(&page.text, &printed))
+            .expect("the chapter is written");
+        pictures.iter().filter_map(|picture| session.keep(picture, &source()).err()).collect()
+    } else {
+        pictures.iter().filter_map(|picture| session.compare(picture, &source()).err()).collect()
+    }
+}
+
+/// mdBook leaves out what the table of contents does not name.
+#[test]
+fn every_chapter_is_in_the_table_of_contents() {
+    let summary = fs::read_to_string(source().join("SUMMARY.md")).expect("a table of contents");
+    let listed = links::targets(&summary);
+    for page in pages() {
+        let times = listed.iter().filter(|target| **target == page.name).count();
+        assert_eq!(times, 1, "SUMMARY.md names {} {times} times", page.name);
+    }
+    for target in listed {
+        assert!(source().join(&target).is_file(), "SUMMARY.md names {target}, which is not there");
+    }
+}
+
+#[test]
+fn links_and_pictures_lead_somewhere() {
+    let pages = pages();
+    let faults: Vec<String> = pages.iter().flat_map(|page| links::faults(page, &pages)).collect();
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+    let shown: Vec<String> = pages.iter().flat_map(|page| links::pictures(&page.text)).collect();
+    for file in files(&source()).iter().filter(|f| !f.ends_with(".md")) {
+        assert!(shown.contains(file), "book/src/{file} is shown nowhere");
+    }
+}
+
+#[test]
+fn the_command_line_reference_is_the_generated_one() {
+    let page = fs::read_to_string(source().join("cli.md")).expect("the reference is there");
+    assert!(
+        page == erard_cli::cli_reference::markdown(),
+        "run `cargo run --release -p erard-cli --example cli_reference > book/src/cli.md`"
+    );
+}

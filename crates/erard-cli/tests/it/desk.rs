@@ -1,0 +1,240 @@
+//! What a desk expects of a command: lists, completions, manual pages, quiet, refusals that explain, and a README that needs no files.
+
+use crate::common::Folder;
+
+#[test]
+fn what_is_built_in() {
+    let folder = Folder::new("desk-list");
+    let listed = folder.good(&["list"]);
+    for name in ["concert-grand", "steinway-o", "heavy-touch", "mf-pressed", "ff-struck", "c7f-like", "keyboards"] {
+        assert!(listed.contains(name), "{name}: {listed}");
+    }
+    printed_they_are_checked(
+        &folder,
+        &[("concert-grand", "an instrument"), ("c7f-like", "a linkage"), ("mf-struck", "a stroke")],
+    );
+    let said = folder.bad(&["list", "upright"]);
+    assert!(said.contains("`upright`") && said.contains("steinway-o"), "{said}");
+}
+
+#[test]
+#[ignore = "ci: a keyboard of 88 keys, twice"]
+fn a_built_in_keyboard_is_checked() {
+    printed_they_are_checked(&Folder::new("desk-list-keyboard"), &[("keyboard:concert-grand", "a keyboard")]);
+}
+
+/// Each of them, printed, is the file that it is.
+fn printed_they_are_checked(folder: &Folder, known: &[(&str, &str)]) {
+    for &(name, kind) in known {
+        let text = folder.good(&["list", name]);
+        let file = if kind == "a stroke" { "it.csv" } else { "it.toml" };
+        folder.file(file, &text);
+        assert!(folder.good(&["check", file]).contains(kind), "{name}");
+        // And by its name, without a file.
+        assert!(folder.good(&["check", name]).contains(kind), "{name}");
+    }
+}
+
+/// How many files a folder of the project holds, each of which the check knows.
+fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut files = 0;
+    for entry in std::fs::read_dir(root.join(home)).unwrap() {
+        let path = entry.unwrap().path();
+        let kind = if path.extension().is_some_and(|e| e == "json") { "a JSON Schema" } else { kind };
+        let said = folder.good(&["check", path.to_str().unwrap()]);
+        assert!(said.contains(kind), "{}: {said}", path.display());
+        files += 1;
+    }
+    files
+}
+
+#[test]
+#[ignore = "ci: keyboards of 88 keys"]
+fn check_knows_keyboards() {
+    let files = checked(&Folder::new("desk-check-keyboards"), "keyboards", "a keyboard");
+    assert!(files >= KEYBOARDS, "only {files} files");
+}
+
+/// Keyboards that the project ships, with their schema.
+const KEYBOARDS: usize = 4;
+
+/// Everything that the project ships, but for keyboards, and what it writes.
+#[test]
+fn check_knows_every_format() {
+    let folder = Folder::new("desk-check");
+    let files: usize = [
+        ("instruments", "an instrument"),
+        ("linkages", "a linkage"),
+        ("strokes", "a stroke"),
+        ("validation", "published measurements"),
+    ]
+    .map(|(home, kind)| checked(&folder, home, kind))
+    .iter()
+    .sum();
+    assert!(files >= 19 - KEYBOARDS, "only {files} files");
+    folder.good(&["press", "--duration", "0.02", "--out", "run"]);
+    assert!(folder.good(&["check", "run/summary.json"]).contains("erard press --duration 0.02"));
+    for (name, text, part) in [
+        ("a.json", "{}", "no kind"),
+        ("b.json", "{", "no JSON"),
+        ("c.toml", "format = \"erard-published/1\"\n", "sources"),
+    ] {
+        folder.file(name, text);
+        let said = folder.bad(&["check", name]);
+        assert!(said.contains(part) && said.contains(name), "{said}");
+    }
+    assert!(folder.bad(&["check", "a.xyz"]).contains("erard list"));
+}
+
+#[test]
+fn completions_and_manual_pages() {
+    let folder = Folder::new("desk-man");
+    for (shell, part) in [("bash", "complete -F _erard"), ("zsh", "#compdef erard"), ("fish", "complete -c erard")] {
+        let script = folder.good(&["completions", shell]);
+        assert!(script.contains(part) && script.contains("low-pass"), "{shell}");
+    }
+    let page = folder.good(&["man"]);
+    assert!(page.contains(".TH erard 1") && page.contains("completions"), "{page}");
+    let page = folder.good(&["man", "press"]);
+    assert!(page.contains("erard\\-press") && page.contains("\\-\\-touch"), "{page}");
+    assert!(folder.bad(&["man", "lunch"]).contains("`lunch`"));
+    let written = folder.good(&["man", "--into", "pages"]);
+    assert!(written.contains("erard-compare.1"), "{written}");
+    assert_eq!(written.lines().count(), std::fs::read_dir(folder.0.join("pages")).unwrap().count());
+}
+
+/// bash itself completes what the script promises.
+#[cfg(target_os = "linux")]
+#[test]
+fn bash_completes() {
+    let folder = Folder::new("desk-bash");
+    folder.file("erard.bash", &folder.good(&["completions", "bash"]));
+    let script = "source erard.bash; COMP_WORDS=(erard compare --low); COMP_CWORD=2; _erard erard --low compare; echo \"${COMPREPLY[@]}\"";
+    let output = std::process::Command::new("bash").args(["-c", script]).current_dir(&folder.0).output().unwrap();
+    assert_eq!(String::from_utf8(output.stdout).unwrap().trim(), "--low-pass", "{:?}", output.stderr);
+}
+
+#[test]
+fn quiet() {
+    let folder = Folder::new("desk-quiet");
+    let output = folder.erard(&["press", "--duration", "0.02", "--quiet"]);
+    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty());
+    assert!(folder.0.join("erard-out/run.csv").exists());
+    let said = folder.bad(&["--quiet", "press", "--dt", "7"]);
+    assert!(said.contains("--dt"), "{said}");
+}
+
+/// A finger cannot pull.
+#[test]
+fn a_pull_is_refused_with_the_reason() {
+    let folder = Folder::new("desk-pull");
+    let said = folder.bad(&["press", "--force-step", "-3"]);
+    assert!(
+        said.contains("--force-step -3") && said.contains("from 0 to 10000 N") && said.contains("pushes"),
+        "{said}"
+    );
+}
+
+/// A miss ends with code 1 where that is asked for, and everything is written all the same.
+#[test]
+#[ignore = "ci: two validations and a subject of the papers"]
+fn misses_can_fail() {
+    let folder = Folder::new("desk-misses");
+    // Heavy on purpose: rows are missed.
+    let arguments = ["validate", "--instrument", "heavy-touch"];
+    let said = folder.good(&arguments);
+    assert!(!said.contains(" 0 missed"), "{said}");
+    let output = folder.erard(&[&arguments[..], &["--fail-on-miss"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("rows are missed: "), "{error}");
+    assert!(folder.0.join("erard-out-validate/validate.json").exists());
+}
+
+/// Words of a command line of the README, and the file that its output goes to.
+fn words(line: &str) -> (Vec<String>, Option<String>) {
+    let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            '#' if !quoted && word.is_empty() => break,
+            c if c.is_whitespace() && !quoted => {
+                if !word.is_empty() {
+                    words.push(std::mem::take(&mut word));
+                }
+            }
+            c => word.push(c),
+        }
+    }
+    words.extend(Some(word).filter(|word| !word.is_empty()));
+    let into = words.iter().position(|word| word == ">").map(|at| words.split_off(at)[1].clone());
+    (words, into)
+}
+
+/// Every line of the README's "Try", one after the other, in an empty folder. What takes long is shortened: that it needs nothing is what
+/// is shown.
+#[test]
+#[ignore = "ci: some thirty commands, one after the other"]
+fn an_empty_folder_is_enough_for_the_readme() {
+    let folder = Folder::new("desk-readme");
+    let readme = include_str!("../../../../README.md");
+    let block = readme.split("## Try").nth(1).unwrap().split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+    let mut played = 0;
+    // The program that reproduces the papers has tests of its own.
+    let is_ours = |line: &&str| !line.trim().is_empty() && !line.starts_with("cargo run --release -p erard-reproduce ");
+    for line in block.lines().filter(is_ours) {
+        let command =
+            line.strip_prefix("cargo run --release -- ").unwrap_or_else(|| panic!("not a command of ours: {line}"));
+        let (mut words, into) = words(command);
+        let shortened = match words[0].as_str() {
+            "bench" => &["--quick"][..],
+            "keyboard" if !words.contains(&"--weigh".to_owned()) => &["--every", "40"],
+            _ => &[],
+        };
+        words.extend(shortened.iter().map(|word| (*word).to_owned()));
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let said = folder.good(&words);
+        assert!(!said.is_empty(), "{line}");
+        if let Some(into) = into {
+            folder.file(&into, &said);
+        }
+        played += 1;
+    }
+    assert!(played > 20, "{played} lines");
+}
+
+/// A number that was changed under its note is marked in the pictures, too: of a pose, of a run, and of two; elsewhere nothing is.
+#[test]
+fn notes_that_became_untrue_are_marked_in_pictures() {
+    let folder = Folder::new("desk-changed");
+    let name = "zone.capstan_heel.disc.center_mm";
+    let text = erard::instrument::Instrument::builtin_text("concert-grand").unwrap();
+    let found = erard::instrument::numbers_at(text, name).unwrap();
+    folder.file("moved.toml", &erard::instrument::with_numbers(text, &[(name, 0, found[0] - 10.0)]).unwrap());
+    folder.file("same.toml", text);
+    for (instrument, marked) in [("moved.toml", true), ("same.toml", false), ("concert-grand", false)] {
+        let given = ["--instrument", instrument, "--out", "it"];
+        folder.good(&[&["draw"][..], &given].concat());
+        folder.good(&[&["press", "--duration", "0.05", "--force"][..], &given].concat());
+        for file in ["it/action.svg", "it/run.html"] {
+            let picture = folder.read(file);
+            assert_eq!(picture.contains("<circle class=\"mark\""), marked, "{instrument} {file}");
+            assert_eq!(picture.contains(name), marked, "{instrument} {file}");
+        }
+    }
+    folder.good(&[
+        "press",
+        "--duration",
+        "0.05",
+        "--instrument",
+        "same.toml",
+        "--instrument",
+        "moved.toml",
+        "--out",
+        "two",
+    ]);
+    let page = folder.read("two/run.html");
+    assert_eq!(page.matches("<circle class=\"mark\"").count(), 1);
+    assert!(page.contains("id=\"beside\""), "side by side is offered");
+}

@@ -1,0 +1,82 @@
+//! `erard fmu`: what is in the unit, and what it says when there is none. That simulators take it, the tests of `erard-c` show.
+
+use std::fs::File;
+use std::io::Read;
+
+use crate::common::Folder;
+use erard::instrument::{Instrument, InstrumentFile};
+use erard_workshop::fmu::{INSTRUMENT, model_description};
+use zip::ZipArchive;
+
+/// A folder with a file that passes for the library.
+fn folder(test: &str) -> Folder {
+    let folder = Folder::for_command("fmu", test);
+    folder.file("liberard.so", "some code, fmi2DoStep, some code, erard_action_new, some code");
+    folder
+}
+
+/// The archive holds the description, the instrument and the library, nothing else; twice the same bytes.
+#[test]
+fn a_unit_is_packed() {
+    let folder = folder("packed");
+    let said = folder.good(&["heavy-touch", "-o", "a.fmu", "--library", "liberard.so"]);
+    assert!(said.contains("FMI 2.0") && said.contains("a.fmu"), "{said}");
+    let mut archive = ZipArchive::new(File::open(folder.0.join("a.fmu")).unwrap()).unwrap();
+    let mut read = |name: &str| {
+        let mut text = String::new();
+        archive.by_name(name).unwrap().read_to_string(&mut text).unwrap();
+        text
+    };
+    let text = Instrument::builtin_text("heavy-touch").unwrap();
+    assert_eq!(read(INSTRUMENT), text);
+    let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
+    assert_eq!(read("modelDescription.xml"), model_description(&file, text));
+    let names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+    assert!(names.iter().any(|name| name.starts_with("binaries/") && name.contains("/erard.")), "{names:?}");
+
+    // A file of one's own, with the default name; the same bytes again.
+    folder.file("mine.toml", text);
+    folder.good(&["mine.toml", "--library", "liberard.so"]);
+    assert_eq!(std::fs::read(folder.0.join("mine.fmu")).unwrap(), std::fs::read(folder.0.join("a.fmu")).unwrap());
+    folder.good(&["concert-grand:key=1", "--library", "liberard.so"]);
+    assert!(folder.0.join("concert-grand-key-1.fmu").exists());
+}
+
+/// What cannot be packed is said, and nothing is written; what is there is replaced with --force only.
+#[test]
+fn what_is_refused() {
+    let folder = folder("refused");
+    folder.file("other.so", "some code");
+    for (arguments, words) in [
+        (&["concert-gong", "--library", "liberard.so"][..], "concert-gong"),
+        (&["--library", "no.so"], "no.so"),
+        (&["--library", "other.so"], "fmi2DoStep"),
+        (&["-o", "unit.zip", "--library", "liberard.so"], ".fmu"),
+        (&["-o", ".", "--library", "liberard.so"], "folder"),
+    ] {
+        let said = folder.bad(arguments);
+        assert!(said.contains(words), "{said}");
+    }
+    folder.good(&["-o", "a.fmu", "--library", "liberard.so"]);
+    assert!(folder.bad(&["-o", "a.fmu", "--library", "liberard.so"]).contains("--force"));
+    folder.good(&["-o", "a.fmu", "--library", "liberard.so", "--force"]);
+}
+
+/// Without a library beside the command the error says how to build one.
+#[test]
+fn where_the_library_comes_from() {
+    let folder = folder("beside");
+    let command = folder.0.join("erard");
+    std::fs::copy(env!("CARGO_BIN_EXE_erard"), &command).unwrap();
+    let run =
+        || std::process::Command::new(&command).current_dir(&folder.0).args(["fmu", "-o", "a.fmu"]).output().unwrap();
+    let said = String::from_utf8(run().stderr).unwrap();
+    assert!(said.contains("cargo build --release -p erard-c") && said.contains("--library"), "{said}");
+    assert!(!folder.0.join("a.fmu").exists());
+    let end = if cfg!(target_os = "macos") { "dylib" } else { "so" };
+    std::fs::copy(folder.0.join("liberard.so"), folder.0.join(format!("liberard_c.{end}"))).unwrap();
+    let output = run();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(folder.0.join("a.fmu").exists());
+}

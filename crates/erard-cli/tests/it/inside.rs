@@ -1,0 +1,160 @@
+//! `erard press --reactions` and `--losses`, as a user runs them.
+
+use crate::common::Folder;
+use serde_json::Value;
+
+/// The columns of a CSV file by name.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut lines = text.lines();
+    let at = lines.next().unwrap().split(',').position(|one| one == name).unwrap_or_else(|| panic!("no column {name}"));
+    lines.map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
+}
+
+/// Off by default. On, every body has three columns more, and the others are the same to the byte; at rest the hammer's pin and what else holds
+/// the hammer carry its weight; a figure shows them.
+#[test]
+fn reactions_are_columns_and_curves() {
+    let folder = Folder::new("inside-reactions");
+    let press = ["press", "--stroke", "f", "--duration", "0.1", "--out"];
+    folder.good(&[&press[..], &["plain"]].concat());
+    folder.good(&[&press[..], &["inside", "--reactions"]].concat());
+    let (plain, inside) = (folder.read("plain/run.csv"), folder.read("inside/run.csv"));
+    assert!(!plain.contains("_pin_x_N") && !folder.0.join("plain/reactions.svg").exists());
+    for (short, long) in plain.lines().zip(inside.lines()) {
+        assert!(long.starts_with(short) && long.split(',').count() == short.split(',').count() + 24);
+    }
+    // Newton's second law of the damper before it is touched: its weight, its rest's push and its pin's.
+    let damper = erard::instrument::Instrument::builtin("concert-grand").unwrap();
+    let weight = damper.bodies.iter().find(|body| body.name == "damper").unwrap().mass_kg * damper.gravity_m_s2;
+    let up =
+        column(&inside, "damper_pin_y_N")[0] + column(&inside, "damper_rest_N")[0] + column(&inside, "key_damper_N")[0];
+    assert!((up - weight).abs() < 1e-6 * weight, "{up} {weight}");
+    // The acceleration is what the angular velocity changes by.
+    let (rate, alpha, time) =
+        (column(&inside, "hammer_rad_per_s"), column(&inside, "hammer_rad_per_s2"), column(&inside, "time_s"));
+    let step = time[1] - time[0];
+    for n in 1..time.len() - 1 {
+        let mean = (rate[n + 1] - rate[n - 1]) / (2.0 * step);
+        assert!((alpha[n] - mean).abs() <= 1e-6 * (1.0 + mean.abs()), "{n}: {} {mean}", alpha[n]);
+    }
+    let svg = folder.read("inside/reactions.svg");
+    assert!(svg.contains("pin, up (N)") && svg.contains("acceleration") && !svg.contains("NaN"));
+}
+
+/// The table of losses adds up to the summary's, part by part; where the error is controlled, too.
+#[test]
+fn losses_add_up() {
+    let folder = Folder::new("inside-losses");
+    for controlled in [&[][..], &["--tolerance", "1e-6"]] {
+        let press = ["press", "--stroke", "mf", "--losses", "--reactions", "--out", "press"];
+        let said = folder.good(&[&press[..], controlled].concat());
+        assert!(said.contains("where the energy goes"), "{said}");
+        let table = folder.read("press/run.csv");
+        assert!(column(&table, "hammer_pin_y_N").iter().all(|force| force.is_finite()), "{controlled:?}");
+        adds_up(&folder);
+    }
+    // With strings their own losses and those of each damper's felt stand among the others.
+    folder.good(&[
+        "press",
+        "--stroke",
+        "mf",
+        "--losses",
+        "--instrument",
+        "concert-grand-strings",
+        "--out",
+        "press",
+        "--force",
+    ]);
+    adds_up(&folder);
+    let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
+    let parts = losses["losses"].as_array().unwrap();
+    let of = |name: &str| parts.iter().find(|one| one["name"] == name).unwrap()["loss_J"].as_f64().unwrap();
+    assert!(of("strings") > 1e-4 && of("damper_left") > 1e-5 && of("rocking") > 0.0);
+    assert!(!parts.iter().any(|one| one["name"] == "bridge"));
+    let together = of("strings") + of("rocking");
+    // What a bridge that moves takes stands by itself, and most of it was the strings' before.
+    let moves = erard::instrument::Instrument::builtin_text("concert-grand-strings")
+        .unwrap()
+        .replace("rigid_bridge = true", "rigid_bridge = false");
+    std::fs::write(folder.0.join("moves.toml"), moves).unwrap();
+    folder.good(&["press", "--stroke", "mf", "--losses", "--instrument", "moves.toml", "--out", "press", "--force"]);
+    adds_up(&folder);
+    let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
+    let parts = losses["losses"].as_array().unwrap();
+    let of = |name: &str| parts.iter().find(|one| one["name"] == name).unwrap()["loss_J"].as_f64().unwrap();
+    println!("{} {} {} of {together} J", of("strings"), of("bridge"), of("rocking"));
+    assert!(of("bridge") > 0.1 * of("strings") && of("rocking") > 0.0);
+}
+
+fn adds_up(folder: &Folder) {
+    let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
+    let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
+    let parts = losses["losses"].as_array().unwrap();
+    let sum = |kind: &str, part: &str| -> f64 {
+        parts.iter().filter(|one| one["kind"] == kind).map(|one| one[part].as_f64().unwrap()).sum()
+    };
+    for (kind, part, booked) in [
+        ("pin", "dry_J", "pivot_dry"),
+        ("pin", "viscous_or_felt_J", "pivot_viscous"),
+        ("contact", "viscous_or_felt_J", "felt"),
+        ("contact", "dry_J", "coulomb"),
+        ("strings", "viscous_or_felt_J", "strings"),
+    ] {
+        let booked = summary["dissipated_J"][booked].as_f64().unwrap_or(0.0);
+        assert!((sum(kind, part) - booked).abs() <= 1e-5 * booked, "{kind} {part}: {} {booked}", sum(kind, part));
+    }
+    let shares: f64 = parts.iter().map(|one| one["share"].as_f64().unwrap()).sum();
+    assert!((shares - 1.0).abs() < 1e-9);
+    let svg = folder.read("press/losses.svg");
+    assert!(svg.contains("lost so far (mJ)"), "areas stand on a linear axis");
+    assert!(svg.contains("<polygon") && svg.contains("all others") && !svg.contains("NaN"));
+}
+
+/// Arrows of the pins: in the picture of a pose, and on the page of a run that recorded them; elsewhere none.
+#[test]
+fn pins_are_drawn() {
+    let folder = Folder::new("inside-pins");
+    folder.good(&["draw", "--at", "let-off", "--forces", "--out", "plain"]);
+    folder.good(&["draw", "--at", "let-off", "--forces", "--reactions", "--out", "pins"]);
+    let arrows = |name: &str, kind: &str| folder.read(name).matches(&format!("<path class=\"arrow {kind}\"")).count();
+    assert_eq!(arrows("plain/action.svg", "pin"), 0);
+    let grand = erard::instrument::Instrument::builtin("concert-grand").unwrap();
+    let drawn = arrows("pins/action.svg", "pin");
+    assert!(drawn >= 4 && drawn <= grand.bodies.len(), "{drawn}");
+    assert_eq!(arrows("pins/action.svg", "contact"), arrows("plain/action.svg", "contact"));
+    for (more, shown) in [(&[][..], false), (&["--reactions"], true)] {
+        folder.good(&[&["press", "--duration", "0.05", "--out", "run"][..], more].concat());
+        assert_eq!(folder.read("run/run.html").contains("id=\"pin-forces\""), shown);
+    }
+}
+
+/// Sound under a name of one's own, and under note.wav where none is given: 48 kHz, with C4 in it. A folder, another ending and a stroke's file are no names.
+#[test]
+fn sound_is_written_under_a_name() {
+    let folder = Folder::new("inside-wav");
+    let press = ["press", "--instrument", "concert-grand-strings", "--duration", "0.6", "--out", "press", "--wav"];
+    let said = folder.good(&[&press[..], &["mine.wav"]].concat());
+    assert!(said.contains("mine.wav is the force on the bridge") && folder.0.join("press/mine.wav").exists(), "{said}");
+    let mut reader = hound::WavReader::open(folder.0.join("press/mine.wav")).unwrap();
+    assert_eq!(reader.spec().sample_rate, 48_000);
+    let samples: Vec<f64> = reader.samples::<i16>().map(|s| f64::from(s.unwrap())).collect();
+    // The last fifth of a second, against sines of both phases: C4 stands out from what lies a semitone beside it.
+    let tail = &samples[samples.len() - 9600..];
+    let part = |hz: f64| {
+        let sum = |phase: f64| -> f64 {
+            let turn = |n: usize| std::f64::consts::TAU * hz * n as f64 / 48e3 + phase;
+            tail.iter().enumerate().map(|(n, x)| x * turn(n).sin()).sum()
+        };
+        sum(0.0).hypot(sum(0.25 * std::f64::consts::TAU))
+    };
+    let c4_hz = 261.63;
+    for beside_hz in [c4_hz * 0.944, c4_hz * 1.059] {
+        assert!(part(c4_hz) > 10.0 * part(beside_hz), "{} {}", part(c4_hz), part(beside_hz));
+    }
+    folder.good(&press);
+    assert!(folder.0.join("press/note.wav").exists());
+    for name in ["sub/note.wav", "stroke.csv", ".wav"] {
+        let said = folder.bad(&[&press[..], &[name]].concat());
+        assert!(said.contains("no name for it; expected one that ends in .wav"), "{said}");
+    }
+}

@@ -1,0 +1,223 @@
+//! `--json` of every command: standard output is one JSON value, and has the schema that stands in `schemas/`.
+//!
+//! The schemas say what is there in any case and of which type; commands may say more. `ERARD_SCHEMAS=write cargo test --release -p erard-cli
+//! --test it json:: -- --include-ignored` makes them anew from what the commands answer, to be looked at.
+
+use std::path::PathBuf;
+
+use crate::common::Folder;
+use crate::common::schema::{faults, kind};
+use serde_json::{Map, Value, json};
+
+/// Every command, and calls whose answers differ in kind: one schema holds for all of them.
+const CALLS: &[(&str, &[&[&str]])] = &[
+    (
+        "press",
+        &[
+            &["press", "--duration", "0.1"],
+            &["press", "--model", "one-dof", "--duration", "0.05"],
+            &["press", "--tolerance", "1e-4", "--duration", "0.1"],
+            &["press", "--stroke", "ff"],
+        ],
+    ),
+    ("draw", &[&["draw"], &["draw", "--at", "let-off"]]),
+    (
+        "kinematics",
+        &[
+            &["kinematics", "--steps", "20"],
+            &["kinematics", "--instrument", "concert-grand", "--steps", "20", "--move", "capstan=-5mm"],
+        ],
+    ),
+    ("study", &[&["study", "--vary", "force=0.1,5", "--duration", "0.1"]]),
+    (
+        "study-sensitivities",
+        &[
+            &[
+                "study",
+                "--sensitivities",
+                "--of",
+                "hammer_speed_m_per_s,up_weight_g",
+                "--by",
+                "let_off,body.hammer.mass",
+            ],
+            &["study", "--sensitivities", "--of", "let_off_s", "--by", "force,body.key.mass", "--force-step", "5"],
+        ],
+    ),
+    ("measure", &[&["measure"]]),
+    ("keyboard", &[&["keyboard", "--every", "60"]]),
+    ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out", "regulated.toml", "--force"]]),
+    ("validate", &[&["validate"]]),
+    (
+        "check",
+        &[
+            &["check", "mine.toml"],
+            &["check", "run/run.csv"],
+            &["check", "noisy.csv"],
+            &["check", "c7f-like"],
+            &["check", "keyboard:concert-grand"],
+            &["check", "run/summary.json"],
+        ],
+    ),
+    (
+        "compare",
+        &[
+            &["compare", "run/run.csv"],
+            &["compare", "key.csv", "--no-pictures"],
+            &["compare", "noisy.csv", "--no-pictures"],
+        ],
+    ),
+    (
+        "fit",
+        &[
+            &[
+                "fit",
+                "concert-grand-rigid",
+                "run/run.csv",
+                "--vary",
+                "body.hammer.mass",
+                "--duration",
+                "0.05",
+                "--restarts",
+                "0",
+            ],
+            &[
+                "fit",
+                "concert-grand-rigid",
+                "run/run.csv",
+                "--vary=body.hammer.mass,zone.check.stiffness,zone.capstan_heel.stiffness",
+                "--duration=0.05",
+                "--sigma=force=0.02N,position=10um,hammer=50um",
+                "--delays",
+                "--restarts=0",
+                "--no-pictures",
+            ],
+        ],
+    ),
+    ("bench", &[&["bench", "--quick"]]),
+    ("list", &[&["list"]]),
+];
+
+fn home(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.schema.json"))
+}
+
+/// Whose keys are names of things, not of the format.
+const MAPS: [&str; 2] = ["options", "table"];
+
+/// Texts that may be null.
+const NULLABLE: [&str; 4] = ["commit", "file", "sha256", "likely_reason"];
+
+/// The schema of all these values, which stand under the same key.
+fn infer(values: &[&Value], key: &str) -> Value {
+    let mut kinds: Vec<&str> = values.iter().map(|value| kind(value)).collect();
+    // A number that did not come out is null, and so is what is not known of a source.
+    if kinds.contains(&"number") || NULLABLE.contains(&key) {
+        kinds.push("null");
+    }
+    kinds.sort_unstable();
+    kinds.dedup();
+    let mut schema = Map::new();
+    // Of what was always null nothing is known.
+    if kinds != ["null"] {
+        schema.insert("type".into(), if kinds.len() == 1 { kinds[0].into() } else { kinds.into() });
+    }
+    let objects: Vec<&Map<String, Value>> = values.iter().filter_map(|value| value.as_object()).collect();
+    if MAPS.contains(&key) && !objects.is_empty() {
+        let all: Vec<&Value> = objects.iter().flat_map(|object| object.values()).collect();
+        schema.insert("additionalProperties".into(), infer(&all, ""));
+    } else if let Some(first) = objects.first() {
+        let required: Vec<&String> = first.keys().filter(|key| objects.iter().all(|o| o.contains_key(*key))).collect();
+        schema.insert("required".into(), json!(required));
+        let mut properties = Map::new();
+        for key in objects.iter().flat_map(|object| object.keys()) {
+            let all: Vec<&Value> = objects.iter().filter_map(|object| object.get(key)).collect();
+            properties.insert(key.clone(), infer(&all, key));
+        }
+        schema.insert("properties".into(), properties.into());
+    }
+    let items: Vec<&Value> = values.iter().filter_map(|value| value.as_array()).flatten().collect();
+    if !items.is_empty() {
+        schema.insert("items".into(), infer(&items, ""));
+    }
+    schema.into()
+}
+
+/// Commands that answer within a second.
+const QUICK: [&str; 7] = ["press", "draw", "kinematics", "study", "check", "compare", "list"];
+
+#[test]
+fn quick_commands_answer_by_their_schemas() {
+    answer_by_their_schemas(&|name| QUICK.contains(&name));
+}
+
+#[test]
+#[ignore = "ci: commands that measure, fit, validate and time"]
+fn slow_commands_answer_by_their_schemas() {
+    answer_by_their_schemas(&|name| !QUICK.contains(&name));
+}
+
+fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
+    let folder = Folder::new("json");
+    folder.file("mine.toml", include_str!("../../../../instruments/concert-grand.toml"));
+    folder.good(&["press", "--stroke", "f", "--out", "run"]);
+    let table = folder.read("run/run.csv");
+    let part: Vec<String> = table.lines().map(|l| [0, 2].map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
+    folder.file("key.csv", &part.join("\n"));
+    // One with a rest, an offset, noise and a gap, so that all of a preparation is there.
+    let mut noisy = String::from("t (ms);Force (gf);Travel (mm)\n");
+    for n in 0..1000_u64 {
+        let push = (n.saturating_sub(300).min(100)) as f64;
+        let noise = |salt: u64| ((n * 7919 + salt).wrapping_mul(2_654_435_761) >> 7) as f64 % 1000.0 / 1000.0 - 0.5;
+        let force = if n == 500 { String::new() } else { format!("{:.3}", 20.0 + 4.0 * push + 3.0 * noise(1)) };
+        noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
+    }
+    folder.file("noisy.csv", &noisy);
+    let mut without: Vec<&str> = Vec::new();
+    for (name, calls) in CALLS.iter().filter(|(name, _)| chosen(name)) {
+        let answers: Vec<Value> = calls
+            .iter()
+            .map(|call| {
+                let said = folder.good(&[*call, &["--json"]].concat());
+                serde_json::from_str(&said).unwrap_or_else(|error| panic!("{call:?}: {error}: {said}"))
+            })
+            .collect();
+        if std::env::var("ERARD_SCHEMAS").is_ok_and(|value| value == "write") {
+            let mut schema = infer(&answers.iter().collect::<Vec<_>>(), "");
+            let own = schema.as_object_mut().unwrap();
+            own.insert("$schema".into(), "http://json-schema.org/draft-07/schema#".into());
+            own.insert("title".into(), format!("erard {} --json", name.replace("-sens", " --sens")).into());
+            std::fs::write(home(name), serde_json::to_string_pretty(&schema).unwrap() + "\n").unwrap();
+        }
+        let Ok(text) = std::fs::read_to_string(home(name)) else {
+            without.push(name);
+            continue;
+        };
+        let schema: Value = serde_json::from_str(&text).unwrap();
+        for (answer, call) in answers.iter().zip(*calls) {
+            let mut found = Vec::new();
+            faults(answer, &schema, "", &mut found);
+            assert!(found.is_empty(), "{call:?}: {found:#?}");
+            assert!(answer["made_by"]["command"].as_str().unwrap().starts_with("erard "), "{call:?}");
+        }
+        // A schema that everything conforms to would say nothing.
+        let mut found = Vec::new();
+        faults(&json!({}), &schema, "", &mut found);
+        assert!(!found.is_empty(), "{name}: an empty object conforms");
+        let mut wrong = answers[0].clone();
+        wrong["made_by"]["command"] = json!(1);
+        found.clear();
+        faults(&wrong, &schema, "", &mut found);
+        assert_eq!(found.len(), 1, "{name}: {found:?}");
+    }
+    assert!(without.is_empty(), "without a schema: {without:?}");
+}
+
+/// The answer is what the file holds.
+#[test]
+fn the_answer_is_the_file() {
+    let folder = Folder::new("json-file");
+    let said = folder.good(&["press", "--duration", "0.05", "--json"]);
+    assert_eq!(said, folder.read("erard-out/summary.json"));
+    // A failure is told in words, and nothing stands on standard output.
+    assert!(folder.bad(&["press", "--dt", "7", "--json"]).contains("--dt"));
+}

@@ -1,0 +1,31 @@
+//! The tests of the command: one program, so that it is linked once.
+
+mod common;
+#[path = "../../../erard/tests/common/not_run.rs"]
+mod not_run;
+
+mod bad_input;
+mod bench;
+mod book;
+mod desk;
+mod endings;
+mod faults;
+mod fit;
+mod fmu;
+mod good_runs;
+mod identity;
+mod inside;
+mod json;
+mod keyboard;
+mod kinematics;
+mod limits;
+mod measure;
+mod nothing_lost;
+mod recordings;
+mod regulate;
+mod studio;
+mod study;
+mod trust;
+mod validate;
+mod wav;
+mod weigh;

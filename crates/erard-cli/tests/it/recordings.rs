@@ -1,0 +1,267 @@
+//! Recordings as laboratories have them: understood, made ready, compared, in one command.
+
+use std::fmt::Write as _;
+
+use crate::common::Folder;
+use serde_json::Value;
+
+/// What is put into the synthetic recording, in SI units.
+const FORCE_NOISE_N: f64 = 0.03;
+const POSITION_NOISE_M: f64 = 15e-6;
+const FORCE_OFFSET_N: f64 = 0.21;
+const POSITION_OFFSET_M: f64 = -1.3e-3;
+const REST_S: f64 = 0.1;
+const RATE_HZ: f64 = 20e3;
+/// A gram's weight, N.
+const GRAM_N: f64 = 9.806_65e-3;
+
+/// Normal noise: the sum of twelve uniform numbers of a linear congruential generator.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// Time, force and key position of a run that `press` made with a fine step, sampled at 20 kHz, after a rest.
+fn played(folder: &Folder) -> Vec<[f64; 3]> {
+    folder.good(&["press", "--stroke", "f", "--dt", "1e-5", "--record-every", "5", "--out", "run"]);
+    let table = folder.read("run/run.csv");
+    let rest = (REST_S * RATE_HZ) as usize;
+    let mut rows: Vec<[f64; 3]> = (0..rest).map(|n| [n as f64 / RATE_HZ, 0.0, 0.0]).collect();
+    for line in table.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
+        rows.push([cells[0] + REST_S, cells[1], cells[2]]);
+    }
+    rows
+}
+
+/// The same as a laboratory would hand it over: milliseconds, millimetres, gram-force, semicolons, decimal commas, offsets and noise.
+fn handed_over(rows: &[[f64; 3]], sign: f64) -> String {
+    let mut noise = Noise(1);
+    let mut text = String::from("% rig 3, key 40\nTime (ms);Displacement (mm);F [gf]\n");
+    for [t, f, y] in rows {
+        let f = f + FORCE_OFFSET_N + FORCE_NOISE_N * noise.next();
+        let y = sign * y + POSITION_OFFSET_M + POSITION_NOISE_M * noise.next();
+        let row = format!("{:.3};{:.5};{:.4}\n", t * 1e3, y * 1e3, f / GRAM_N);
+        text.push_str(&row.replace('.', ","));
+    }
+    text
+}
+
+fn report(folder: &Folder) -> Value {
+    serde_json::from_str(&folder.read("erard-out-compare/compare.json")).unwrap()
+}
+
+fn explained(report: &Value, drive: &str, model: &str, quantity: &str) -> Option<f64> {
+    let findings = report["findings"].as_array().unwrap();
+    let found = findings.iter().find(|f| f["drive"] == drive && f["model"] == model && f["quantity"] == quantity);
+    found.and_then(|f| f["errors"]["explained"].as_f64())
+}
+
+fn of<'a>(report: &'a Value, channel: &str) -> &'a Value {
+    report["preparation"].as_array().unwrap().iter().find(|c| c["channel"] == channel).unwrap()
+}
+
+/// Noise, offsets, decimal commas and millimetres, compared in one command: offsets and noise are found as they were put in, and the model
+/// that made it explains it under every drive, up to where its noise begins and not beyond.
+#[test]
+fn a_laboratory_s_recording_in_one_command() {
+    let folder = Folder::new("recordings-lab");
+    let rows = played(&folder);
+    folder.file("lab.csv", &handed_over(&rows, 1.0));
+    let said = folder.good(&["compare", "lab.csv"]);
+    let found = report(&folder);
+    for (channel, offset, noise) in
+        [("force", FORCE_OFFSET_N, FORCE_NOISE_N), ("position", POSITION_OFFSET_M, POSITION_NOISE_M)]
+    {
+        let told = of(&found, channel);
+        let near = |key: &str, wanted: f64, share: f64| {
+            let value = told[key].as_f64().unwrap();
+            assert!((value / wanted - 1.0).abs() < share, "{channel}: {key} is {value}, put in was {wanted}");
+        };
+        near("zero", offset, 0.01);
+        near("noise_rms", noise, 0.1);
+        near("rest_until_s", REST_S, 0.05);
+        let tells = told["tells_to_Hz"].as_f64().unwrap();
+        assert!((50.0..1000.0).contains(&tells) && told["low_pass_Hz"] == told["tells_to_Hz"], "{channel}: {tells} Hz");
+    }
+    for (drive, quantity) in [("force", "position"), ("motion", "force"), ("rigid", "force")] {
+        let share = explained(&found, drive, "action", quantity).unwrap();
+        assert!(share > 0.99 && share <= 1.0, "{drive}: {share}\n{said}");
+    }
+    // No share is told of what lies beyond, nor printed.
+    let told_to = found["findings"][0]["told_to_Hz"].as_f64().unwrap();
+    for finding in found["findings"].as_array().unwrap() {
+        for band in finding["errors"]["bands"].as_array().unwrap() {
+            assert_eq!(band["told"].as_bool(), Some(band["to_Hz"].as_f64().unwrap() <= told_to));
+        }
+    }
+    let by_frequency: Vec<&str> = said.lines().filter(|line| line.contains("200-1000 Hz")).collect();
+    assert_eq!(by_frequency.len(), 6, "{said}");
+    assert!(by_frequency.iter().all(|line| line.contains("50-200 Hz -  200-1000 Hz -")), "{said}");
+    assert!(said.contains(&format!("up to {told_to:.0} Hz")), "{said}");
+
+    // What is chosen is compared, and nothing else; pictures can be left out, and go with the run before.
+    folder.good(&["compare", "lab.csv", "--drive", "rigid", "--model", "action", "--no-pictures"]);
+    assert_eq!(report(&folder)["findings"].as_array().unwrap().len(), 1);
+    assert!(!folder.0.join("erard-out-compare/compare.png").exists());
+    assert!(
+        folder
+            .bad(&["compare", "lab.csv", "--columns", "force=none", "--drive", "force"])
+            .contains("none of the drives")
+    );
+}
+
+/// What is wrong with a trace is noticed and said.
+#[test]
+fn traces_that_are_wrong_are_noticed() {
+    let folder = Folder::new("recordings-wrong");
+    let rows = played(&folder);
+    folder.file("up.csv", &handed_over(&rows, -1.0));
+    let quick = ["--drive", "force", "--model", "action", "--no-pictures"];
+    let compare = |arguments: &[&str]| folder.good(&[&["compare"], arguments, &quick[..]].concat());
+    let said = compare(&["up.csv"]);
+    assert!(said.contains("looks inverted") && said.contains("moves against"), "{said}");
+    let said = folder.good(&["check", "up.csv"]);
+    assert!(said.contains("the position goes up") && said.contains("looks inverted"), "{said}");
+    // Turned, it is what it was.
+    let said = compare(&["up.csv", "--invert", "position"]);
+    assert!(!said.contains("looks inverted"), "{said}");
+    assert!(explained(&report(&folder), "force", "action", "position").unwrap() > 0.99);
+
+    folder.file("lab.csv", &handed_over(&rows, 1.0));
+    let said = compare(&["lab.csv", "--zero", "off"]);
+    assert!(said.contains("no zero was taken") && said.contains("position begins at -1."), "{said}");
+    // A clean one without its beginning: the model tells.
+    let clean = |late_s: f64, off_m: f64| {
+        let mut text = String::from("time_s,force_N,position_m\n");
+        let late = (late_s * RATE_HZ) as usize;
+        for (n, [t, f, _]) in rows.iter().enumerate().skip(2000) {
+            let [_, _, y] = rows[n - late];
+            let _ = writeln!(text, "{t},{f},{}", y + off_m);
+        }
+        text
+    };
+    folder.file("off.csv", &clean(0.0, 1e-3));
+    let said = compare(&["off.csv"]);
+    assert!(said.contains("the measured position stands +1.0"), "{said}");
+    folder.file("late.csv", &clean(0.004, 0.0));
+    let said = compare(&["late.csv"]);
+    assert!(said.contains("comes 4.0") && said.contains("earlier than the measured"), "{said}");
+    let said = compare(&["late.csv", "--delay", "position=4ms"]);
+    assert!(!said.contains("one clock"), "{said}");
+    assert!(explained(&report(&folder), "force", "action", "position").unwrap() > 0.9999);
+    for (option, value) in [
+        ("--delay", "position=4"),
+        ("--delay", "key=4ms"),
+        ("--invert", "time"),
+        ("--low-pass", "0"),
+        ("--order", "11"),
+    ] {
+        let said = folder.bad(&["compare", "late.csv", option, value]);
+        assert!(said.contains(option) && said.contains("expected"), "{option} {value}: {said}");
+    }
+    assert!(folder.bad(&["compare", "late.csv", "--low-pass", "12000"]).contains("20000 samples per second"));
+    assert!(folder.bad(&["press", "--zero", "off"]).contains("belong to a stroke file"));
+}
+
+/// A run's own tables are strokes, the same ones; a key's trace gives the fingertip's where force was recorded too.
+#[test]
+fn runs_are_strokes() {
+    let folder = Folder::new("recordings-runs");
+    folder.good(&["press", "--stroke", "f", "--dt", "1e-5", "--record-every", "20", "--out", "run"]);
+    for file in ["run/run.csv", "run/run.parquet"] {
+        let said = folder.good(&["check", file]);
+        assert!(said.contains("`key_m`, in m, the key's") && said.contains("hammer_head_m"), "{said}");
+    }
+    let speed = |arguments: &[&str]| {
+        folder.good(&[&["press"], arguments].concat());
+        let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
+        summary["hammer_speed_m_s"].as_f64().unwrap()
+    };
+    let force = speed(&["run/run.csv"]);
+    assert_eq!(force, speed(&["run/run.parquet"]));
+    // Rigidly and through the fingertip the same blow as by the force that made it; read as the fingertip's, the key's trace lags.
+    let [motion, rigid, misread] =
+        [&["--drive", "motion"][..], &["--drive", "rigid"], &["--drive", "motion", "--position", "fingertip"]]
+            .map(|drive| speed(&[&["run/run.csv"], drive].concat()));
+    assert!((motion / force - 1.0).abs() < 0.005, "{motion} {force}");
+    assert!((rigid / force - 1.0).abs() < 0.005, "{rigid} {force}");
+    assert!((misread / force - 1.0).abs() > 0.01, "{misread} {force}");
+    // The other way round: imposed on the key, a fingertip's trace gives the key's first.
+    folder.good(&["press", "run/run.parquet", "--columns", "position=key_m", "--drive", "rigid"]);
+
+    // The key's alone is played as the key's own, and the fingertip's not as the key's.
+    let table = folder.read("run/run.csv");
+    let part: Vec<String> = table.lines().map(|l| [0, 2].map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
+    folder.file("key.csv", &part.join("\n"));
+    folder.good(&["press", "key.csv"]);
+    assert!(folder.read("erard-out/summary.json").contains("\"drive\": \"rigid\""));
+    folder.good(&["press", "key.csv", "--position", "fingertip"]);
+    assert!(folder.read("erard-out/summary.json").contains("\"drive\": \"motion\""));
+    let said = folder.bad(&["press", "key.csv", "--position", "fingertip", "--drive", "rigid"]);
+    assert!(said.contains("needs the key's position"), "{said}");
+}
+
+/// Damaged Parquet is refused with the file's name, and units that are not known with those that are.
+#[test]
+fn what_cannot_be_read() {
+    let folder = Folder::new("recordings-bad");
+    folder.good(&["press", "--duration", "0.01", "--out", "run"]);
+    let whole = std::fs::read(folder.0.join("run/run.parquet")).unwrap();
+    for (name, bytes) in [
+        ("cut.parquet", &whole[..whole.len() / 2]),
+        ("head.parquet", &whole[..4]),
+        ("tail.parquet", &[&whole[..40], &whole[whole.len() - 8..]].concat()),
+    ] {
+        std::fs::write(folder.0.join(name), bytes).unwrap();
+        for command in ["check", "press", "compare"] {
+            let said = folder.bad(&[command, name]);
+            assert!(said.contains(name) && said.contains("Parquet"), "{said}");
+        }
+    }
+    folder.file("volts.csv", "time_s,Force (V)\n0,0\n1,1\n");
+    let said = folder.bad(&["check", "volts.csv"]);
+    assert!(said.contains("`V`") && said.contains("N, mN, cN, daN, kN, gf, kgf, lbf, ozf, dyn"), "{said}");
+    folder.file("x.csv", "t,x,y\n0,0,1\n1,1,2\n");
+    let said = folder.bad(&["check", "x.csv", "--columns", "time=t:s,position=x"]);
+    assert!(said.contains("`x`") && said.contains("m, dm, cm, mm, um, nm, in, mil, ft"), "{said}");
+    assert!(folder.good(&["check", "x.csv", "--columns", "time=t:s,position=x:mm"]).contains("`x`, in mm"));
+    let said = folder.bad(&["check", "x.csv", "--columns", "weight=x"]);
+    assert!(said.contains("--columns") && said.contains("Displacement (mm)"), "{said}");
+}
+
+/// What is said of columns belongs to the second stroke where that alone is a file, to both where both are, and each can have its own.
+#[test]
+fn a_second_stroke_has_columns_too() {
+    let folder = Folder::new("recordings-against");
+    folder.file("a.csv", "when (ms),push (gf)\n0,0\n40,500\n200,500\n");
+    folder.file("b.csv", "t (ms),weight (gf)\n0,0\n30,400\n200,400\n");
+    let titles = |time: &str, force: &str| format!("time={time},force={force}");
+    let (a, b) = (titles("when (ms)", "push (gf)"), titles("t (ms)", "weight (gf)"));
+    let strokes = |arguments: &[&str]| -> serde_json::Value {
+        folder.good(&[&["press", "--duration", "0.1", "--out", "out"], arguments].concat());
+        serde_json::from_str(&folder.read("out/summary.json")).unwrap()
+    };
+    let peak = |both: &serde_json::Value, run: usize| both["runs"][run]["peak_force_N"].as_f64().unwrap();
+    // 500 and 400 gram-forces.
+    let newtons = [4.903_325, 3.922_66];
+    let found = strokes(&["--stroke", "mf", "--against", "b.csv", "--columns", &b]);
+    assert!((peak(&found, 1) - newtons[1]).abs() < 1e-6, "{}", peak(&found, 1));
+    let found = strokes(&["a.csv", "--columns", &a, "--against", "b.csv", "--against-columns", &b]);
+    for (run, newtons) in newtons.into_iter().enumerate() {
+        assert!((peak(&found, run) - newtons).abs() < 1e-6, "{run}");
+    }
+    let found = strokes(&["a.csv", "--columns", &a, "--against", "a.csv"]);
+    assert!((peak(&found, 1) - newtons[0]).abs() < 1e-6);
+    // Options of recordings without a recording are refused as before.
+    assert!(
+        folder.bad(&["press", "--against", "f", "--columns", &a, "--out", "none"]).contains("belong to a stroke file")
+    );
+}

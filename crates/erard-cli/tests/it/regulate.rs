@@ -1,0 +1,213 @@
+//! `erard regulate` as a user runs it: what it writes, what it never overwrites, and what it says when it cannot.
+
+use crate::common::Folder;
+use erard::instrument::Instrument;
+use erard_workshop::distances::{Protocol, measure};
+use erard_workshop::measure::range::{HARDLY_HEARD_M_S, double_strike};
+use serde_json::Value;
+
+fn folder(test: &str) -> Folder {
+    Folder::for_command("regulate", test)
+}
+
+/// The built-in grand with two of its screws turned away.
+fn mis_set(folder: &Folder) -> String {
+    let text = Instrument::builtin_text("concert-grand").unwrap();
+    let mut instrument = Instrument::builtin("concert-grand").unwrap();
+    for (name, by) in [("let_off", -0.5e-3), ("front_punching", 1.9e-3)] {
+        let screw = instrument.screw(name).unwrap();
+        assert!(instrument.turn(screw, by));
+    }
+    let text = instrument.rewrite(text, "mis-set", "mis-set").unwrap();
+    folder.file("wrong.toml", &text);
+    text
+}
+
+/// One command puts a mis-set file right: what was asked for is there when the new file is measured anew, the old file is as
+/// it was, and table and JSON say the same.
+#[test]
+fn a_mis_set_file_is_put_right() {
+    let folder = folder("right");
+    let wrong = mis_set(&folder);
+    let output = folder.erard(&["wrong.toml", "--out", "right.toml"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stderr.is_empty(), "no bar where nobody watches");
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(folder.read("wrong.toml"), wrong);
+
+    let right = Instrument::load(&folder.0.join("right.toml")).unwrap();
+    let d = measure(&right, &Protocol::default(), &mut || true).unwrap();
+    for (value, asked) in [
+        (d.dip_m, 10e-3),
+        (d.blow_m, 46e-3),
+        (d.let_off_m, 1.5e-3),
+        (d.drop_m, 1.5e-3),
+        (d.check_m, 15e-3),
+        (d.jack_position_m, 1.5e-3),
+    ] {
+        assert!((value.unwrap() - asked).abs() < 0.05e-3, "{asked}: {d:?}");
+    }
+    assert!((d.spring_m_s.unwrap() / 0.25 - 1.0).abs() < 0.02);
+
+    let report: Value = serde_json::from_str(&folder.read("right.json")).unwrap();
+    assert_eq!(report["all_met"], true);
+    let goals = report["goals"].as_array().unwrap();
+    assert_eq!(goals.len(), 9);
+    let dip = goals.iter().find(|goal| goal["goal"] == "dip").unwrap();
+    assert_eq!(
+        (&dip["unit"], &dip["asked"], &dip["screws"][0]),
+        (&"mm".into(), &10.0.into(), &"front_punching".into())
+    );
+    assert!((dip["after"].as_f64().unwrap() - d.dip_m.unwrap() * 1e3).abs() < 1e-6, "{dip}");
+    let second_blow = double_strike(&right, &|| true).unwrap();
+    assert!((report["double_strike_m_s"]["after"].as_f64().unwrap() - second_blow).abs() < 1e-9, "{report}");
+    assert!(second_blow < HARDLY_HEARD_M_S, "the norms leave soft notes that sound once");
+    let screw = report["screws"].as_array().unwrap().iter().find(|s| s["screw"] == "front_punching").unwrap();
+    assert_eq!((&screw["way"], &screw["from"]), (&"down".into(), &1.9.into()));
+    assert!(table.contains("front_punching") && table.contains("(down)") && table.contains("simulations"), "{table}");
+}
+
+/// A repetition spring that throws the hammer back against the string is told, though every goal is met.
+#[test]
+fn soft_notes_that_strike_twice_are_told() {
+    let folder = folder("twice");
+    let output = folder.erard(&["concert-grand", "--spring", "400mm/s", "--out", "strong.toml"]);
+    assert_eq!(output.status.code(), Some(0));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(told.contains("strikes twice") && told.contains("--spring"), "{told}");
+    let report: Value = serde_json::from_str(&folder.read("strong.json")).unwrap();
+    let [before, after] = ["before", "after"].map(|key| report["double_strike_m_s"][key].as_f64().unwrap());
+    assert!(before < HARDLY_HEARD_M_S && after > 1.5 * HARDLY_HEARD_M_S, "{report}");
+}
+
+/// Comments and layout stay; only settings and the source of the new ones are different.
+#[test]
+fn the_file_keeps_its_comments() {
+    let folder = folder("comments");
+    folder.good(&["concert-grand-rigid", "--let-off", "1.5mm", "--drop", "1.5mm"]);
+    let old = Instrument::builtin_text("concert-grand-rigid").unwrap();
+    let new = folder.read("concert-grand-rigid-regulated.toml");
+    let added: Vec<&str> = new.lines().filter(|line| !old.lines().any(|o| o == *line)).collect();
+    assert_eq!(added.len(), 5, "two settings, and three lines of their source: {added:#?}");
+    assert_eq!(new.lines().count(), old.lines().count() + 4);
+    assert!(added.iter().any(|line| line.contains("let-off 1.5 mm, drop 1.5 mm")), "{added:#?}");
+}
+
+#[test]
+fn wrong_arguments_write_nothing() {
+    let folder = folder("bad");
+    let grand = Instrument::builtin_text("concert-grand").unwrap();
+    folder.file("old.toml", grand);
+    folder.file("broken.toml", "format = \"erard-instrument/1\"\nname = 3\n");
+    for (arguments, says) in [
+        (&["--dip", "ten"][..], "--dip ten: expected a length from 3 mm to 14 mm"),
+        (&["--dip", "100mm"], "--dip 100mm: expected a length"),
+        (&["--let-off", "-1mm"], "--let-off -1mm: expected a length from 0.1 mm to 20 mm"),
+        (&["--spring", "3mm"], "--spring 3mm: expected a speed"),
+        (&["--damper", "half"], "--damper half: expected a share of the dip"),
+        (&["upright"], "no built-in instrument `upright`"),
+        (&["missing.toml"], "missing.toml: cannot be read"),
+        (&["broken.toml"], "broken.toml:2:8: `name`"),
+        (&["old.toml", "--out", "old.toml"], "is the instrument itself"),
+        (&["old.toml", "--out", "./old.toml", "--force"], "is the instrument itself"),
+        (&["--out", "old.toml"], "old.toml: exists; give another name"),
+        (&["--out", "new.csv"], "ends in .toml"),
+        (&["--out", "."], "is a folder"),
+        (&["--out", "old.toml/new.toml"], "cannot be written"),
+    ] {
+        let message = folder.bad(arguments);
+        assert!(message.starts_with("error: ") && message.contains(says), "{arguments:?}: {message}");
+    }
+    assert_eq!(folder.read("old.toml"), grand);
+    folder.file("nodrop.toml", &grand.replace("name = \"drop\"", "name = \"stop\""));
+    let message = folder.bad(&["nodrop.toml"]);
+    assert!(message.contains("no screw for drop: it needs one called `drop`"), "{message}");
+    let message = folder.bad(&["--norms", "--keep"]);
+    assert!(message.contains("--keep"), "{message}");
+}
+
+/// An old output is replaced when that is asked for.
+#[test]
+fn force_replaces_an_old_output() {
+    let folder = folder("force");
+    folder.file("out.toml", "old");
+    folder.file("other.json", "a report");
+    assert!(folder.bad(&["--dip", "9.8", "--out", "other.toml"]).contains("other.json: exists"));
+    folder.good(&["--dip", "9.8", "--out", "out.toml", "--force"]);
+    let name = Instrument::load(&folder.0.join("out.toml")).unwrap().name;
+    assert_eq!(name, "Concert grand, C4");
+}
+
+/// What geometry cannot give: exit code 1, the goal and the nearest on standard error, and the nearest in the file.
+#[test]
+#[ignore = "ci: two regulations"]
+fn what_cannot_be_met_is_said_and_the_nearest_written() {
+    let folder = folder("unmet");
+    let output = folder.erard(&["--dip", "3mm", "--out", "flat.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("dip 3 mm is not met: the nearest is") && message.contains("front_punching"), "{message}");
+    let flat = Instrument::load(&folder.0.join("flat.toml")).unwrap();
+    let dip_m = measure(&flat, &Protocol::default(), &mut || true).unwrap().dip_m.unwrap();
+    let report: Value = serde_json::from_str(&folder.read("flat.json")).unwrap();
+    assert_eq!((&report["all_met"], &report["goals"][0]["met"]), (&false.into(), &false.into()));
+    assert!((report["goals"][0]["after"].as_f64().unwrap() - dip_m * 1e3).abs() < 1e-6);
+}
+
+/// Control-C: exit code 130, and nothing is left behind, not even a folder that was made for the output.
+#[cfg(unix)]
+#[test]
+fn interrupted_it_leaves_nothing() {
+    let folder = folder("interrupted");
+    // A goal that takes long to be found out of reach.
+    let goals = ["--norms", "--repetition-rise", "20mm", "--out", "new/grand.toml"];
+    // At once after the folder appears, and at later instants: while what is to be written is prepared too.
+    for microseconds in [0, 0, 0, 0, 50, 100, 200, 500, 1000, 20_000] {
+        let mut child = folder.command(&goals).stdout(std::process::Stdio::piped()).spawn().unwrap();
+        // A folder to write in is made after the interrupt is listened for.
+        while folder.names().is_empty() {
+            assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
+        }
+        std::thread::sleep(std::time::Duration::from_micros(microseconds));
+        let pid = rustix::process::Pid::from_child(&child);
+        rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130));
+        assert!(output.stdout.is_empty());
+        assert_eq!(folder.names(), Vec::<String>::new(), "after {microseconds} us");
+    }
+}
+
+/// Let-off alone leaves the drop screw in the way: it says which screw must follow; with `--follow` it does, and its distance stays.
+#[test]
+#[ignore = "ci: two regulations"]
+fn what_must_follow_is_said_and_follows() {
+    let folder = folder("follow");
+    let output = folder.erard(&["concert-grand-rigid", "--let-off", "3mm", "--out", "alone.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        message.contains("it is met when another screw follows: drop (drop +") && message.contains("--follow"),
+        "{message}"
+    );
+    assert!(message.contains(" turn"), "{message}");
+    let table = folder.good(&["concert-grand-rigid", "--let-off", "3mm", "--follow", "--out", "both.toml"]);
+    assert!(table.contains("turn"), "{table}");
+    let report: Value = serde_json::from_str(&folder.read("both.json")).unwrap();
+    assert_eq!(report["all_met"], true);
+    let both = Instrument::load(&folder.0.join("both.toml")).unwrap();
+    let [before, after] = [&Instrument::builtin("concert-grand-rigid").unwrap(), &both]
+        .map(|one| measure(one, &Protocol::default(), &mut || true).unwrap());
+    assert!((after.let_off_m.unwrap() - 3e-3).abs() < 5e-5);
+    assert!((after.drop_m.unwrap() - before.drop_m.unwrap()).abs() < 5e-5, "{after:?}");
+    // Where the goal is met but something else has moved, it is said.
+    let table = folder.good(&["--dip", "9mm", "--out", "dip.toml"]);
+    assert!(table.contains("This moved") && table.contains("check from") && table.contains("--follow"), "{table}");
+    // Inches where they are asked for; a screw's turns are its millimetres over its thread.
+    let table = folder.good(&["--drop", "2mm", "--inches", "--out", "drop.toml"]);
+    assert!(table.contains("0.079 in") && !table.contains(" mm "), "{table}");
+    let report: Value = serde_json::from_str(&folder.read("drop.json")).unwrap();
+    let screw = &report["screws"][0];
+    let (by, turns) = (screw["turned_by"].as_f64().unwrap(), screw["turns"].as_f64().unwrap());
+    assert!((turns * 0.65 - by).abs() < 1e-9, "{report}");
+}

@@ -1,0 +1,225 @@
+//! `erard study` as a user runs it: what it writes is what `press` computes, and what is wrong is told.
+
+use crate::common::Folder;
+use erard_workshop::study::Lanes;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde_json::Value;
+
+/// The columns of a CSV file by name, as text.
+fn columns(folder: &Folder, file: &str) -> Vec<(String, Vec<String>)> {
+    let text = folder.read(file);
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let head = lines.next().expect("a header");
+    let rows: Vec<Vec<String>> = lines.collect();
+    head.into_iter().enumerate().map(|(i, name)| (name, rows.iter().map(|row| row[i].clone()).collect())).collect()
+}
+
+fn column(folder: &Folder, file: &str, name: &str) -> Vec<Option<f64>> {
+    let columns = columns(folder, file);
+    let (_, cells) = columns.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no column {name}"));
+    cells.iter().map(|cell| (!cell.is_empty()).then(|| cell.parse().unwrap())).collect()
+}
+
+/// Every combination is a row, the last axis fastest; the unmoved one is what `press` computes of the same stroke.
+#[test]
+fn a_study_is_many_presses() {
+    let folder = Folder::new("study-presses");
+    let printed = folder.good(&[
+        "study",
+        "--vary",
+        "let_off=-0.5mm..0.5mm:3",
+        "--vary",
+        "body.hammer.mass=0.9,1",
+        "--stroke",
+        "f",
+        "--duration",
+        "0.2",
+    ]);
+    assert!(printed.contains("6 strokes") && printed.contains("0 failed"), "{printed}");
+    let study = "erard-out-study/study.csv";
+    let varied: Vec<_> = ["let_off_mm", "body.hammer.mass_factor"].map(|name| column(&folder, study, name)).into();
+    assert_eq!(varied[0], [-0.5, -0.5, 0.0, 0.0, 0.5, 0.5].map(Some));
+    assert_eq!(varied[1], [0.9, 1.0, 0.9, 1.0, 0.9, 1.0].map(Some));
+    folder.good(&["press", "--stroke", "f", "--duration", "0.2", "--out", "press"]);
+    let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
+    for (ours, theirs) in [
+        ("hammer_speed_m_per_s", "hammer_speed_m_s"),
+        ("hammer_contact_s", "hammer_contact_s"),
+        ("key_bottom_s", "key_bottom_s"),
+        ("let_off_s", "let_off_s"),
+    ] {
+        let (ours, theirs) = (column(&folder, study, ours)[3].unwrap(), summary[theirs].as_f64().unwrap());
+        assert!((ours / theirs - 1.0).abs() < 1e-9, "{ours} {theirs}");
+    }
+    // A lighter hammer is thrown faster.
+    let speeds = column(&folder, study, "hammer_speed_m_per_s");
+    assert!(speeds.chunks(2).all(|pair| pair[0] > pair[1]), "{speeds:?}");
+
+    let parquet = std::fs::File::open(folder.0.join("erard-out-study/study.parquet")).unwrap();
+    let reader = SerializedFileReader::new(parquet).unwrap();
+    let metadata = reader.metadata().file_metadata();
+    let names: Vec<&str> = metadata.schema_descr().columns().iter().map(|column| column.name()).collect();
+    assert_eq!(names, columns(&folder, study).iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+    assert_eq!(metadata.num_rows(), 6);
+    assert!(folder.read("erard-out-study/study.svg").ends_with("</svg>\n"));
+}
+
+/// In single precision the same strokes, right to what it is good for; where the processor has no lanes, the same numbers.
+#[test]
+fn single_precision_is_asked_for() {
+    let folder = Folder::new("study-single");
+    let study = ["study", "--vary", "force=2..20N:9", "--duration", "0.2", "--out"];
+    folder.good(&[&study[..], &["double"]].concat());
+    folder.good(&[&study[..], &["single", "--single"]].concat());
+    let both = |name: &str| ["double/study.csv", "single/study.csv"].map(|file| column(&folder, file, name));
+    let [doubles, singles] = both("hammer_speed_m_per_s");
+    assert!(doubles.len() == 9 && doubles.iter().all(Option::is_some));
+    for (double, single) in doubles.iter().flatten().zip(singles.iter().flatten()) {
+        assert!((single / double - 1.0).abs() < 2e-4, "{single} {double}");
+    }
+    assert_eq!(doubles != singles, Lanes::most_single().is_single());
+    let [doubles, singles] = both("strikes");
+    assert_eq!(doubles, singles);
+}
+
+/// A force too weak for a sound leaves its cells empty; a setting that cannot be is a row that failed, and the others stand.
+#[test]
+fn what_does_not_happen_is_empty_and_what_cannot_be_fails_alone() {
+    let folder = Folder::new("study-empty");
+    folder.good(&["study", "--vary", "force=0.2,5", "--duration", "0.3", "--out", "forces"]);
+    let speeds = column(&folder, "forces/study.csv", "hammer_speed_m_per_s");
+    assert!(speeds[0].is_none() && speeds[1].is_some(), "{speeds:?}");
+    assert_eq!(column(&folder, "forces/study.csv", "strikes"), [Some(0.0), Some(1.0)]);
+
+    let printed =
+        folder.good(&["study", "--vary", "repetition_spring=0,-99Nmm", "--force-step", "5", "--out", "springs"]);
+    assert!(printed.contains("1 failed") && printed.contains("repetition_spring cannot be varied by -99"), "{printed}");
+    assert_eq!(column(&folder, "springs/study.csv", "failed"), [Some(0.0), Some(1.0)]);
+    let speeds = column(&folder, "springs/study.csv", "hammer_speed_m_per_s");
+    assert!(speeds[0].is_some() && speeds[1].is_none(), "{speeds:?}");
+}
+
+#[test]
+fn wrong_studies() {
+    let folder = Folder::for_command("study", "wrong");
+    for (arguments, told) in [
+        (&[][..], "--vary"),
+        (&["--vary", "let_of=1mm"], "let_off"),
+        (&["--vary", "let_off=1mm..2mm"], "FROM..TO:COUNT"),
+        (&["--vary", "let_off=0,1", "--vary", "let_off=0,1"], "varied twice"),
+        (&["--vary", "force=1..2:3", "--stroke", "ff"], "no other stroke"),
+        (&["--vary", "let_off=0..1:99999", "--vary", "drop=0..1:99999"], "more than 2000000 strokes"),
+        (&["--vary", "let_off=0,1", "--duration", "-1"], "--duration"),
+        (&["--vary", "let_off=0,1", "--dt", "1"], "--dt"),
+        (&["--sensitivities", "--vary", "let_off=0,1"], "--vary"),
+        (&["--vary", "let_off=0,1", "--by", "let_off"], "--by"),
+        (&["--by", "let_off"], "--sensitivities"),
+        (&["--sensitivities", "--by", "let_of"], "let_off"),
+        (&["--sensitivities", "--by", "let_off,let_off"], "asked for twice"),
+        (&["--sensitivities", "--by", "force"], "--force-step"),
+        (&["--sensitivities", "--of", "loudness"], "hammer_speed_m_per_s"),
+        (&["--sensitivities", "--of", "let_off_s,let_off_s"], "asked for twice"),
+    ] {
+        let said = folder.bad(arguments);
+        assert!(said.contains(told), "{arguments:?}: {said}");
+    }
+}
+
+/// Derivatives in three formats that say the same, the largest effect first; the table shows them.
+#[test]
+fn what_matters_is_told() {
+    let folder = Folder::new("study-sensitivities");
+    let (of, by) = (
+        "hammer_speed_m_per_s,key_bottom_after_blow_s",
+        "let_off,body.hammer.mass,zone.check.stiffness,force,zone.jack_knuckle.friction_coefficient",
+    );
+    let mut arguments = vec!["study", "--sensitivities", "--of", of, "--by", by];
+    arguments.extend(["--force-step", "5", "--instrument", "concert-grand-rigid", "--duration", "0.2"]);
+    let said = folder.good(&arguments);
+    assert!(said.contains("hammer speed") && said.contains("switches of friction"), "{said}");
+    let told: Value = serde_json::from_str(&folder.read("erard-out-study/sensitivities.json")).unwrap();
+    let rows = told["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 10);
+    let csv = folder.read("erard-out-study/sensitivities.csv");
+    assert_eq!(csv.lines().count(), 11);
+    let effects: Vec<f64> = rows[..5].iter().map(|row| row["effect"].as_f64().unwrap().abs()).collect();
+    assert!(effects.windows(2).all(|pair| pair[0] >= pair[1]), "{effects:?}");
+    for (row, line) in rows.iter().zip(csv.lines().skip(1)) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!((row["of"].as_str(), row["by"].as_str()), (Some(cells[0]), Some(cells[1])));
+        let number: f64 = cells[3].parse().unwrap();
+        assert_eq!(row["derivative"].as_f64(), Some(number));
+        assert_eq!(row["method"], "gradient");
+    }
+    let of = |by: &str| rows.iter().find(|row| row["by"] == by).unwrap();
+    assert_eq!(of("zone.check.stiffness")["derivative"], 0.0);
+    assert!(of("force")["derivative"].as_f64().unwrap() > 0.1 && of("force")["per"] == "N");
+    let svg = folder.read("erard-out-study/sensitivities.svg");
+    assert!(svg.contains("let_off +0.100 mm") && svg.ends_with("</svg>\n"));
+    assert!(folder.0.join("erard-out-study/sensitivities.png").is_file());
+}
+
+/// Control-C: exit code 130, nothing written.
+#[cfg(unix)]
+#[test]
+fn interrupted() {
+    let folder = Folder::for_command("study", "interrupted");
+    let mut child = folder.command(&["--vary", "let_off=-1..1:50000", "--force-step", "5"]).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
+/// Keys of a keyboard and numbers of the file are varied, and measured; each row is what `measure` finds of that instrument.
+#[test]
+#[ignore = "ci: sheets of several keys"]
+fn anything_is_varied_and_measured() {
+    let folder = Folder::new("study-anything");
+    let keys = "--measure strike_weight_g,effective_inertia_kg,repetition_rate_half_hz,down_weight_g";
+    let mut arguments = vec!["study", "--vary", "key=1,88", "--force-step", "5", "--duration", "0.2"];
+    arguments.extend(keys.split(' '));
+    let said = folder.good(&arguments);
+    assert!(said.contains("down_weight_g") && said.contains("2 strokes; 0 failed"), "{said}");
+    let study = "erard-out-study/study.csv";
+    assert_eq!(column(&folder, study, "key"), [Some(1.0), Some(88.0)]);
+    folder.good(&["measure", "concert-grand:key=1", "concert-grand:key=88", "--out", "sheets"]);
+    let sheets: Value = serde_json::from_str(&folder.read("sheets/measure.json")).unwrap();
+    for name in ["strike_weight_g", "effective_inertia_kg", "repetition_rate_half_hz", "down_weight_g"] {
+        let found = column(&folder, study, name);
+        for (n, value) in found.iter().enumerate() {
+            let theirs = sheets[n][name].as_f64().unwrap();
+            assert!((value.unwrap() / theirs - 1.0).abs() < 1e-9, "{name}: {value:?} {theirs}");
+        }
+    }
+    // A gram more at the hammer's centre of mass; a number that cannot be is a row that failed.
+    let said = folder.good(&[
+        "study",
+        "--vary",
+        "body.hammer.mass_g=7.7,8.7,-1",
+        "--measure",
+        "strike_weight_g",
+        "--force-step",
+        "5",
+        "--duration",
+        "0.2",
+        "--rows",
+        "2",
+        "--out",
+        "masses",
+    ]);
+    assert!(said.contains("1 failed") && said.contains("2 of 3 rows; --rows all"), "{said}");
+    let strike = column(&folder, "masses/study.csv", "strike_weight_g");
+    // 63 mm beyond the shank's hinge, which is at 60 of 130 mm along the shank.
+    assert!(
+        (strike[1].unwrap() - strike[0].unwrap() - 123.08 / 130.0).abs() < 1e-6 && strike[2].is_none(),
+        "{strike:?}"
+    );
+    assert!(folder.bad(&["study", "--vary", "key=1..99"]).contains("keys from 1 to 88"));
+    assert!(
+        folder
+            .bad(&["study", "--vary", "let_off=0,1", "--measure", "charm"])
+            .contains("nothing of that name is measured")
+    );
+}

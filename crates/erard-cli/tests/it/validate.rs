@@ -1,0 +1,45 @@
+//! `erard validate` as a user runs it: what it writes, and what it says when it cannot.
+
+use crate::common::Folder;
+use serde_json::Value;
+
+/// The same rows in table, JSON and CSV; misses have a reason, and end with code 1 where that is asked for; the picture is there in both forms.
+#[test]
+fn a_validated_grand() {
+    let folder = Folder::for_command("validate", "grand");
+    let output = folder.erard(&["--out", "out", "--fail-on-miss"]);
+    let (told, said) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(output.status.code() == Some(1) && said.contains("rows are missed: "), "{said}");
+    let report: Value = serde_json::from_str(&folder.read("out/validate.json")).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let count = |verdict: &str| rows.iter().filter(|row| row["verdict"] == verdict).count() as u64;
+    assert_eq!(report["met"], count("met"));
+    assert_eq!(report["missed"], count("missed") + count("did not happen"));
+    assert_eq!(report["silent"], count("cannot speak to it"));
+    // As in the laboratory's tests, which ask all three grands.
+    let missed: Vec<&str> =
+        rows.iter().filter(|row| row["verdict"] == "missed").map(|row| row["name"].as_str().unwrap()).collect();
+    assert_eq!(missed, ["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]);
+    for row in rows {
+        assert!(told.contains(row["quantity"].as_str().unwrap()), "{row}");
+        assert!(!row["source_title"].as_str().unwrap().is_empty(), "{row}");
+        assert_eq!(row["verdict"] == "met", row["likely_reason"].is_null(), "{row}");
+        assert_eq!(row["verdict"] == "missed", !row["missed_by"].is_null(), "{row}");
+    }
+    let csv = folder.read("out/validate.csv");
+    assert!(csv.starts_with("name,quantity,unit,published,at_least,at_most,simulated,verdict,missed_by,source"));
+    assert_eq!(csv::Reader::from_reader(csv.as_bytes()).records().count(), rows.len());
+    assert!(report["blows"].as_array().unwrap().len() > 10);
+    assert!(folder.read("out/order-of-events.svg").ends_with("</svg>\n"));
+    assert!(folder.0.join("out/order-of-events.png").exists());
+}
+
+/// What cannot be validated: one line, code 2, and nothing written.
+#[test]
+fn what_is_no_action_is_refused() {
+    let folder = Folder::for_command("validate", "bad");
+    assert!(folder.bad(&["--instrument", "harpsichord"]).contains("no built-in instrument `harpsichord`"));
+    folder.file("clock.toml", include_str!("../../../erard/tests/instruments/escapement.toml"));
+    let told = folder.bad(&["--instrument", "clock.toml"]);
+    assert!(told.contains("clock.toml") && told.contains("names no `key`"), "{told}");
+}

@@ -1,0 +1,20 @@
+//! The tests of the workshop: one program, so that it is linked once.
+
+#[path = "../../../erard/tests/common/mod.rs"]
+mod common;
+
+mod bends;
+mod compare;
+mod distances;
+mod fit;
+mod further_instruments;
+mod fuzz_parsers;
+mod keyboard;
+mod kinematics;
+mod measures;
+mod press_mutants;
+mod real_piano;
+mod regulate;
+mod sensitivities;
+mod study;
+mod validate;

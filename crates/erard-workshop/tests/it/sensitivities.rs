@@ -1,0 +1,176 @@
+//! Derivatives of a press against differences, against each other, and what has none.
+
+use erard::gradient::{Direction, GradientError, follow};
+use erard::instrument::Dwell;
+use erard::stroke::{Stroke, Touch};
+use erard::{Input, Instrument, Settings, Setup};
+use erard_workshop::sensitivities::{Mark, Sensitivities, Sensitivity, Variable, gradient, quantities, sensitivities};
+
+fn found(name: &str, by: &[&str], of: &[&str], force_n: f64) -> Sensitivities {
+    let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
+    let by = by.iter().map(|name| Variable::named(&instrument, text, name).unwrap()).collect();
+    let of = quantities().into_iter().filter(|q| of.contains(&q.key)).collect();
+    let setup = Setup { settings: Settings::new(25e-6), ledger: false, ..Setup::new(0.2) };
+    let stroke = || -> erard_workshop::study::Stroke<'static> { Box::new(move |_| Input::Force(force_n)) };
+    sensitivities(&instrument, by, of, &stroke, &setup, 2, &mut |_| true).unwrap()
+}
+
+fn by<'a>(all: &'a Sensitivities, name: &str, of: &str) -> &'a Sensitivity {
+    all.rows.iter().find(|row| all.by[row.by].name == name && all.of[row.of].key == of).unwrap()
+}
+
+/// What matters most for a blow has the slope that differences over a window see, which is thousands of times wider than what one step resolves.
+#[test]
+fn derivatives_are_what_wide_differences_see() {
+    let names = ["let_off", "capstan_height", "zone.jack_knuckle.friction", "spring.repetition.torque", "force"];
+    for instrument in ["concert-grand-rigid", "concert-grand"] {
+        let of = ["hammer_speed_m_per_s", "hammer_contact_s"];
+        let all = found(instrument, &names, &of, 5.0);
+        assert!(all.switches[0] > 5, "{:?}", all.switches);
+        for row in &all.rows {
+            let ([slope, error], name) = (row.differences.unwrap(), &all.by[row.by].name);
+            let apart = (slope - row.derivative).abs();
+            assert!(
+                apart < 0.03 * slope.abs() + error + row.error,
+                "{instrument} {name} {}: {row:?}",
+                all.of[row.of].key
+            );
+            assert_eq!(row.mark, Mark::None, "{instrument} {name} {row:?}");
+        }
+        // A stronger finger is faster, and earlier.
+        assert!(by(&all, "force", of[0]).derivative > 0.0 && by(&all, "force", of[1]).derivative < 0.0);
+    }
+}
+
+/// A parameter by its name and the same number by its path in the file have one derivative; what a blow is over before has none.
+#[test]
+fn a_number_has_one_derivative_whatever_it_is_called() {
+    let (name, path) = ("zone.jack_knuckle.friction", "zone.jack_knuckle.friction_coefficient");
+    let of = "hammer_speed_m_per_s";
+    let all = found("concert-grand-rigid", &[name, path, "back_check", "zone.check.stiffness"], &[of], 5.0);
+    let (percent, unit) = (by(&all, name, of), by(&all, path, of));
+    let value = all.by[unit.by].value.unwrap();
+    assert!((unit.derivative * value / 100.0 / percent.derivative - 1.0).abs() < 1e-6, "{percent:?} {unit:?}");
+    let elasticity = percent.elasticity(&all).unwrap();
+    assert!((elasticity / unit.elasticity(&all).unwrap() - 1.0).abs() < 1e-6 && (-0.2..-0.01).contains(&elasticity));
+    for nothing in ["back_check", "zone.check.stiffness"] {
+        assert_eq!(by(&all, nothing, of).derivative, 0.0, "{nothing}");
+    }
+}
+
+/// Touch weights: a percent more hammer weighs what the ratio of the parts says, about; what is lead in the key helps.
+#[test]
+fn touch_weights_have_differences() {
+    let all = found("concert-grand-rigid", &["body.hammer.mass"], &["down_weight_g", "balance_weight_g"], 5.0);
+    for row in &all.rows {
+        assert!((0.1..2.0).contains(&row.derivative) && row.error < 0.1 * row.derivative, "{row:?}");
+    }
+    assert_eq!(all.rows.len(), 2);
+}
+
+/// A derivative does not hang on the length of the step: at some lengths a step across a reversal ends at rest, at some two laws switch within a few
+/// nanoseconds. The first case once gave 1.2e-3 for 4.2e-4, the second -1.18e-3 for -1.15e-3, the third 3e-4 for 2.5e-5.
+#[test]
+#[ignore = "ci: derivatives in steps of several lengths"]
+fn a_derivative_is_the_same_whatever_the_step() {
+    const CASES: [(&str, &str, &str, [f64; 2], usize); 3] = [
+        ("concert-grand-rigid", "mf", "body.hammer.mass", [9.0, 20.0], 20),
+        ("concert-grand-rigid", "mf", "spring.repetition.torque", [9.0, 20.0], 20),
+        ("concert-grand", "p", "zone.jack_knuckle.friction", [11.0, 14.0], 12),
+    ];
+    for (name, nuance, by, [from, to], count) in CASES {
+        let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
+        let (stroke, _) = Stroke::builtin(nuance, Touch::Pressed, None).unwrap().unwrap();
+        let mut slopes = Vec::new();
+        for k in 0..count {
+            let step = 1e-6 * from * f64::powf(to / from, k as f64 / (count - 1) as f64);
+            let setup = Setup {
+                settings: Settings::new(step),
+                start_s: stroke.start_s,
+                ledger: false,
+                ..Setup::new(stroke.duration_s)
+            };
+            let drive = || stroke.inputs(&instrument.finger).unwrap();
+            let by = vec![Variable::named(&instrument, text, by).unwrap()];
+            let found = gradient(&instrument, by, &drive, &setup, None, 2, &mut |_| true).unwrap();
+            let (_, speed) = &found.of[0];
+            slopes.push(speed.as_ref().unwrap().1[0]);
+        }
+        let mut sorted = slopes.clone();
+        sorted.sort_by(f64::total_cmp);
+        let middle = sorted[count / 2];
+        assert!(slopes.iter().all(|x| (x - middle).abs() < 0.1 * middle.abs()), "{name} {by}: {slopes:?}");
+    }
+}
+
+/// Sampled columns have the derivatives that differences of sampled runs have, and the values of a run. (What moves the rest, a felt that carries the key, say,
+/// is no check: `simulate` looks for the rest in steps that do not end on switches.)
+#[test]
+fn columns_have_derivatives() {
+    let (name, names) = ("concert-grand-rigid", ["let_off", "body.hammer.mass", "zone.jack_knuckle.friction"]);
+    let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
+    let setup = Setup { ledger: false, ..Setup::new(0.05) };
+    let motion = |t: f64| {
+        let (sine, cosine) = (std::f64::consts::PI * (t / 0.05).clamp(0.0, 1.0)).sin_cos();
+        Input::Motion { position_m: 4e-3 * (1.0 - cosine), velocity_m_s: 4e-3 * std::f64::consts::PI / 0.05 * sine }
+    };
+    let by = |name: &&str| Variable::named(&instrument, text, name).unwrap();
+    let found =
+        gradient(&instrument, names.iter().map(by).collect(), &|| Box::new(motion), &setup, Some(20), 2, &mut |_| true)
+            .unwrap();
+    let run = |of: &Instrument| erard::simulate(of, &motion, &setup, &mut |_| true).unwrap();
+    let parameters = erard_workshop::study::Parameter::all(&instrument);
+    let plain = run(&instrument);
+    for (k, name) in names.iter().enumerate() {
+        let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();
+        let by = if parameter.is_factor() { 1e-2 } else { 2e-5 };
+        let at = |by: f64| {
+            let mut varied = instrument.clone();
+            assert!(parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + by } else { by }));
+            run(&varied)
+        };
+        let (low, high) = (at(-by), at(by));
+        for (column, of) in found.sampled.iter().zip([
+            &|run: &erard::Run| run.key_m.clone(),
+            &|run: &erard::Run| run.hammer_head_m.clone(),
+            &|run: &erard::Run| run.force_n.clone(),
+        ] as [&dyn Fn(&erard::Run) -> Vec<f64>; 3])
+        {
+            let (low, high, plain) = (of(&low), of(&high), of(&plain));
+            assert_eq!(column.values.len(), (plain.len() - 1) / 20 + 1, "{}", column.name);
+            let largest = plain.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let (mut misfit, mut size) = (0.0, 0.0);
+            for (n, value) in column.values.iter().enumerate() {
+                let row = 20 * n;
+                // Forces of a run are means over the row's neighbours.
+                assert!((value - plain[row]).abs() < 5e-3 * largest, "{} {n}: {value} {}", column.name, plain[row]);
+                let slope = (high[row] - low[row]) / (2.0 * by);
+                misfit += (column.slopes[k][n] - slope).powi(2);
+                size += slope * slope;
+            }
+            assert!(misfit.sqrt() < 0.1 * size.sqrt(), "{name} {}: {misfit:e} of {size:e}", column.name);
+        }
+    }
+}
+
+/// Static friction is not derived, and says so.
+#[test]
+fn what_is_not_derived_is_refused() {
+    let deep = std::thread::Builder::new().stack_size(erard::gradient::STACK_BYTES);
+    deep.spawn(refusals).unwrap().join().unwrap();
+}
+
+fn refusals() {
+    let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
+    grand.bodies[0].dwell = Some(Dwell { ratio: 1.5, time_s: 0.1 });
+    let setup = Setup { ledger: false, ..Setup::new(0.1) };
+    let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &|| true);
+    assert!(matches!(refused, Err(GradientError::Dwell)), "{refused:?}");
+    let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
+    grand.zones[0].felt.dry_loss = 0.2;
+    let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &|| true);
+    assert!(matches!(refused, Err(GradientError::SetValuedFelt)), "{refused:?}");
+    let plain = Instrument::builtin("concert-grand-rigid").unwrap();
+    let stopped = follow(&plain, &[], &|_| Input::Force(5.0), &setup, 50e-6, None, &|| false);
+    assert!(stopped.is_err_and(|error| error.is_interruption()));
+}

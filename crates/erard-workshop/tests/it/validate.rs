@@ -1,0 +1,150 @@
+//! The concert grand beside the published measurements: which rows are met, so that a change that loses one shows.
+
+use erard::instrument::Instrument;
+use erard::keyboard::Keyboard;
+use erard_workshop::validate::{Published, PublishedError, Row, Skipped, Verdict, names, validate};
+
+/// Rows that the shipped grands do not meet; the table says why. Everything else is met.
+const MISSED: [(&str, &[&str]); 3] = [
+    ("concert-grand", &["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]),
+    ("concert-grand-strings", &["hammer_speed_at_15_N", "key_velocity_15_N", "hammer_ahead_ff"]),
+    (
+        "concert-grand-rigid",
+        &["hammer_ahead_f", "hammer_ahead_loudest", "struck_plateau", "hammer_ahead_ff", "key_flex", "shank_flex"],
+    ),
+];
+/// Rows that the model cannot speak to.
+const SILENT: [&str; 1] = ["shank_modes"];
+
+/// How the values of rows on strings begin.
+const STRING_ROWS: [&str; 4] = ["contact_", "peak_", "return_", "second_partial_"];
+
+// That the grand misses no other rows is seen in every run of the tests by those of the command (`validate`).
+#[test]
+#[ignore = "ci: a validation"]
+fn the_grand_meets_what_it_met() {
+    meets(0);
+}
+
+#[test]
+#[ignore = "ci: a validation with strings and keys"]
+fn the_grand_with_strings_meets_what_it_met() {
+    meets(1);
+}
+
+#[test]
+#[ignore = "ci: a validation"]
+fn the_rigid_grand_meets_what_it_met() {
+    meets(2);
+}
+
+fn meets(grand: usize) {
+    let (name, missed) = MISSED[grand];
+    let published = Published::builtin();
+    let grand = Instrument::builtin(name).unwrap();
+    let keyboard = Keyboard::builtin(name);
+    let validation = validate(&grand, keyboard.as_ref(), &published, &mut |_| true).unwrap();
+    assert_eq!(validation.verdicts.len(), published.rows.len());
+    for (row, verdict) in published.rows.iter().zip(&validation.verdicts) {
+        println!("{:32} {:14} {} {verdict:?}", row.name, row.range(), row.unit);
+    }
+    let those = |of: fn(&Verdict) -> bool| -> Vec<&str> {
+        let both = published.rows.iter().zip(&validation.verdicts);
+        both.filter(|(_, verdict)| of(verdict)).map(|(row, _)| row.name.as_str()).collect()
+    };
+    assert_eq!(those(|v| matches!(v, Verdict::Missed { .. } | Verdict::Absent)), missed, "{name}");
+    assert_eq!(those(|v| *v == Verdict::Silent), SILENT);
+    // Rows on strings are asked of an instrument with strings alone, but for the largest force and the return at middle C, which a rigid string has, too; what nothing published was found for is shown, and is neither
+    // met nor missed.
+    let (skipped, open) = (those(|v| matches!(v, Verdict::Skipped(_))), those(|v| matches!(v, Verdict::Open { .. })));
+    let on_strings =
+        |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
+    let of_strings = published.rows.iter().filter(on_strings).map(|row| row.name.as_str());
+    if grand.has_yielding_strings() {
+        assert!(
+            skipped.is_empty()
+                && open
+                    == of_strings.filter(|name| name.contains("peak") || name.contains("return")).collect::<Vec<_>>()
+        );
+        let alone = validate_strings_alone(&grand, &published);
+        assert!(
+            alone.iter().all(|(key, verdict)| (*verdict == Verdict::Skipped(Skipped::NoKeyboard)) == (*key != "c4")),
+            "{alone:?}"
+        );
+    } else {
+        let at_c4 = ["string_peak_c4", "hammer_return_pp", "hammer_return_mf", "hammer_return_ff"];
+        assert_eq!(open, at_c4, "{name}");
+        assert_eq!(skipped, of_strings.filter(|row| !at_c4.contains(row)).collect::<Vec<_>>(), "{name}");
+    }
+    // A miss without a reason is no use to anybody.
+    let silent_about =
+        published.rows.iter().filter(|row| missed.contains(&row.name.as_str()) && row.if_missed.is_none());
+    assert_eq!(silent_about.count(), 0);
+    // The order of events reverses once, from the hammer first to the key first, as loudness grows: under constant forces and pressed by a hand.
+    for blows in [&validation.blows, &validation.pressed] {
+        let ahead: Vec<f64> = blows.iter().filter_map(|blow| blow.hammer_ahead_s).collect();
+        let changes = ahead.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
+        assert!(changes == 1 && ahead[0] > 0.0, "{ahead:?}");
+    }
+}
+
+/// The rows on strings without a keyboard, by the key that they are about.
+fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'static str, Verdict)> {
+    let only =
+        |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
+    let rows: Vec<Row> = published.rows.iter().filter(only).cloned().collect();
+    let keys = rows.iter().map(|row| {
+        let name = row.measure.clone().unwrap();
+        ["a0", "c4", "c6", "c8"].into_iter().find(|key| name.contains(&format!("_{key}"))).unwrap()
+    });
+    let keys: Vec<&str> = keys.collect();
+    let table = Published { rows, ..published.clone() };
+    let found = validate(grand, None, &table, &mut |_| true).unwrap();
+    keys.into_iter().zip(found.verdicts).collect()
+}
+
+/// Every value that can be simulated is asked for, and asked for once; every source is used.
+#[test]
+fn the_table_uses_all_it_has() {
+    let published = Published::builtin();
+    for name in names() {
+        let asks = |row: &&Row| [&row.measure, &row.beside].into_iter().any(|asked| asked.as_deref() == Some(name));
+        assert_eq!(published.rows.iter().filter(asks).count(), 1, "{name}");
+    }
+    for source in published.sources.keys() {
+        assert!(published.rows.iter().any(|row| &row.source == source), "{source}");
+    }
+}
+
+/// Within, below, above, at the very end, and nothing there.
+#[test]
+fn a_row_judges() {
+    let published = Published::builtin();
+    let row = published.rows.iter().find(|row| row.name == "balance_weight").unwrap();
+    assert_eq!(row.judge(Some(34.0)), Verdict::Met { simulated: 34.0 });
+    assert_eq!(row.judge(Some(33.0)), Verdict::Missed { simulated: 33.0, by: -1.0 });
+    assert_eq!(row.judge(Some(42.0)), Verdict::Missed { simulated: 42.0, by: 2.0 });
+    assert_eq!(row.judge(None), Verdict::Absent);
+    assert_eq!(row.judge(Some(f64::NAN)), Verdict::Absent);
+}
+
+/// A damaged table says which row is wrong and what was expected.
+#[test]
+fn damaged_tables_are_refused() {
+    let table = |row: &str| {
+        format!(
+            "format = \"erard-published/1\"\n[sources.a]\ntitle = \"A\"\n[[row]]\nquantity = \"q\"\nunit = \"g\"\ncertainty = \"read\"\nhow = \"h\"\n{row}"
+        )
+    };
+    let told = |row: &str| match Published::parse(&table(row)) {
+        Err(error) => error.to_string(),
+        Ok(_) => panic!("accepted: {row}"),
+    };
+    assert!(Published::parse(&table("name = \"x\"\nsource = \"a\"\nmeasure = \"dip_mm\"\nat_most = 1")).is_ok());
+    assert!(told("name = \"x\"\nsource = \"b\"").contains("row `x`: `source` is `b`"));
+    assert!(told("name = \"x\"\nsource = \"a\"\nmeasure = \"weight\"\nat_most = 1").contains("`measure` is `weight`"));
+    assert!(told("name = \"x\"\nsource = \"a\"\nmeasure = \"dip_mm\"").contains("expected `at_least` or `at_most`"));
+    assert!(told("name = \"x\"\nsource = \"a\"\nat_least = 2\nat_most = 1").contains("below `at_most`"));
+    let other = Published::parse("format = \"x\"\nrow = []\n[sources]");
+    assert!(matches!(other, Err(PublishedError::Syntax(message)) if message.contains("erard-published/1")));
+}

@@ -1,0 +1,239 @@
+//! Felts with a dry loss, and felts that remember, in the whole action: the books close, rest is rest, solvers agree, states can be saved.
+
+use crate::common::perturb::{Random, perturbed, play_on};
+use crate::common::{Play, USUAL_STEP_S, grand};
+use erard::instrument::{Dwell, Felt, Instrument};
+use erard::player::{Action, Input};
+use erard::stroke::Touch;
+use moreau::{Settings, Solver};
+
+type Law = fn(&mut Felt);
+
+const SET_VALUED: [(&str, Law); 2] = [
+    ("set-valued", |felt| (felt.damping, felt.dry_loss) = (0.0, 0.3)),
+    ("set-valued, less", |felt| (felt.damping, felt.dry_loss) = (0.0, 0.1)),
+];
+
+const LAWS: [(&str, Law); 3] = [
+    ("elastoplastic", |felt| (felt.damping, felt.dry_loss, felt.dry_slip) = (0.0, 0.3, 0.2)),
+    ("elastoplastic beside b", |felt| (felt.dry_loss, felt.dry_slip) = (0.3, 0.1)),
+    ("hereditary", |felt| (felt.damping, felt.relaxed, felt.relaxation_s) = (0.0, 0.5, 1e-3)),
+];
+
+fn with(law: Law) -> Instrument {
+    let mut instrument = grand();
+    instrument.zones.iter_mut().for_each(|zone| law(&mut zone.felt));
+    instrument
+}
+
+/// Whole notes: every step converges, the books close as they do with the papers' loss, and no loss is a gain.
+#[test]
+fn the_books_close() {
+    for (name, law) in LAWS {
+        let instrument = with(law);
+        for play in [Play::Stroke("f", Touch::Pressed), Play::Stroke("mf", Touch::Struck), Play::ForceStep(12.0, 0.6)] {
+            let run = play.run(&instrument, Settings::new(USUAL_STEP_S), 1.0);
+            let ledger = run.ledger.as_ref().unwrap();
+            println!(
+                "{name}, {play:?}: residual {:.1e}, felts {:.2e} J, smallest {:.1e}, {} Newton iterations, {} unconverged, {:?} m/s",
+                ledger.residual_relative(),
+                ledger.felt_damping,
+                ledger.smallest_term,
+                run.work.newton_iterations,
+                run.work.unconverged_steps,
+                run.events.hammer_speed_m_s()
+            );
+            assert_eq!(run.work.unconverged_steps, 0, "{name}");
+            assert!(ledger.residual_relative() < 3e-4, "{name}: {:.1e}", ledger.residual_relative());
+            // An elastoplastic felt's loss is a difference of energies, and rounded as such; Stulov's has a sign to second order in the step only.
+            let least = if name == "hereditary" { -1e-4 * ledger.felt_damping } else { -1e-15 };
+            assert!(ledger.smallest_term >= least, "{name}: {:.1e}", ledger.smallest_term);
+            assert!(run.events.hammer_speed_m_s().is_some_and(|speed| speed > 1.0), "{name}");
+        }
+    }
+}
+
+/// The set-valued loss locks what the felts hold, and in a whole action more felts than there are freedoms. There the step does not always find
+/// its laws' sides: it says so, the note is played all the same, and the hammer's speed is known to a thousandth. That is one of the reasons for the
+/// elastoplastic law (`book/src/model/felts.md`); a single felt has none of it (problem 23).
+#[test]
+fn a_set_valued_loss_plays_but_not_every_step_is_settled() {
+    for (name, law) in SET_VALUED {
+        let instrument = with(law);
+        let run = |solver| {
+            let settings = Settings { solver, ..Settings::new(USUAL_STEP_S) };
+            Play::Stroke("f", Touch::Pressed).run(&instrument, settings, 1.0)
+        };
+        let runs = [Solver::ActiveSet, Solver::ProjectedGaussSeidel].map(run);
+        for run in &runs {
+            let ledger = run.ledger.as_ref().unwrap();
+            println!(
+                "{name}: residual {:.1e}, {} of {} steps unconverged, {:?} m/s",
+                ledger.residual_relative(),
+                run.work.unconverged_steps,
+                run.work.steps,
+                run.events.hammer_speed_m_s()
+            );
+            assert!(ledger.residual_relative() < 1e-2, "{name}");
+        }
+        let speeds = runs.each_ref().map(|run| run.events.hammer_speed_m_s().unwrap());
+        assert!(runs[0].work.unconverged_steps * 20 < runs[0].work.steps, "{name}");
+        assert!((speeds[0] / speeds[1] - 1.0).abs() < 1e-3, "{name}: {speeds:?}");
+    }
+}
+
+/// A held note stands still to the bit, and a released action too.
+#[test]
+fn rest_is_rest() {
+    for (name, law) in LAWS.into_iter().chain(SET_VALUED) {
+        let mut action = Action::with(&with(law), Settings::new(USUAL_STEP_S)).unwrap();
+        for force_n in [12.0, 0.0] {
+            for _ in 0..20_000 {
+                action.step(Input::Force(force_n));
+            }
+            let held = action.angles().to_vec();
+            for _ in 0..20_000 {
+                action.step(Input::Force(force_n));
+            }
+            for (before, now) in held.iter().zip(action.angles()) {
+                assert_eq!(before.to_bits(), now.to_bits(), "{name} under {force_n} N: {before} {now}");
+            }
+        }
+    }
+}
+
+/// Two solvers that share no code give one motion. Where felts are locked their forces are not unique, the velocities are.
+#[test]
+fn solvers_agree_on_the_motion() {
+    for (name, law) in LAWS {
+        let instrument = with(law);
+        let speed = |solver| {
+            let settings = Settings { solver, ..Settings::new(USUAL_STEP_S) };
+            let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings, 0.3);
+            run.events.hammer_speed_m_s().unwrap()
+        };
+        let speeds = [Solver::ActiveSet, Solver::ProjectedGaussSeidel].map(speed);
+        assert!((speeds[0] / speeds[1] - 1.0).abs() < 1e-6, "{name}: {speeds:?}");
+    }
+}
+
+/// A snapshot in the middle of a note holds all that the following steps depend on.
+#[test]
+fn a_note_goes_on_from_a_snapshot() {
+    for (name, law) in LAWS {
+        let instrument = with(law);
+        let mut action = Action::with(&instrument, Settings::new(USUAL_STEP_S)).unwrap();
+        let mut other = Action::with(&instrument, Settings::new(USUAL_STEP_S)).unwrap();
+        for n in 0..2_000 {
+            action.step(Input::Force(9.0));
+            if n == 700 {
+                other.restore(&action.save()).unwrap();
+            } else if n > 700 {
+                other.step(Input::Force(9.0));
+            }
+        }
+        assert_eq!(action.angles(), other.angles(), "{name}");
+    }
+}
+
+/// Random instruments, every felt with a loss of its own: nothing breaks, no step is left unconverged, no loss is a gain.
+#[test]
+fn nothing_breaks_at_random() {
+    nothing_breaks(0..12);
+}
+
+#[test]
+#[ignore = "ci: 120 random instruments"]
+fn nothing_of_much_breaks_at_random() {
+    nothing_breaks(0..120);
+}
+
+fn nothing_breaks(seeds: std::ops::Range<u64>) {
+    let (grand, settings) = (grand(), Settings::new(USUAL_STEP_S));
+    let (mut steps, mut unconverged) = (0, 0);
+    for seed in seeds {
+        let (mut instrument, mut r) = (perturbed(&grand, seed), Random::new(seed + 1_000_000));
+        for zone in &mut instrument.zones {
+            let felt = &mut zone.felt;
+            match r.below(3) {
+                0 => {}
+                1 => (felt.dry_loss, felt.dry_slip) = (r.between(0.05, 0.6), r.between(0.05, 0.5)),
+                _ => {
+                    (felt.damping, felt.dry_loss, felt.dry_slip) = (0.0, r.between(0.05, 0.6), r.between(0.05, 0.5));
+                }
+            }
+        }
+        let fate = play_on(&instrument, seed, settings, 0.4);
+        assert!(!fate.not_finite && !fate.restless, "{seed}: {fate:?}");
+        assert!(fate.gain < 1e-2 && fate.residual < 1e-2, "{seed}: {fate:?}");
+        // A difference of energies is rounded: some of these felts hold a joule.
+        assert!(fate.smallest_term >= -1e-13, "{seed}: {fate:?}");
+        (steps, unconverged) = (steps + fate.steps, unconverged + fate.unconverged);
+    }
+    println!("{unconverged} of {steps} steps unconverged");
+    assert_eq!(unconverged, 0, "of {steps} steps");
+}
+
+/// Friction that grows at rest: whole notes with it at every pivot and every sliding contact, as hard to move as the estimates say.
+#[test]
+fn friction_that_grows_at_rest_plays() {
+    let mut instrument = grand();
+    let dwell = Some(Dwell { ratio: 1.3, time_s: 0.2 });
+    instrument.bodies.iter_mut().filter(|body| body.friction_torque_n_m > 0.0).for_each(|body| body.dwell = dwell);
+    instrument.zones.iter_mut().filter(|zone| zone.friction_coefficient > 0.0).for_each(|zone| zone.dwell = dwell);
+    for solver in [Solver::ActiveSet, Solver::ProjectedGaussSeidel] {
+        let settings = Settings { solver, ..Settings::new(USUAL_STEP_S) };
+        let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings, 1.0);
+        let ledger = run.ledger.as_ref().unwrap();
+        println!("{solver:?}: {:?} m/s, residual {:.1e}", run.events.hammer_speed_m_s(), ledger.residual_relative());
+        assert!(run.work.unconverged_steps == 0 || solver == Solver::ProjectedGaussSeidel);
+        assert!(ledger.residual_relative() < 3e-4 && ledger.smallest_term >= 0.0);
+        assert!(run.events.hammer_speed_m_s().is_some_and(|speed| speed > 1.0));
+    }
+    // A rest of seconds takes more to end than none: a key whose pivots have rested moves at a larger force.
+    let moves_at = |rest_s: f64| {
+        let mut action = Action::with(&instrument, Settings::new(USUAL_STEP_S)).unwrap();
+        let mut n = 0.0;
+        for _ in 0..(rest_s / USUAL_STEP_S) as u32 {
+            action.step(Input::Force(0.0));
+        }
+        while action.reading().key_m < 0.5e-3 {
+            action.step(Input::Force(n));
+            // 1 N in 2 s.
+            n += 0.5 * USUAL_STEP_S;
+            assert!(n < 3.0);
+        }
+        n
+    };
+    let (at_once, later) = (moves_at(0.0), moves_at(3.0));
+    println!("moves at {at_once:.3} N, after 3 s at {later:.3} N");
+    assert!(later >= at_once);
+}
+
+/// A bushing is an option of the file: a body and a spring more, and locked it is the instrument that it was.
+#[test]
+fn bushings() {
+    let text = Instrument::builtin_text("concert-grand").unwrap();
+    let at = text.find("name = \"whippen\"").unwrap();
+    let with = format!("{}bushing_N_per_m = 1e5\nbushing_N_s_per_m = 5\n{}", &text[..at], &text[at..]);
+    let read = |text: &str| Instrument::parse(text, "a file").unwrap();
+    let (without, with) = (read(text), read(&with));
+    assert_eq!(with.bodies.len(), without.bodies.len() + 1);
+    assert_eq!(with.springs.len(), without.springs.len() + 1);
+    let (locked, rigid) = (with.locked(), without.locked());
+    assert_eq!((locked.bodies.len(), &locked.springs), (rigid.bodies.len(), &rigid.springs));
+    assert_eq!((&locked.zones, &locked.roles), (&rigid.zones, &rigid.roles));
+    for (a, b) in locked.bodies.iter().zip(&rigid.bodies) {
+        assert_eq!((&a.name, a.parent, a.mass_kg, a.inertia_kg_m2), (&b.name, b.parent, b.mass_kg, b.inertia_kg_m2));
+        let apart = (a.pivot_m[0] - b.pivot_m[0]).hypot(a.pivot_m[1] - b.pivot_m[1]);
+        assert!(apart < 1e-15, "{}: {apart}", a.name);
+    }
+    let speed = |instrument: &Instrument| {
+        let run = Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.5);
+        assert_eq!(run.work.unconverged_steps, 0);
+        run.events.hammer_speed_m_s().unwrap()
+    };
+    let (soft, hard) = (speed(&with), speed(&without));
+    println!("{soft} m/s with the bushing, {hard} without");
+    assert!((soft / hard - 1.0).abs() < 0.03 && soft != hard);
+}

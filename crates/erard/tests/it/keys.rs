@@ -1,0 +1,216 @@
+//! The keys of a keyboard, played together: a fortissimo tremolo over all of them, and their sleep, which changes no bit.
+
+use std::sync::OnceLock;
+
+use crate::common::USUAL_STEP_S;
+use erard::instrument::Instrument;
+use erard::keyboard::tremolo::{STROKES, TEN, Tremolo};
+use erard::keyboard::{KEYS, Keyboard, Keys};
+use erard::player::Input;
+use moreau::Settings;
+
+/// The keys of the built-in keyboard, assembled and at rest. Its instruments are read once.
+fn keys() -> Keys {
+    static READ: OnceLock<Vec<Instrument>> = OnceLock::new();
+    let instruments = READ.get_or_init(|| {
+        let keyboard = Keyboard::builtin("concert-grand").expect("the built-in keyboard reads");
+        keyboard.instruments().expect("every key is an instrument")
+    });
+    Keys::at_rest(instruments, Settings::new(USUAL_STEP_S)).expect("every key comes to rest")
+}
+
+/// What an observer of the tremolo sees in a tick.
+fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
+    let blows = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_s.to_bits()));
+    let mut blows: Vec<_> = blows.collect();
+    blows.sort_unstable();
+    (blows, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
+}
+
+/// Ten fingers play a fortissimo tremolo once over all 88 keys. Every stroke sounds, once, at the speeds of a fortissimo (published: 4.5
+/// to 5 m/s; lighter hammers are faster); every step converges; at most the ten keys that are played and the ten that were left last are
+/// awake, give or take the slowest to settle; and at the end all keys fall asleep.
+#[test]
+fn ten_fingers_play_all_keys() {
+    let mut tremolo = Tremolo::new(keys(), TEN);
+    let mut speeds = vec![Vec::new(); KEYS + 1];
+    let mut most_awake = 0;
+    for _ in 0..tremolo.ticks_over_all() {
+        let tick = tremolo.tick();
+        assert_eq!((tick.unconverged, tick.non_finite), (0, 0));
+        most_awake = most_awake.max(tick.stepped);
+        for blow in tremolo.keys().impacts() {
+            speeds[blow.key].push(blow.impact.hammer_speed_m_s);
+        }
+    }
+    let all = || speeds.iter().flatten().copied();
+    let (slowest, fastest) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
+    println!("{} blows of {slowest:.2} to {fastest:.2} m/s, at most {most_awake} keys awake", all().count());
+    // Every stroke sounds once. Fingers with a shorter stretch begin anew while the others end; so does every other finger, which is half
+    // a stroke ahead.
+    let (first, longest) = (|finger: usize| 1 + KEYS * finger / TEN, KEYS.div_ceil(TEN));
+    let mut strokes = vec![0; KEYS + 1];
+    for finger in 0..TEN {
+        let (from, to) = (first(finger), first(finger + 1));
+        for stroke in 0..longest * STROKES + usize::from(finger % 2 == 0) {
+            strokes[from + stroke / STROKES % (to - from)] += 1;
+        }
+    }
+    assert_eq!(speeds.iter().map(Vec::len).collect::<Vec<_>>(), strokes);
+    assert!(slowest > 3.5 && fastest < 7.5, "{slowest} to {fastest} m/s");
+    assert!((TEN as u32..=3 * TEN as u32).contains(&most_awake));
+    let mut ticks = 0;
+    while tremolo.keys().awake() > 0 {
+        // Whoever was played is let go.
+        (1..=KEYS).for_each(|key| tremolo.keys_mut().drive(key, Input::Force(0.0)));
+        tremolo.keys_mut().step();
+        ticks += 1;
+        assert!(ticks < 20_000, "a second after the last stroke {} keys are awake", tremolo.keys().awake());
+    }
+}
+
+/// A keyboard whose keys sleep and one that is stepped in full go through the same states, bit for bit: blows, forces on the strings
+/// in every tick, and the whole state now and then, while fingers wander, keys fall asleep at rest and under a finger that stays.
+#[test]
+fn sleep_changes_no_bit() {
+    let [mut sleeping, mut stepped] = [keys(), keys()].map(|keys| Tremolo::new(keys, TEN));
+    stepped.keys_mut().let_sleep(false);
+    let same = |a: &Tremolo, b: &Tremolo, n| {
+        for key in 1..=KEYS {
+            assert_eq!(
+                format!("{:?}", a.keys().save(key)),
+                format!("{:?}", b.keys().save(key)),
+                "key {key} after {n} ticks"
+            );
+        }
+    };
+    let mut skipped = 0;
+    const TICKS: u64 = 9_000;
+    for n in 0..TICKS {
+        let (less, all) = (sleeping.tick(), stepped.tick());
+        assert_eq!(all.stepped as usize, KEYS);
+        skipped += all.stepped - less.stepped;
+        assert_eq!(observed(&sleeping), observed(&stepped), "tick {n}");
+        if n % 500 == 0 {
+            same(&sleeping, &stepped, n);
+        }
+    }
+    // Now every other key is held by a constant force: held notes fall asleep, too.
+    for n in 0..12_000 {
+        for tremolo in [&mut sleeping, &mut stepped] {
+            for key in (1..=KEYS).step_by(2) {
+                tremolo.keys_mut().drive(key, Input::Force(10.0));
+            }
+            skipped += KEYS as u32 - tremolo.keys_mut().step().stepped;
+        }
+        if n % 1000 == 0 {
+            same(&sleeping, &stepped, TICKS + n);
+        }
+    }
+    same(&sleeping, &stepped, TICKS + 12_000);
+    println!("{skipped} steps were not taken; {} keys are awake at the end", sleeping.keys().awake());
+    assert!(skipped > 500_000, "{skipped}");
+    assert_eq!(stepped.keys().awake(), KEYS);
+}
+
+/// A key wakes at any change of its input, were it in the last bit, and at none that is no change.
+#[test]
+fn a_key_wakes_at_any_change() {
+    let mut keys = keys();
+    assert_eq!(keys.awake(), 0, "at rest all sleep");
+    keys.drive(40, Input::Free);
+    assert_eq!(keys.awake(), 0, "as it was driven before");
+    let half_way = Input::Motion { position_m: 0.005, velocity_m_s: 0.0 };
+    for input in [Input::Force(0.0), Input::Force(-0.0), Input::Force(5e-324), half_way, Input::Force(10.0)] {
+        keys.drive(40, input);
+        assert_eq!(keys.awake(), 1, "{input:?}");
+        let mut ticks = 0;
+        while keys.awake() > 0 {
+            keys.step();
+            ticks += 1;
+            assert!(ticks < 20_000, "{input:?}");
+        }
+    }
+}
+
+/// Wherever a key is left, it comes to a complete rest and sleeps within a second and a half: let go, held by a constant force of up to
+/// 40 N, or under a soft finger that stays at any depth down to 14 mm (pushing some 80 N at the bottom). Nothing makes it do so but
+/// dry friction, which holds: velocities become exactly zero.
+///
+/// Exceptions are allowed, one key in twenty, whose friction holds at its very limit: rounding lets it slip and stick by turns. A bend that is
+/// wound up slowly ends there. Its velocities stay below 1e-12 rad/s, so that no angle changes by a bit.
+#[test]
+fn every_key_comes_to_rest() {
+    come_to_rest(2);
+}
+
+#[test]
+#[ignore = "ci: all keys in eight ways"]
+fn every_key_comes_to_rest_however_it_is_left() {
+    come_to_rest(8);
+}
+
+fn come_to_rest(rounds: usize) {
+    let mut keys = keys();
+    // Shares that are spread evenly and differ from key to key: multiples of the golden section.
+    let share = |round: usize, key: usize| (0.618_033_988_749_895 * (round * KEYS + key) as f64).fract();
+    let (mut left, mut restless) = (0, 0);
+    for round in 0..rounds {
+        for key in 1..=KEYS {
+            let x = share(round, key);
+            let held = match round % 4 {
+                0 => Input::Force(40.0 * x),
+                1 => Input::Force(0.0),
+                2 => Input::Motion { position_m: 0.014 * x, velocity_m_s: 0.0 },
+                _ => Input::Free,
+            };
+            keys.drive(key, held);
+            left += 1;
+        }
+        let mut ticks = 0;
+        while keys.awake() > 0 && ticks < 30_000 {
+            keys.step();
+            ticks += 1;
+        }
+        for key in (1..=KEYS).filter(|&key| keys.is_awake(key)) {
+            let fastest = crate::common::largest(keys.velocities(key).iter().copied());
+            println!("round {round}: key {key} is awake, at most {fastest:.0e} rad/s");
+            assert!(fastest < 1e-12, "round {round}, key {key}: {fastest:e} rad/s");
+            restless += 1;
+        }
+    }
+    println!("{restless} of {left} did not fall asleep");
+    assert!(20 * restless <= left, "{restless} of {left}");
+}
+
+/// No tick allocates: not with ten fingers, not with all keys awake, not when keys fall asleep or wake.
+#[test]
+fn a_tick_never_allocates() {
+    for fingers in [1, TEN, KEYS] {
+        let mut tremolo = Tremolo::new(keys(), fingers);
+        let mut stepped = 0;
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..9_000 {
+                stepped += tremolo.tick().stepped;
+            }
+        });
+        assert!(stepped > 9_000);
+        assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{fingers} fingers: {counted:?}");
+    }
+}
+
+/// Built-in keyboards by their names: each has its own text, key 40 of each is its instrument with nothing added, and a name that nobody knows has none.
+#[test]
+fn keyboards_by_name() {
+    for name in Keyboard::builtin_names() {
+        let text = Keyboard::builtin_text(name).expect("built in");
+        assert!(text.contains(&format!("instrument = \"{name}\"")), "{name}");
+        let keyboard = Keyboard::builtin(name).expect("it reads");
+        let (base, own) = (erard::Instrument::builtin(name).expect("built in"), keyboard.key(40).expect("a key"));
+        assert_eq!((&own.bodies, &own.zones, &own.springs), (&base.bodies, &base.zones, &base.springs), "{name}");
+    }
+    assert!(Keyboard::builtin("clavichord").is_none() && Keyboard::builtin_text("clavichord").is_none());
+    let lost = "format = \"erard-keyboard/1\"\nname = \"Lost\"\ninstrument = \"clavichord\"\ninstrument_key = 40\n";
+    let error = Keyboard::parse(lost, "lost.toml", std::path::Path::new("")).expect_err("there is no such instrument");
+    assert!(error.to_string().contains("concert-grand, "), "{error}");
+}

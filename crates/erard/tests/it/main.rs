@@ -1,0 +1,32 @@
+//! The tests of the actions, their files and their runs: one program, so that it is linked once.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod allocation;
+mod bends;
+mod bounded_work;
+mod control;
+mod convergence;
+mod dampers;
+mod determinism;
+mod energy;
+mod felt_laws;
+mod firmware;
+mod hand;
+mod instrument_errors;
+mod instrument_schema;
+mod keys;
+mod one_dof;
+mod player;
+mod playing;
+mod reactions;
+mod repose;
+mod rest;
+mod robustness;
+mod shipped_instruments;
+mod single_precision;
+mod solvers;
+mod strings;
+mod stroke_files;
+mod trust;

@@ -1,0 +1,10 @@
+//! The tests of the engine: one program, so that it is linked once.
+
+mod adaptive;
+mod description;
+mod drives;
+mod imports;
+mod regularised;
+mod tangent;
+mod workspace;
+mod yielding;

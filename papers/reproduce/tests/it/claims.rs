@@ -1,0 +1,109 @@
+//! What `erard-reproduce` claims, as far as it takes seconds: verdicts on the shipped grand must not change unnoticed.
+
+use erard::instrument::Instrument;
+use erard::run::SimulationError;
+use erard_reproduce::subjects::{ReproduceError, Section, subjects};
+
+fn grand() -> Instrument {
+    Instrument::builtin("concert-grand-rigid").expect("the built-in grand reads")
+}
+
+fn section(name: &str) -> Section {
+    let subject = subjects().into_iter().find(|s| s.name == name).expect("a subject of this name");
+    (subject.run)(&grand(), &mut |_| true).expect("it can be computed")
+}
+
+/// Claims of the papers (and of this program about itself) that hold on the shipped instrument.
+#[test]
+fn claims_hold() {
+    hold(&["paper2-felt", "paper3-levers"]);
+}
+
+#[test]
+#[ignore = "ci: eight subjects of the report"]
+fn claims_of_slow_subjects_hold() {
+    hold(&[
+        "paper1-transfer",
+        "paper1-fine-structure",
+        "touch-scatter",
+        "paper2-finger",
+        "scheme-energy",
+        "scheme-solvers",
+        "what-gives",
+        "strings",
+    ]);
+}
+
+fn hold(names: &[&str]) {
+    for &name in names {
+        for claim in section(name).claims {
+            // Gauss-Seidel may need more sweeps than it has in a step of a hundred thousand; the report counts them.
+            if name == "scheme-solvers" && claim.source == "this program" {
+                continue;
+            }
+            assert!(claim.holds, "{name}: {}: {}", claim.says, claim.measured);
+        }
+    }
+}
+
+/// Controlled steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At 1e-3 they do
+/// not pay, or hardly; the report says.)
+#[test]
+#[ignore = "ci: a convergence study"]
+fn controlled_steps_pay_at_high_precision() {
+    let claims = section("scheme-control").claims;
+    let kept: Vec<_> = claims.iter().filter(|c| !c.says.contains("1e-3 costs")).collect();
+    assert_eq!((claims.len(), kept.len()), (5, 3));
+    for claim in kept {
+        assert!(claim.holds, "{}: {}", claim.says, claim.measured);
+    }
+}
+
+/// [T12] figure 3, right: motion-driven, one degree of freedom misses what the whole mechanism has, derived or fitted. (How closely
+/// it follows when force-driven depends on the instrument's numbers; the report says.)
+#[test]
+fn motion_driven_reveals() {
+    let claims = section("paper1-drives").claims;
+    let right: Vec<_> = claims.iter().filter(|c| c.source.ends_with("right")).collect();
+    assert_eq!((claims.len(), right.len()), (8, 2));
+    for claim in right {
+        assert!(claim.holds, "{}: {}", claim.says, claim.measured);
+    }
+}
+
+/// Every subject ends when it is told to, with the error that becomes exit code 130.
+#[test]
+fn work_can_be_ended() {
+    for subject in subjects() {
+        let mut asked = 0;
+        let result = (subject.run)(&grand(), &mut |_| {
+            asked += 1;
+            false
+        });
+        match result {
+            Err(ReproduceError::Simulation(SimulationError::Interrupted)) => {}
+            // Those that take a fraction of a second do not ask.
+            Ok(_) => assert!(asked == 0 && subject.weight <= 2.0, "{}", subject.name),
+            Err(error) => panic!("{}: {error}", subject.name),
+        }
+    }
+}
+
+/// The same numbers every time, but for what is said to be on the clock.
+#[test]
+fn sections_are_the_same_each_time() {
+    assert_eq!(section("paper3-levers"), section("paper3-levers"));
+    let names: Vec<&str> = subjects().iter().map(|s| s.name).collect();
+    let mut sorted = names.clone();
+    sorted.sort_unstable();
+    sorted.dedup();
+    assert_eq!(sorted.len(), names.len(), "names are unique");
+}
+
+#[test]
+#[ignore = "ci: two subjects, each twice"]
+fn slow_sections_are_the_same_each_time() {
+    for name in ["paper1-drives", "paper1-transfer"] {
+        assert_eq!(section(name), section(name), "{name}");
+    }
+}
