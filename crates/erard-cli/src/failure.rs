@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use crate::excerpt::excerpt;
 use crate::inputs::shown;
 use crate::{signals, tell};
 use erard::instrument::FileError;
@@ -14,7 +15,6 @@ use erard_workshop::compare::CompareError;
 use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
-use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -88,38 +88,13 @@ impl Failure {
         signals::yield_to_the_end();
         tell!("error: {self}");
         if let Failure::Instrument(error) = self
-            && can_be_underlined(error)
+            && let Some(excerpt) = excerpt(error)
         {
-            tell!("{}", underlined(error));
+            tell!("{excerpt}");
         }
         ExitCode::from(match self {
             Failure::Internal(_) | Failure::Unmet(_) => 1,
             _ => 2,
         })
     }
-}
-
-/// Longest line that is shown with something underlined in it, bytes: more would bury the message.
-const LONGEST_LINE: usize = 400;
-
-/// Whether there is a text, and in lines that a terminal can show.
-fn can_be_underlined(error: &FileError) -> bool {
-    let around = error.line.saturating_sub(2)..error.line + 2;
-    let mut lines = error.text.lines().enumerate().filter(|(number, _)| around.contains(number));
-    !error.text.is_empty() && lines.all(|(_, line)| line.len() <= LONGEST_LINE)
-}
-
-/// The wrong place in the file, underlined.
-fn underlined(error: &FileError) -> String {
-    let label = LabeledSpan::new_with_span(Some(error.message.clone()), error.span.clone());
-    let mut diagnostic = MietteDiagnostic::new(error.message.clone()).with_label(label);
-    if !error.expected.is_empty() {
-        diagnostic = diagnostic.with_help(format!("expected {}", error.expected));
-    }
-    let report = Report::new(diagnostic).with_source_code(NamedSource::new(&error.file, error.text.to_string()));
-    let mut out = String::new();
-    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_width(110);
-    // A report that cannot be drawn is no reason to lose the message above it.
-    let _ = handler.render_report(&mut out, report.as_ref());
-    out
 }

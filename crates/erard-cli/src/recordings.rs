@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use erard::recording::{LowPass, Preparation, Prepared, prepare};
@@ -10,12 +11,13 @@ use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Rec
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs::{self, shown};
+use crate::zstandard::column_reader;
 
 /// How a recording is understood and made ready.
 #[derive(Debug, Clone, Args)]
@@ -290,8 +292,8 @@ fn read_parquet(file: io::Result<File>, name: &str, columns: &Columns) -> Result
     if regular.len() > MAX_BYTES {
         return Err(fault(name, "", format!("larger than {} MiB", MAX_BYTES >> 20), ""));
     }
-    let reader = SerializedFileReader::new(file).map_err(|error| unreadable(&error))?;
-    let metadata = reader.metadata();
+    let file = Arc::new(file);
+    let metadata = ParquetMetaDataReader::new().parse_and_finish(file.as_ref()).map_err(|error| unreadable(&error))?;
     let rows = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0);
     if rows > MAX_ROWS {
         let expected = format!("at most {MAX_ROWS}: cut the recording or sample it more coarsely");
@@ -315,10 +317,7 @@ fn read_parquet(file: io::Result<File>, name: &str, columns: &Columns) -> Result
             if chunk.uncompressed_size() > MAX_BYTES as i64 {
                 return Err(fault(name, &column.title, format!("larger than {} MiB", MAX_BYTES >> 20), ""));
             }
-            let reader = reader
-                .get_row_group(group)
-                .and_then(|group| group.get_column_reader(column.index))
-                .map_err(|error| unreadable(&error))?;
+            let reader = column_reader(&file, &metadata, group, column.index).map_err(|error| unreadable(&error))?;
             let taken = match reader {
                 ColumnReader::DoubleColumnReader(reader) => {
                     take(reader, described.max_def_level(), |x: &f64| *x, &mut all)

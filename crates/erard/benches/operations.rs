@@ -90,6 +90,7 @@ impl Real for Counted {
     type Mask = bool;
     type Lane = Counted;
     const LANES: usize = 1;
+    const FIRST_APART: bool = true;
     const ZERO: Self = Counted(0.0);
     const ONE: Self = Counted(1.0);
     const EPSILON: Self = Counted(f64::EPSILON);

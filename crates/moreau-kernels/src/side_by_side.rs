@@ -63,7 +63,6 @@ fn one_part(
             let (models, states) = assembled(descriptions, states)?;
             Ok(Box::new(Group::<6, 14, 10>::new(&models, &states, settings, lanes)))
         }
-        (Size::Seven, Lanes::Four) => in_fours::<7, 20, 48>(descriptions, states, settings),
         (Size::Eight, Lanes::Four) => in_fours::<8, 20, 49>(descriptions, states, settings),
         (Size::Nine, Lanes::Four) => in_fours::<9, 20, 50>(descriptions, states, settings),
         (Size::Eight, Lanes::EightSingle) => {

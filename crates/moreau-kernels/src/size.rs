@@ -4,7 +4,7 @@ use crate::{Lanes, OwnedDescription};
 
 /// A size: so many bodies B, zones Z and set-valued laws N at most.
 ///
-/// A law is needed for every pivot, every zone with Coulomb friction and the drive; from seven bodies on there is room for one more in every
+/// A law is needed for every pivot, every zone with Coulomb friction and the drive; from eight bodies on there is room for one more in every
 /// zone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Size {
@@ -12,8 +12,6 @@ pub enum Size {
     One,
     /// Six bodies, fourteen zones, ten laws: the papers' grand action.
     Six,
-    /// Seven bodies, twenty zones.
-    Seven,
     /// Eight bodies, twenty zones.
     Eight,
     /// Nine bodies, twenty zones.
@@ -28,7 +26,6 @@ macro_rules! with_size {
         match $size {
             $crate::Size::One => $f::<1, 4, 6>($($argument),*),
             $crate::Size::Six => $f::<6, 14, 10>($($argument),*),
-            $crate::Size::Seven => $f::<7, 20, 48>($($argument),*),
             $crate::Size::Eight => $f::<8, 20, 49>($($argument),*),
             $crate::Size::Nine => $f::<9, 20, 50>($($argument),*),
             $crate::Size::Most => $f::<12, 32, 77>($($argument),*),
@@ -42,14 +39,13 @@ pub type EveryBody = [f64; Size::Most.holds()[0]];
 
 impl Size {
     /// All of them, the small ones first.
-    pub const ALL: [Size; 6] = [Size::One, Size::Six, Size::Seven, Size::Eight, Size::Nine, Size::Most];
+    pub const ALL: [Size; 5] = [Size::One, Size::Six, Size::Eight, Size::Nine, Size::Most];
 
     /// Bodies, zones and set-valued laws that it holds.
     pub const fn holds(self) -> [usize; 3] {
         match self {
             Size::One => [1, 4, 6],
             Size::Six => [6, 14, 10],
-            Size::Seven => [7, 20, 48],
             Size::Eight => [8, 20, 49],
             Size::Nine => [9, 20, 50],
             Size::Most => [12, 32, 77],
@@ -64,13 +60,13 @@ impl Size {
     }
 
     /// The widest lanes up to these that are compiled for this size. Six bodies have all. Beyond, each kind of lanes takes as long to compile as
-    /// a whole library: seven to nine bodies have four doubles, eight bodies have single precision, too; other sizes have none.
+    /// a whole library: eight and nine bodies have four doubles, eight bodies have single precision, too; other sizes have none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
         match (self, wanted) {
             (Size::Six, _) => wanted,
             (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,
             (Size::Eight, Lanes::EightSingle | Lanes::SixteenSingle) => Lanes::EightSingle,
-            (Size::Seven | Size::Eight | Size::Nine, _) => Lanes::Four,
+            (Size::Eight | Size::Nine, _) => Lanes::Four,
         }
     }
 

@@ -165,7 +165,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         recall_memories(model, state, workspace);
     }
     let mut done = no;
-    let next = if const { T::LANES > 1 } {
+    let next = if const { !T::FIRST_APART } {
         iterate_to_the_end(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0)
     } else {
         // The compiler hoists loop-invariant loads out of a loop and spills them to the stack. This loop usually runs once, so that only

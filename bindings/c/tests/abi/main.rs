@@ -7,7 +7,7 @@ mod haptic;
 mod haptic_loop;
 mod header;
 mod memory;
-#[path = "../../../erard/tests/common/not_run.rs"]
+#[path = "../../../../crates/erard/tests/common/not_run.rs"]
 mod not_run;
 mod object;
 mod pages;

@@ -1,13 +1,15 @@
 //! `erard fmu`.
 
-use std::io::{Cursor, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::InstrumentFile;
 use erard_workshop::fmu::{INSTRUMENT, MODEL, model_description, variables};
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use rawzip::time::UtcDateTime;
+use rawzip::{CompressionMethod, ZipArchiveWriter};
 
 use super::options::load_instrument_and_text;
 use crate::failure::Failure;
@@ -141,20 +143,25 @@ impl Fmu {
 }
 
 /// The unit's bytes: the same for the same instrument and library.
-fn archive(file: &InstrumentFile, text: &str, binary: &str, library: &[u8]) -> zip::result::ZipResult<Vec<u8>> {
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .last_modified_time(DateTime::default())
-        .unix_permissions(0o644);
+fn archive(file: &InstrumentFile, text: &str, binary: &str, library: &[u8]) -> Result<Vec<u8>, rawzip::Error> {
+    let mut archive = ZipArchiveWriter::new(Vec::new());
     let description = model_description(file, text);
     for (name, bytes, mode) in [
         ("modelDescription.xml", description.as_bytes(), 0o644),
         (INSTRUMENT, text.as_bytes(), 0o644),
         (binary, library, 0o755),
     ] {
-        zip.start_file(name, options.unix_permissions(mode))?;
-        zip.write_all(bytes)?;
+        let mut file = archive.new_file(name).compression_method(CompressionMethod::DEFLATE).unix_permissions(mode);
+        // The first day that an archive knows.
+        if let Some(date) = UtcDateTime::from_components(1980, 1, 1, 0, 0, 0, 0) {
+            file = file.last_modified(date);
+        }
+        let (mut entry, config) = file.start()?;
+        let mut writer = config.wrap(DeflateEncoder::new(&mut entry, Compression::default()));
+        writer.write_all(bytes)?;
+        let (deflated, size) = writer.finish()?;
+        deflated.finish()?;
+        entry.finish(size)?;
     }
-    Ok(zip.finish()?.into_inner())
+    archive.finish()
 }

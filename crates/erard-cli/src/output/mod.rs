@@ -39,6 +39,9 @@ pub struct Output {
     stage: Stage,
 }
 
+/// Writes a file's contents.
+type Writes<'a> = dyn FnMut(&mut dyn Write) -> std::io::Result<()> + 'a;
+
 impl Output {
     /// Results of a command. Makes sure, before any long work, that the folder can be written to and that nothing stands in the way of
     /// the files that are certain to come.
@@ -88,6 +91,12 @@ impl Output {
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<(), Failure> {
+        // What follows is compiled once, not for each caller.
+        let mut write = Some(write);
+        self.stage_by(name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
+    }
+
+    fn stage_by(&mut self, name: &str, write: &mut Writes) -> Result<(), Failure> {
         self.put(name, write)?;
         if !name.ends_with(TABLE) {
             return Ok(());
@@ -96,10 +105,10 @@ impl Output {
             csv::Reader::from_path(self.stage.results().join(name)).and_then(|mut table| table.headers().cloned());
         let titles = titles.map_err(|error| Failure::write(&self.folder.join(name), std::io::Error::other(error)))?;
         let metadata = table::metadata(name, titles.iter());
-        self.put(&beside(name), |w| w.write_all(metadata.as_bytes()))
+        self.put(&beside(name), &mut |w| w.write_all(metadata.as_bytes()))
     }
 
-    fn put(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), Failure> {
+    fn put(&mut self, name: &str, write: &mut Writes) -> Result<(), Failure> {
         let refused = |source| Failure::write(&self.folder.join(name), source);
         let file = fs::File::create_new(self.stage.results().join(name)).map_err(refused)?;
         let mut writer = std::io::BufWriter::new(file);

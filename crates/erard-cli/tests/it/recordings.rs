@@ -1,6 +1,7 @@
 //! Recordings as laboratories have them: understood, made ready, compared, in one command.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use crate::common::Folder;
 use serde_json::Value;
@@ -207,6 +208,34 @@ fn runs_are_strokes() {
     assert!(folder.read("erard-out/summary.json").contains("\"drive\": \"motion\""));
     let said = folder.bad(&["press", "key.csv", "--position", "fingertip", "--drive", "rigid"]);
     assert!(said.contains("needs the key's position"), "{said}");
+}
+
+/// Zstandard, as PyArrow 26 writes it: pages of both versions of the format, plain and by dictionary, several in a column. Damaged, it is refused.
+#[test]
+fn zstandard_is_read() {
+    let folder = Folder::new("recordings-zstandard");
+    let rows = (0..300).map(|i| {
+        let force = 5.0 * ((f64::from(i) - 40.0) / 30.0).clamp(0.0, 1.0);
+        format!("{},{}\n", f64::from(i) * 1e-3, (force * 1e3).round() / 1e3)
+    });
+    folder.file("plain.csv", &format!("time_s,force_N\n{}", rows.collect::<String>()));
+    let speed = |file: &str| {
+        folder.good(&["press", file, "--duration", "0.25"]);
+        let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
+        summary["hammer_speed_m_s"].as_f64().unwrap()
+    };
+    let plain = speed("plain.csv");
+    for name in ["pages-1.parquet", "pages-2.parquet"] {
+        let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/zstandard").join(name);
+        let mut bytes = std::fs::read(stored).unwrap();
+        std::fs::write(folder.0.join(name), &bytes).unwrap();
+        assert_eq!(plain, speed(name), "{name}");
+        let frame = bytes.windows(4).position(|four| four == [0x28, 0xb5, 0x2f, 0xfd]).expect("a frame of Zstandard");
+        bytes[frame] = 0;
+        std::fs::write(folder.0.join(name), &bytes).unwrap();
+        let said = folder.bad(&["check", name]);
+        assert!(said.contains(name) && said.contains("Parquet"), "{said}");
+    }
 }
 
 /// Damaged Parquet is refused with the file's name, and units that are not known with those that are.

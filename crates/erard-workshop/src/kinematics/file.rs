@@ -9,6 +9,7 @@ use super::format::{KIND, LinkageToml};
 use erard::instrument::FileError;
 use erard::instrument::error::Fault;
 use erard::instrument::file::{check_size, read_bytes, utf8};
+use erard::instrument::from_toml::from_toml;
 use erard::instrument::locate::dress;
 use erard::instrument::quantity::{Kind, Num};
 use erard::instrument::reader::{LENGTH_MM, Limits, MM_PER_M, Reader, title};
@@ -47,7 +48,7 @@ impl LinkageFile {
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
         check_size(text, file_name, "a linkage, starting with `kind = \"three-lever\"`")?;
         let file: LinkageToml =
-            toml::from_str(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text))))?;
+            from_toml(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text))))?;
         convert(&file, file_name).map_err(|fault| dress(file_name, text, fault))
     }
 

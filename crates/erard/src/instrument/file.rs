@@ -8,6 +8,7 @@ use super::Instrument;
 use super::convert::convert;
 use super::error::{Fault, FileError};
 use super::format::InstrumentToml;
+use super::from_toml::from_toml;
 use super::locate::{KeyMap, dress, line_column};
 use super::provenance::{CitedNumber, Provenance};
 use super::serde_fault::serde_fault;
@@ -44,7 +45,7 @@ impl InstrumentFile {
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
         check_size(text, file_name, "an instrument, starting with its `format`")?;
         let file: InstrumentToml =
-            toml::from_str(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
+            from_toml(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
         let (instrument, numbers) = convert(&file).map_err(|fault| dress(file_name, text, fault))?;
         let keys = KeyMap::read(text);
         let numbers = numbers

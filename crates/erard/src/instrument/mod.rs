@@ -20,6 +20,8 @@ pub mod error;
 pub mod file;
 mod format;
 #[doc(hidden)]
+pub mod from_toml;
+#[doc(hidden)]
 pub mod locate;
 mod numbers;
 mod outlived;

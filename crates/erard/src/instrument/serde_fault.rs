@@ -1,12 +1,13 @@
 //! Mistakes that serde and the TOML parser notice, in the words of an instrument file.
 
 use super::error::Fault;
+use super::from_toml::TomlError;
 
 /// A fault from what serde and the TOML parser say. They tell mistakes apart by their wording only, so this reads their
 /// wording; what it does not recognise it quotes.
-pub fn serde_fault(error: &toml::de::Error, text: &str) -> Fault {
-    let span = error.span().unwrap_or(0..0);
-    let message = error.message();
+pub fn serde_fault(error: &TomlError, text: &str) -> Fault {
+    let span = error.span.clone().unwrap_or(0..0);
+    let message = error.message.as_str();
     let quoted = |start: &str| message.strip_prefix(start)?.strip_prefix('`')?.split_once('`');
     let wrong_kind =
         |expected: &str| Fault::at(span.clone(), "wrong kind of value", expected.replace("f64", "a number"));

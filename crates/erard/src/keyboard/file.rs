@@ -12,6 +12,7 @@ use super::{KEYS, Keyboard};
 use crate::instrument::edit::{find, numbers};
 use crate::instrument::error::Fault;
 use crate::instrument::file::{check_size, read_bytes, utf8, whole_file};
+use crate::instrument::from_toml::from_toml;
 use crate::instrument::locate::dress;
 use crate::instrument::quantity::{At, Kind};
 use crate::instrument::reader::{LENGTH_MM, Reader, title};
@@ -35,7 +36,7 @@ impl Keyboard {
     pub fn parse(text: &str, file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
         check_size(text, file_name, "a keyboard, starting with its `format`")?;
         let file: KeyboardToml =
-            toml::from_str(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))?;
+            from_toml(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))?;
         let base = file.instrument.as_str();
         let wrong = |message: String| dress(file_name, text, Fault::at(file.instrument.span(), message, instruments()));
         let (base_path, base_name, base_text) = match Instrument::builtin_text(base) {

@@ -1,0 +1,256 @@
+//! From TOML to the types of a file.
+//!
+//! As `toml::from_str`, whose deserializer is four types: it compiles every type of a file, each number among them, a dozen times, which was most of
+//! what this crate took to compile. Here values, keys and spans are one type ([`Node`]), and so is what stands in tables and lists.
+
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::ops::Range;
+
+use serde::de::value::{MapAccessDeserializer, StrDeserializer};
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+};
+use serde::forward_to_deserialize_any;
+use serde_spanned::de::is_spanned;
+use toml::Spanned;
+use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
+
+/// The key under which a date is handed over, as by `toml`: no number and no text.
+const DATE: &str = "$__toml_private_datetime";
+
+/// Why a text is not what was expected.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct TomlError {
+    /// In the words of the parser or of `serde`.
+    pub message: String,
+    /// Where, in bytes of the text.
+    pub span: Option<Range<usize>>,
+}
+
+impl TomlError {
+    /// It lies within this, unless it is known already where.
+    fn within(mut self, span: &Range<usize>) -> Self {
+        self.span.get_or_insert_with(|| span.clone());
+        self
+    }
+}
+
+impl Error for TomlError {
+    fn custom<T: Display>(message: T) -> Self {
+        TomlError { message: message.to_string(), span: None }
+    }
+}
+
+/// Reads a text.
+///
+/// # Errors
+/// Where it is no TOML, or not what the type expects.
+pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
+    let table =
+        DeTable::parse(text).map_err(|error| TomlError { message: error.message().to_owned(), span: error.span() })?;
+    T::deserialize(Node::Table(table.get_ref(), table.span()))
+}
+
+/// What can be read into a type.
+enum Node<'a> {
+    Value(&'a Spanned<DeValue<'a>>),
+    Table(&'a DeTable<'a>, Range<usize>),
+    /// A key, or another text.
+    Text(&'a str),
+    /// Where a value begins or ends.
+    Place(usize),
+}
+
+impl<'a> Node<'a> {
+    fn span(&self) -> Range<usize> {
+        match self {
+            Node::Value(value) => value.span(),
+            Node::Table(_, span) => span.clone(),
+            Node::Text(_) | Node::Place(_) => 0..0,
+        }
+    }
+
+    /// The error of what was read in here.
+    fn blamed(&self) -> impl FnOnce(TomlError) -> TomlError + use<> {
+        let span = match self {
+            Node::Value(_) | Node::Table(..) => Some(self.span()),
+            Node::Text(_) | Node::Place(_) => None,
+        };
+        move |error| match span {
+            Some(span) => error.within(&span),
+            None => error,
+        }
+    }
+
+    fn table(&self) -> Option<&'a DeTable<'a>> {
+        match self {
+            Node::Table(table, _) => Some(table),
+            Node::Value(value) => value.get_ref().as_table(),
+            _ => None,
+        }
+    }
+
+    fn visit<V: Visitor<'a>>(&self, visitor: V) -> Result<V::Value, TomlError> {
+        if let Some(table) = self.table() {
+            return visitor.visit_map(Pairs::table(table));
+        }
+        match self {
+            Node::Text(text) => visitor.visit_borrowed_str(text),
+            Node::Place(place) => visitor.visit_u64(*place as u64),
+            Node::Table(..) => visitor.visit_unit(),
+            Node::Value(value) => match value.get_ref() {
+                DeValue::String(text) => visitor.visit_borrowed_str(text),
+                DeValue::Integer(number) => visit_integer(number, visitor),
+                DeValue::Float(number) => visitor.visit_f64(float(number)?),
+                DeValue::Boolean(value) => visitor.visit_bool(*value),
+                DeValue::Array(items) => visitor.visit_seq(Items(items.iter())),
+                DeValue::Table(table) => visitor.visit_map(Pairs::table(table)),
+                DeValue::Datetime(_) => visitor.visit_map(Pairs::date()),
+            },
+        }
+    }
+}
+
+fn visit_integer<'a, V: Visitor<'a>>(number: &DeInteger<'_>, visitor: V) -> Result<V::Value, TomlError> {
+    let (digits, radix) = (number.as_str(), number.radix());
+    match i64::from_str_radix(digits, radix) {
+        Ok(number) => visitor.visit_i64(number),
+        Err(_) => match i128::from_str_radix(digits, radix) {
+            Ok(number) => visitor.visit_i128(number),
+            Err(_) => Err(TomlError::custom("integer number overflowed")),
+        },
+    }
+}
+
+fn float(number: &DeFloat<'_>) -> Result<f64, TomlError> {
+    let text = number.as_str();
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() || number.is_nan() || text.contains("inf") => Ok(number),
+        _ => Err(TomlError::custom("floating-point number overflowed")),
+    }
+}
+
+impl<'a> Deserializer<'a> for Node<'a> {
+    type Error = TomlError;
+
+    fn deserialize_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, TomlError> {
+        self.visit(visitor).map_err(self.blamed())
+    }
+
+    fn deserialize_option<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, TomlError> {
+        let blamed = self.blamed();
+        visitor.visit_some(self).map_err(blamed)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'a>>(self, _: &'static str, visitor: V) -> Result<V::Value, TomlError> {
+        let blamed = self.blamed();
+        visitor.visit_newtype_struct(self).map_err(blamed)
+    }
+
+    fn deserialize_struct<V: Visitor<'a>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, TomlError> {
+        if is_spanned(name) { visitor.visit_map(Pairs::spanned(self, fields)) } else { self.deserialize_any(visitor) }
+    }
+
+    fn deserialize_enum<V: Visitor<'a>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, TomlError> {
+        let blamed = self.blamed();
+        let text: Option<&str> = match &self {
+            Node::Text(text) => Some(text),
+            Node::Value(value) => value.get_ref().as_str(),
+            _ => None,
+        };
+        let found = match (text, self.table()) {
+            (Some(text), _) => {
+                let text: StrDeserializer<TomlError> = text.into_deserializer();
+                visitor.visit_enum(text)
+            }
+            (None, Some(table)) if table.len() == 1 => {
+                visitor.visit_enum(MapAccessDeserializer::new(Pairs::table(table)))
+            }
+            (None, Some(_)) => Err(TomlError::custom("wanted exactly 1 element")),
+            (None, None) => Err(TomlError::custom("wanted string or table")),
+        };
+        found.map_err(blamed)
+    }
+
+    forward_to_deserialize_any! {
+        <W: Visitor<'a>>
+        bool u8 u16 u32 u64 u128 i8 i16 i32 i64 i128 f32 f64 char str string seq bytes byte_buf map unit ignored_any unit_struct tuple_struct tuple
+        identifier
+    }
+}
+
+/// What stands in a list.
+struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>);
+
+impl<'a> SeqAccess<'a> for Items<'a> {
+    type Error = TomlError;
+
+    fn next_element_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<Option<T::Value>, TomlError> {
+        self.0.next().map(|item| seed.deserialize(Node::Value(item))).transpose()
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.0.len())
+    }
+}
+
+/// Keys and values, and where the key stands: of a table, or those by which `serde` is told where a value stands.
+struct Pairs<'a> {
+    table: Option<toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>>,
+    more: [Option<(&'a str, Node<'a>)>; 3],
+    value: Option<Node<'a>>,
+}
+
+impl<'a> Pairs<'a> {
+    fn table(table: &'a DeTable<'a>) -> Self {
+        Pairs { table: Some(table.iter()), more: [const { None }; 3], value: None }
+    }
+
+    fn date() -> Self {
+        Pairs { table: None, more: [Some((DATE, Node::Text(""))), None, None], value: None }
+    }
+
+    /// Start, end and the value itself.
+    fn spanned(node: Node<'a>, fields: &'static [&'static str]) -> Self {
+        let Range { start, end } = node.span();
+        let mut values = [Some(Node::Place(start)), Some(Node::Place(end)), Some(node)];
+        let more = std::array::from_fn(|k| fields.get(k).copied().zip(values[k].take()));
+        Pairs { table: None, more, value: None }
+    }
+}
+
+impl<'a> MapAccess<'a> for Pairs<'a> {
+    type Error = TomlError;
+
+    fn next_key_seed<K: DeserializeSeed<'a>>(&mut self, seed: K) -> Result<Option<K::Value>, TomlError> {
+        let (key, span) = if let Some((key, value)) = self.table.as_mut().and_then(Iterator::next) {
+            self.value = Some(Node::Value(value));
+            (key.get_ref().as_ref(), Some(key.span()))
+        } else if let Some((key, value)) = self.more.iter_mut().find_map(Option::take) {
+            self.value = Some(value);
+            (key, None)
+        } else {
+            return Ok(None);
+        };
+        let found = seed.deserialize(Node::Text(key));
+        found.map(Some).map_err(|error| span.map_or(error.clone(), |span| error.within(&span)))
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, TomlError> {
+        let Some(value) = self.value.take() else { return Err(TomlError::custom("a value without a key")) };
+        let blamed = value.blamed();
+        seed.deserialize(value).map_err(blamed)
+    }
+}
