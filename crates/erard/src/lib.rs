@@ -23,6 +23,7 @@ pub mod events;
 pub mod files;
 pub mod gradient;
 pub mod grand;
+pub mod identity;
 pub mod instrument;
 pub mod keyboard;
 pub mod mechanism;
@@ -31,6 +32,7 @@ pub mod player;
 #[cfg(feature = "recordings")]
 pub mod recording;
 pub mod run;
+pub mod saved;
 pub mod sight;
 pub mod simulation;
 pub mod strings;

@@ -1,6 +1,6 @@
 //! An instrument's mechanism, of any size, behind one interface: what [`crate::Action`] plays.
 
-pub use moreau_kernels::{InputDuring, Mechanism, Saved, Size, Surfaces, View};
+pub use moreau_kernels::{InputDuring, Mechanism, Saved, Size, Surfaces, TellNumbers, View};
 
 use moreau::{ModelError, Settings};
 

@@ -31,5 +31,5 @@ pub use mechanism::{InputDuring, Mechanism, Saved, View, mechanism};
 pub use placed::{Placed, Visible, placed};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};
-pub use surfaces::Surfaces;
+pub use surfaces::{Surfaces, TellNumbers};
 pub use tangents::{DIRECTIONS, Number, Tangents, tangents};

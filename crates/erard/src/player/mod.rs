@@ -12,7 +12,7 @@ mod losses;
 mod motion;
 mod reactions;
 mod recorder;
-mod snapshot;
+pub(crate) mod snapshot;
 
 pub use action::{Action, ActionError, PlayError, Reading};
 pub use course::Observer;
@@ -24,4 +24,4 @@ pub use ledger::LedgerBook;
 pub use losses::{ContactLoss, Loss, LossRecorder, Losses, PinLoss};
 pub use reactions::{PinSeries, ReactionRecorder, Reactions};
 pub use recorder::{Recorded, Recorder};
-pub use snapshot::{BYTES as SNAPSHOT_BYTES, MechanismState, Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};
+pub use snapshot::{MARK as SNAPSHOT_MARK, MechanismState, Snapshot, SnapshotError};
