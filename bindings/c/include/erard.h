@@ -436,8 +436,9 @@ ErardStatus erard_reset(struct ErardAction *action);
 
 /**
  * Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
- * told how many it takes: some 1.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
- * their modes, and the size then belongs to the action. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
+ * told how many it takes: some 2.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
+ * their modes, and the size then belongs to the action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and
+ * the other way round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
  */
 ErardStatus erard_save(const struct ErardAction *action,
                        uint8_t *bytes,
@@ -467,8 +468,8 @@ ErardStatus erard_string_shape(const struct ErardAction *action,
                                size_t count);
 
 /**
- * Goes on from a saved state of the same instrument and the same length of step, to the bit; readings are those of then. What is no such state is
- * refused, and the action stays as it was. Real time: yes.
+ * Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file do not) and the same length of step,
+ * to the bit; readings are those of then. What is no such state is refused, and the action stays as it was. Real time: yes.
  */
 ErardStatus erard_restore(struct ErardAction *action,
                           const uint8_t *bytes,
@@ -577,7 +578,7 @@ ErardStatus erard_keyboard_angles(const struct ErardKeyboard *keyboard,
                                   size_t count);
 
 /**
- * Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 100 kB). Real time: yes.
+ * Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time: yes.
  */
 ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard,
                                 uint8_t *bytes,

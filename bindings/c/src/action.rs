@@ -199,8 +199,9 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
 }
 
 /// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
-/// told how many it takes: some 1.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
-/// their modes, and the size then belongs to the action. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
+/// told how many it takes: some 2.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
+/// their modes, and the size then belongs to the action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and
+/// the other way round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a size.
@@ -275,13 +276,13 @@ pub unsafe extern "C" fn erard_string_shape(
     })
 }
 
-/// Goes on from a saved state of the same instrument and the same length of step, to the bit; readings are those of then. What is no such state is
-/// refused, and the action stays as it was. Real time: yes.
+/// Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file do not) and the same length of step,
+/// to the bit; readings are those of then. What is no such state is refused, and the action stays as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and so many bytes.
     let (Some(action), false) = (unsafe { action.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
-    if size != action.play.saved_bytes() {
+    if size > isize::MAX as usize {
         return ErardStatus::Saved;
     }
     quick(|| action.play.restore(unsafe { core::slice::from_raw_parts(bytes, size) }))

@@ -9,11 +9,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 
 use erard::instrument::{InstrumentFile, with_numbers};
+use erard::player::SNAPSHOT_MARK;
+use erard::saved::{Lists, Writer};
 use erard_workshop::fmu::{INSTRUMENT, Role, STEP_S, Variable, guid, variables};
 
 use crate::action::ErardAction;
 use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_MOTION, ErardInput, ErardReading};
-use crate::saved::{Reader, Writer};
 use crate::status::ErardStatus;
 
 /// fmi2Status.
@@ -53,8 +54,8 @@ pub struct Component {
 
 /// A saved state: the action, the inputs, the start and the steps.
 type SavedState = Vec<u8>;
-/// Bytes of it behind those of the action.
-const BEHIND: usize = 5 * 8;
+/// What the names of the inputs are in it.
+const INPUTS: &str = "fmu_inputs";
 
 type Done = Result<c_int, String>;
 
@@ -177,36 +178,38 @@ impl Component {
         Ok(())
     }
 
-    /// How many bytes a state takes: as many as another of the same instance.
+    /// How many bytes a state takes.
     fn state_bytes(&self) -> Result<usize, String> {
+        self.write(&mut [])
+    }
+
+    fn write(&self, bytes: &mut [u8]) -> Result<usize, String> {
         let action = self.action.as_ref().ok_or("there is no state before the end of initialisation")?;
-        Ok(action.play.saved_bytes() + BEHIND)
+        let mut out = Writer::new(bytes, SNAPSHOT_MARK);
+        action.play.write(&mut out);
+        out.list(INPUTS, &mut self.inputs.iter().copied());
+        out.number("fmu_start_s", self.start_s);
+        out.word("fmu_steps", self.steps);
+        Ok(out.seal())
     }
 
     fn save(&self) -> Result<SavedState, String> {
         let mut state = vec![0; self.state_bytes()?];
-        let action = self.action.as_ref().ok_or("there is no state before the end of initialisation")?;
-        let (play, more) = state.split_at_mut(action.play.saved_bytes());
-        action.play.save(play);
-        let mut out = Writer::new(more);
-        out.numbers(&self.inputs);
-        out.numbers(&[self.start_s]);
-        out.word(self.steps);
+        self.write(&mut state)?;
         Ok(state)
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), String> {
         let action = self.action.as_mut().ok_or("a state can be set after the end of initialisation only")?;
-        let at = action.play.saved_bytes();
-        let (play, more) = state.split_at_checked(at).filter(|(_, more)| more.len() == BEHIND).ok_or("no state")?;
-        let status = action.play.restore(play);
+        let lists = Lists::read(state, SNAPSHOT_MARK).map_err(|error| error.to_string())?;
+        let status = action.play.read(&lists);
         if status != ErardStatus::Ok {
             return Err(format!("the state is none of this instance: {status:?}"));
         }
-        let mut read = Reader::new(more);
-        self.inputs = read.numbers();
-        [self.start_s] = read.numbers();
-        self.steps = read.word();
+        self.inputs = [0.0; 3];
+        lists.fill(INPUTS, &mut self.inputs);
+        self.start_s = lists.number("fmu_start_s").unwrap_or(0.0);
+        self.steps = lists.word("fmu_steps").unwrap_or(0);
         Ok(())
     }
 }
@@ -564,12 +567,10 @@ unsafe extern "C" fn fmi2DeSerializeFMUstate(
     state: *mut *mut SavedState,
 ) -> c_int {
     unsafe {
-        done(component, |c| {
+        done(component, |_| {
             let place = state.as_mut().ok_or("the state's place is NULL")?;
-            let (saved, expected): (SavedState, usize) = (list(bytes, size).to_vec(), c.state_bytes()?);
-            if saved.len() != expected {
-                return Err(format!("a state takes {expected} bytes; there are {size}"));
-            }
+            let saved: SavedState = list(bytes, size).to_vec();
+            Lists::read(&saved, SNAPSHOT_MARK).map_err(|error| error.to_string())?;
             if !place.is_null() {
                 drop(Box::from_raw(*place));
             }

@@ -6,12 +6,13 @@ use std::ptr::null_mut;
 
 use erard::instrument::utf8;
 use erard::keyboard::{Keyboard, Keys};
-use erard::player::{MechanismState, SNAPSHOT_BYTES};
+use erard::mechanism::TellNumbers;
+use erard::player::MechanismState;
+use erard::saved::{Lists, Writer};
 
 use crate::instrument::file_fault;
 use crate::play::{settings, status_of};
 use crate::reading::{ErardBlow, ErardInput, ErardReading};
-use crate::saved::{Reader, Writer, check_sum, seal};
 use crate::status::{ErardStatus, Fault, quick, told};
 use crate::text::bytes;
 
@@ -22,28 +23,12 @@ pub struct ErardKeyboard {
     blows: Vec<(f64, f64, u32)>,
     /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.
     offset_s: f64,
-    /// How many numbers say how each key's strings vibrate, and room for those of the key with most, while they are restored.
-    strings: Vec<usize>,
-    aside: Vec<f64>,
-}
-
-impl ErardKeyboard {
-    /// How many bytes a saved state takes.
-    fn saved_bytes(&self) -> usize {
-        HEAD + self.strings.iter().map(|numbers| EACH + 8 * numbers).sum::<usize>() + 8
-    }
 }
 
 /// Most steps that erard_keyboard_step takes at once.
 pub const ERARD_MOST_STEPS: u32 = 1000000;
 
-const MARK: u64 = u64::from_le_bytes(*b"erardkbd");
-/// Mark, keys, length of a step, instant; for each key its mechanism's state, five numbers of input, two or so of its last blow, and how its strings
-/// vibrate; a check sum.
-const HEAD: usize = 4 * 8;
-const INPUT: usize = 4 * 8;
-const BLOW: usize = 3 * 8;
-const EACH: usize = SNAPSHOT_BYTES + INPUT + BLOW;
+const MARK: [u8; 8] = *b"erardkbd";
 
 /// 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one; NULL and 0: the built-in
 /// concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE. NULL where it cannot be had; `status` (which may be
@@ -72,9 +57,7 @@ pub unsafe extern "C" fn erard_keyboard_new(
             Keys::at_rest(&instruments, settings(step_s)).map_err(|error| Fault::new(status, error.to_string()))?;
         let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
         let offset_s = -keys.time_s();
-        let strings: Vec<usize> = (1..=keys.count()).map(|key| keys.string_numbers(key)).collect();
-        let aside = vec![0.0; strings.iter().copied().max().unwrap_or(0)];
-        Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s, strings, aside })))
+        Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
     })
 }
 
@@ -243,7 +226,7 @@ pub unsafe extern "C" fn erard_keyboard_angles(
     })
 }
 
-/// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 100 kB). Real time: yes.
+/// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_save(
     keyboard: *const ErardKeyboard,
@@ -254,7 +237,7 @@ pub unsafe extern "C" fn erard_keyboard_save(
     let (Some(keyboard), Some(size)) = (unsafe { keyboard.as_ref() }, unsafe { size.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let needed = keyboard.saved_bytes();
+    let needed = save(keyboard, &mut []);
     let room = core::mem::replace(size, needed);
     if bytes.is_null() {
         return ErardStatus::Ok;
@@ -265,22 +248,31 @@ pub unsafe extern "C" fn erard_keyboard_save(
     // SAFETY: there is room.
     let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, needed) };
     quick(|| {
-        let keys = &keyboard.keys;
-        let mut out = Writer::new(bytes);
-        out.word(MARK);
-        out.word(keys.count() as u64);
-        out.numbers(&[keys.settings().step, keys.time_s() + keyboard.offset_s]);
-        let each = keyboard.inputs.iter().zip(&keyboard.blows).enumerate();
-        for (index, (input, (time_s, speed_m_s, blows))) in each {
-            out.bytes(&keys.mechanism_state(index + 1).to_bytes());
-            out.word(u64::from(input.kind));
-            out.numbers(&[input.force_n, input.position_m, input.velocity_m_s, *time_s, *speed_m_s]);
-            out.word(u64::from(*blows));
-            keys.save_strings(index + 1, &mut |number| out.number(number));
-        }
-        seal(bytes);
+        save(keyboard, bytes);
         ErardStatus::Ok
     })
+}
+
+/// Length of a step, instant, and a group for each key. Returns how many bytes it takes.
+fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
+    let (keys, mut out) = (&keyboard.keys, Writer::new(bytes, MARK));
+    out.number("step_s", keys.settings().step);
+    out.number("time_s", keys.time_s() + keyboard.offset_s);
+    let each = keyboard.inputs.iter().zip(&keyboard.blows).enumerate();
+    for (index, (input, (time_s, speed_m_s, blows))) in each {
+        out.group("key", |out| {
+            keys.mechanism_state(index + 1).write(out);
+            keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
+            out.number("input_kind", f64::from(input.kind));
+            out.number("input_force_N", input.force_n);
+            out.number("input_position_m", input.position_m);
+            out.number("input_velocity_m_s", input.velocity_m_s);
+            out.number("blow_time_s", *time_s);
+            out.number("blow_m_s", *speed_m_s);
+            out.number("blows", f64::from(*blows));
+        });
+    }
+    out.seal()
 }
 
 /// Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants to a rounding. What is no such
@@ -293,59 +285,54 @@ pub unsafe extern "C" fn erard_keyboard_restore(
 ) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or a keyboard and so many bytes.
     let (Some(keyboard), false) = (unsafe { keyboard.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
-    if size < HEAD + 8 || size > isize::MAX as usize {
+    if size > isize::MAX as usize {
         return ErardStatus::Saved;
     }
+    // SAFETY: the caller's promise: so many bytes.
     let bytes = unsafe { core::slice::from_raw_parts(bytes, size) };
     quick(|| restore(keyboard, bytes))
 }
 
 fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
-    let mut head = Reader::new(bytes);
-    let (mark, count) = (head.word(), head.word());
-    let [step_s, time_s] = head.numbers();
-    if mark != MARK || Reader::new(&bytes[bytes.len() - 8..]).word() != check_sum(bytes) {
-        return ErardStatus::Saved;
-    }
-    if count != keyboard.keys.count() as u64 || step_s != keyboard.keys.settings().step {
+    let Ok(lists) = Lists::read(bytes, MARK) else { return ErardStatus::Saved };
+    let step_s = keyboard.keys.settings().step;
+    let other = lists.number("step_s").is_some_and(|saved_s| saved_s != step_s);
+    if lists.groups("key").count() != keyboard.keys.count() || other {
         return ErardStatus::Foreign;
     }
-    if bytes.len() != keyboard.saved_bytes() || !time_s.is_finite() {
+    let time_s = lists.number("time_s").unwrap_or(0.0);
+    if !time_s.is_finite() {
         return ErardStatus::Saved;
     }
     // First everything is read, then everything is changed.
     for write in [false, true] {
-        let mut left = &bytes[HEAD..];
-        for index in 0..keyboard.keys.count() {
-            let numbers = keyboard.strings[index];
-            let (place, after) = left.split_at(EACH + 8 * numbers);
-            left = after;
-            let (state, more) = place.split_at(SNAPSHOT_BYTES);
-            let state = match MechanismState::from_bytes(state) {
-                Ok(state) => state,
-                Err(error) => return status_of(error),
+        for (index, key) in lists.groups("key").enumerate() {
+            let number = |name| key.number(name).unwrap_or(0.0);
+            let input = ErardInput {
+                kind: number("input_kind") as u32,
+                reserved: 0,
+                force_n: number("input_force_N"),
+                position_m: number("input_position_m"),
+                velocity_m_s: number("input_velocity_m_s"),
             };
-            let mut read = Reader::new(more);
-            let kind = read.word() as u32;
-            let [force_n, position_m, velocity_m_s, blow_s, blow_m_s] = read.numbers();
-            let input = ErardInput { kind, reserved: 0, force_n, position_m, velocity_m_s };
             let Ok(checked) = input.checked() else { return ErardStatus::Saved };
-            let blows = read.word() as u32;
-            let strings = &mut keyboard.aside[..numbers];
-            read.fill(strings);
-            if !strings.iter().all(|number| number.is_finite()) {
-                return ErardStatus::NotFinite;
-            }
-            if state.instrument != keyboard.keys.digest(index + 1) {
-                return ErardStatus::Foreign;
+            let (state, strings) =
+                (MechanismState::read(&key), |name: &str, number: &mut TellNumbers<'_>| key.each(name, number));
+            let restored = if write {
+                keyboard.keys.restore_from(index + 1, &state, &strings)
+            } else {
+                keyboard.keys.restorable(index + 1, &state, &strings)
+            };
+            if let Err(error) = restored {
+                return status_of(error);
             }
             if write {
-                if let Err(error) = keyboard.keys.restore_from(index + 1, &state, strings) {
-                    return status_of(error);
-                }
                 keyboard.keys.drive(index + 1, checked);
-                keyboard.inputs[index] = input;
-                keyboard.blows[index] = (blow_s, blow_m_s, blows);
+                let blow = (number("blow_time_s"), number("blow_m_s"), number("blows") as u32);
+                let places = keyboard.inputs.get_mut(index).zip(keyboard.blows.get_mut(index));
+                if let Some((last_input, last_blow)) = places {
+                    (*last_input, *last_blow) = (input, blow);
+                }
             }
         }
     }

@@ -9,7 +9,6 @@ mod instrument;
 mod keyboard;
 mod play;
 mod reading;
-mod saved;
 mod status;
 mod stroke;
 mod text;

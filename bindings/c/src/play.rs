@@ -1,16 +1,11 @@
 //! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the system or uses a clock.
 
-use erard::player::{MechanismState, SNAPSHOT_BYTES};
+use erard::player::{MechanismState, SNAPSHOT_MARK};
+use erard::saved::{Lists, Writer};
 use erard::{Action, Input, Outcome, Settings, SnapshotError};
 
 use crate::reading::{ERARD_LONGEST_ADVANCE_S, ErardInput, ErardReading};
-use crate::saved::{Reader, Writer, check_sum, seal};
 use crate::status::ErardStatus;
-
-/// Numbers of eight bytes behind the snapshot: length of a step, time owed, ten numbers of the reading, its two counts.
-const WORDS: usize = 2 + 10 + 2;
-/// Bytes of a saved action without strings that yield: the mechanism's state, what the interface adds, a check sum.
-const SAVED_BYTES: usize = SNAPSHOT_BYTES + 8 * WORDS + 8;
 
 /// A share of a step by which a time may fall short of it and still count as the whole.
 const NEARLY: f64 = 1e-6;
@@ -19,8 +14,8 @@ const NEARLY: f64 = 1e-6;
 pub struct Play {
     pub action: Action,
     rest: MechanismState,
-    /// Room for how strings that yield vibrate, while they are restored.
-    strings: Box<[f64]>,
+    /// Room for how strings that yield vibrated before several steps.
+    strings: Box<[u8]>,
     pub reading: ErardReading,
     /// Time that has been asked for and not yet been stepped, s: less than a step.
     owed_s: f64,
@@ -31,7 +26,7 @@ pub struct Play {
 
 impl Play {
     pub fn new(action: Action, zones: usize) -> Self {
-        let (rest, strings) = (action.mechanism_state(), vec![0.0; action.string_numbers()].into());
+        let (rest, strings) = (action.mechanism_state(), vec![0; save_strings(&action, &mut [])].into());
         let mut play =
             Play { action, rest, strings, reading: ErardReading::default(), owed_s: 0.0, under_way: false, zones };
         play.look();
@@ -91,21 +86,18 @@ impl Play {
             return ErardStatus::Ok;
         }
         let (before, read) = (self.action.mechanism_state(), self.reading);
-        let mut places = self.strings.iter_mut();
-        self.action.save_strings(&mut |number| {
-            if let Some(place) = places.next() {
-                *place = number;
-            }
-        });
+        save_strings(&self.action, &mut self.strings);
         self.under_way = true;
         let (mut sum, mut blows, mut status) = (0.0, 0, ErardStatus::Ok);
         for n in 0..steps {
             let one = self.one(later(first, n as f64 * h, h));
             if (one as i32) < 0 {
                 // Nothing has happened.
-                let restored = self.action.restore_from(&before, &self.strings);
+                let strings = Lists::read(&self.strings, SNAPSHOT_MARK);
+                let restored = strings
+                    .map(|strings| self.action.restore_from(&before, &|name, number| strings.each(name, number)));
                 self.reading = read;
-                self.under_way = restored.is_err();
+                self.under_way = !matches!(restored, Ok(Ok(())));
                 return one;
             }
             if one == ErardStatus::IterationLimit {
@@ -148,8 +140,8 @@ impl Play {
     #[inline(never)]
     pub fn reset(&mut self) -> ErardStatus {
         let Play { action, rest, .. } = self;
-        // Of no numbers: strings are at rest.
-        if action.restore_from(rest, &[]).is_err() {
+        // Of no lists: strings are at rest.
+        if action.restore_from(rest, &|_, _| 0).is_err() {
             return ErardStatus::Internal;
         }
         (self.reading, self.owed_s, self.under_way) = (ErardReading::default(), 0.0, false);
@@ -159,66 +151,58 @@ impl Play {
 
     /// How many bytes [`Play::save`] writes.
     pub fn saved_bytes(&self) -> usize {
-        SAVED_BYTES + 8 * self.action.string_numbers()
+        self.save(&mut [])
     }
 
-    /// All that the following steps and readings depend on, in [`Play::saved_bytes`] bytes.
+    /// All that the following steps and readings depend on. Returns how many bytes it takes.
     #[inline(never)]
-    pub fn save(&self, bytes: &mut [u8]) {
-        let mut out = Writer::new(bytes);
-        out.bytes(&self.action.mechanism_state().to_bytes());
-        let r = &self.reading;
-        out.numbers(&[self.action.settings().step, self.owed_s]);
-        out.numbers(&[r.time_s, r.key_m, r.key_m_s, r.finger_n, r.finger_mean_n]);
-        out.numbers(&[r.hammer_m, r.hammer_m_s, r.string_n, r.blow_time_s, r.blow_m_s]);
-        out.word(u64::from(r.blows));
-        out.word(u64::from(r.new_blows));
-        self.action.save_strings(&mut |number| out.number(number));
-        seal(bytes);
+    pub fn save(&self, bytes: &mut [u8]) -> usize {
+        let mut out = Writer::new(bytes, SNAPSHOT_MARK);
+        self.write(&mut out);
+        out.seal()
+    }
+
+    /// Writes its lists: those of a snapshot, and what the interface adds.
+    pub fn write(&self, out: &mut Writer<'_>) {
+        self.action.mechanism_state().write(out);
+        self.action.save_strings(&mut |name, numbers| out.list(name, numbers));
+        out.number("step_s", self.action.settings().step);
+        out.number("owed_s", self.owed_s);
+        let mut reading = self.reading;
+        reading_lists(&mut reading, &mut |name, number| out.number(name, *number));
     }
 
     /// Goes on from there.
     #[inline(never)]
     pub fn restore(&mut self, bytes: &[u8]) -> ErardStatus {
-        let Some((own, more)) = bytes.split_at_checked(SNAPSHOT_BYTES) else { return ErardStatus::Saved };
-        if bytes.len() != self.saved_bytes() {
-            return ErardStatus::Saved;
+        match Lists::read(bytes, SNAPSHOT_MARK) {
+            Ok(lists) => self.read(&lists),
+            Err(_) => ErardStatus::Saved,
         }
-        let state = match MechanismState::from_bytes(own) {
-            Ok(state) => state,
-            Err(error) => return status_of(error),
-        };
-        let mut read = Reader::new(more);
-        let [step_s, owed_s] = read.numbers();
-        let [time_s, key_m, key_m_s, finger_n, finger_mean_n] = read.numbers();
-        let [hammer_m, hammer_m_s, string_n, blow_time_s, blow_m_s] = read.numbers();
-        let (blows, new_blows) = (read.word() as u32, read.word() as u32);
-        read.fill(&mut self.strings);
-        if read.word() != check_sum(bytes) || !(0.0..=step_s).contains(&owed_s) {
-            return ErardStatus::Saved;
-        }
-        if step_s != self.action.settings().step {
+    }
+
+    /// Goes on from such lists; those of a snapshot alone have the length of step that is in force, owe no time, and have seen no blow.
+    pub fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
+        let step_s = self.action.settings().step;
+        if lists.number("step_s").is_some_and(|saved_s| saved_s != step_s) {
             return ErardStatus::Foreign;
         }
-        if let Err(error) = self.action.restore_from(&state, &self.strings) {
+        let owed_s = lists.number("owed_s").unwrap_or(0.0);
+        if !(0.0..=step_s).contains(&owed_s) {
+            return ErardStatus::Saved;
+        }
+        let state = MechanismState::read(lists);
+        if let Err(error) = self.action.restore_from(&state, &|name, number| lists.each(name, number)) {
             return status_of(error);
         }
-        self.owed_s = owed_s;
-        self.reading = ErardReading {
-            time_s,
-            key_m,
-            key_m_s,
-            finger_n,
-            finger_mean_n,
-            hammer_m,
-            hammer_m_s,
-            string_n,
-            blow_time_s,
-            blow_m_s,
-            blows,
-            new_blows,
-        };
-        self.under_way = false;
+        (self.owed_s, self.under_way) = (owed_s, false);
+        self.reading = ErardReading::default();
+        self.look();
+        reading_lists(&mut self.reading, &mut |name, number| {
+            if let Some(saved) = lists.number(name) {
+                *number = saved;
+            }
+        });
         ErardStatus::Ok
     }
 
@@ -228,6 +212,46 @@ impl Play {
         for (zone, place) in out.iter_mut().enumerate().take(self.zones) {
             *place = self.action.contact_force(zone);
         }
+    }
+}
+
+/// How strings that yield vibrate, as a state of its own. Returns how many bytes it takes.
+fn save_strings(action: &Action, bytes: &mut [u8]) -> usize {
+    let mut out = Writer::new(bytes, SNAPSHOT_MARK);
+    action.save_strings(&mut |name, numbers| out.list(name, numbers));
+    out.seal()
+}
+
+/// What a reading has in a saved state: the names and numbers.
+fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str, &mut f64)) {
+    let ErardReading {
+        time_s,
+        key_m,
+        key_m_s,
+        finger_n,
+        finger_mean_n,
+        hammer_m,
+        hammer_m_s,
+        string_n,
+        blow_time_s,
+        blow_m_s,
+        blows,
+        new_blows,
+    } = reading;
+    number("read_time_s", time_s);
+    number("read_key_m", key_m);
+    number("read_key_m_s", key_m_s);
+    number("read_finger_N", finger_n);
+    number("read_finger_mean_N", finger_mean_n);
+    number("read_hammer_m", hammer_m);
+    number("read_hammer_m_s", hammer_m_s);
+    number("read_string_N", string_n);
+    number("read_blow_time_s", blow_time_s);
+    number("read_blow_m_s", blow_m_s);
+    for (name, count) in [("read_blows", blows), ("read_new_blows", new_blows)] {
+        let mut float = f64::from(*count);
+        number(name, &mut float);
+        *count = float as u32;
     }
 }
 

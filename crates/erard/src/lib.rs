@@ -23,6 +23,7 @@ pub mod events;
 pub mod files;
 pub mod gradient;
 pub mod grand;
+pub mod identity;
 pub mod instrument;
 pub mod instrument_spec;
 pub mod keyboard;
@@ -32,6 +33,7 @@ pub mod player;
 #[cfg(feature = "recordings")]
 pub mod recording;
 pub mod run;
+pub mod saved;
 pub mod strings;
 pub mod stroke;
 pub mod trust;

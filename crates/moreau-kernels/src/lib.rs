@@ -32,5 +32,5 @@ pub use mechanism::{InputDuring, Mechanism, Readout, Saved, StepOutput, Stepping
 pub use observation::{LaneObserver, Observation, lane_observer};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};
-pub use surfaces::Surfaces;
+pub use surfaces::{Surfaces, TellNumbers};
 pub use tangents::{DIRECTIONS, Number, Tangents, tangents};

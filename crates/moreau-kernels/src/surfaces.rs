@@ -41,17 +41,19 @@ pub trait Surfaces: Send {
     fn given(&self) -> f64 {
         0.0
     }
-    /// How many numbers [`Surfaces::save`] writes at the present length of steps.
-    fn numbers(&self) -> usize;
-    /// All that the following steps depend on, number by number.
-    fn save(&self, put: &mut dyn FnMut(f64));
-    /// Goes on from there; from nothing (an empty list) at rest.
-    fn restore(&mut self, from: &[f64]);
+    /// All that the following steps depend on, in lists of numbers: to each its name, of at most 24 bytes, and its numbers.
+    fn save(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>));
+    /// Goes on from there; from nothing (no list has any numbers) at rest. `each` tells the numbers of a list, with their indices, and returns how many
+    /// there are.
+    fn restore(&mut self, each: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize);
     /// The thing itself, for who knows what it is.
     fn as_any(&self) -> &dyn Any;
     /// The same, to be changed.
     fn as_any_mut(&mut self) -> &mut dyn Any;
 }
+
+/// Told the numbers of a list one by one, each with its index.
+pub type TellNumbers<'a> = dyn FnMut(usize, f64) + 'a;
 
 /// Zones that may yield at once.
 pub(crate) const MOST: usize = 8;

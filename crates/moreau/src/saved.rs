@@ -47,6 +47,28 @@ impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
     }
 }
 
+impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
+    /// The same with bodies and zones in another order: place i takes what place `bodies[i]` has.
+    pub fn reordered(&self, bodies: &[usize; B], zones: &[usize; Z]) -> Self {
+        SavedState {
+            angle: reordered(&self.angle, bodies),
+            velocity: reordered(&self.velocity, bodies),
+            increment: reordered(&self.increment, bodies),
+            pivot_friction: reordered(&self.pivot_friction, bodies),
+            tangential: reordered(&self.tangential, zones),
+            side: reordered(&self.side, zones),
+            rigid_force: self.rigid_force,
+            memory: reordered(&self.memory, zones),
+            pivot_rested: reordered(&self.pivot_rested, bodies),
+            rested: reordered(&self.rested, zones),
+        }
+    }
+}
+
+fn reordered<T: Real, const K: usize>(numbers: &[T; K], order: &[usize; K]) -> [T; K] {
+    order.map(|place| numbers.get(place).copied().unwrap_or(T::ZERO))
+}
+
 fn sized<T: Real, const K: usize>(numbers: &[T]) -> [T; K] {
     core::array::from_fn(|i| numbers.get(i).copied().unwrap_or(T::ZERO))
 }

@@ -122,6 +122,8 @@ class Action:
     def save(self) -> bytes:
         """All that the next steps depend on: the same bytes on every machine.
 
+        They belong to the instrument's numbers that change a step. Its name, its notes and the order in its file do not count.
+
         Returns
         -------
         bytes

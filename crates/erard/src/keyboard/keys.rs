@@ -9,9 +9,11 @@ use thiserror::Error;
 pub use moreau_kernels::Tick;
 
 use crate::assembly::{describe, probes};
+use crate::identity::Identity;
 use crate::instrument::Instrument;
-use crate::mechanism::Impact;
+use crate::mechanism::{Impact, TellNumbers};
 use crate::player::rest::Rest;
+use crate::player::snapshot::strings_are_finite;
 use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
 use crate::strings::Strings;
 
@@ -48,7 +50,7 @@ pub struct Keys {
 /// What is one key's.
 struct Own {
     rest: Rest,
-    digest: u64,
+    identity: Identity,
 }
 
 impl Keys {
@@ -66,7 +68,7 @@ impl Keys {
             description.angles = action.angles().to_vec();
             descriptions.push(description);
             all_probes.push(probes(instrument));
-            own.push(Own { rest: action.rest(), digest: action.digest() });
+            own.push(Own { rest: action.rest(), identity: *action.identity() });
             // As they stand under what lies on them.
             strings.push(action.strings().cloned());
         }
@@ -173,12 +175,6 @@ impl Keys {
         Reading { outcome: Outcome::Converged, ..reading }
     }
 
-    /// The digest of a key's instrument, which its [`Snapshot`] carries.
-    #[must_use]
-    pub fn digest(&self, key: usize) -> u64 {
-        self.own[key - 1].digest
-    }
-
     /// Force between a key's hammer and its string in the last step, N.
     #[must_use]
     pub fn string_force(&self, key: usize) -> f64 {
@@ -218,17 +214,11 @@ impl Keys {
     /// The same but for how a key's strings vibrate: [`Action::mechanism_state`].
     #[must_use]
     pub fn mechanism_state(&self, key: usize) -> MechanismState {
-        MechanismState::new(self.own[key - 1].digest, self.bank.save(key - 1), None)
-    }
-
-    /// [`Action::string_numbers`] of a key.
-    #[must_use]
-    pub fn string_numbers(&self, key: usize) -> usize {
-        self.bank.surfaces(key - 1).map_or(0, |strings| strings.numbers())
+        MechanismState::new(&self.own[key - 1].identity, self.bank.save(key - 1), None)
     }
 
     /// [`Action::save_strings`] of a key.
-    pub fn save_strings(&self, key: usize, put: &mut dyn FnMut(f64)) {
+    pub fn save_strings(&self, key: usize, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
         if let Some(strings) = self.bank.surfaces(key - 1) {
             strings.save(put);
         }
@@ -240,15 +230,35 @@ impl Keys {
     /// # Errors
     /// [`SnapshotError`].
     pub fn restore(&mut self, key: usize, snapshot: &Snapshot) -> Result<(), SnapshotError> {
-        self.restore_from(key, &snapshot.mechanism, snapshot.strings())
+        self.restore_from(key, &snapshot.mechanism, &|name, number| snapshot.each(name, number))
+    }
+
+    /// Whether [`Keys::restore_from`] would go on from there; nothing changes.
+    ///
+    /// # Errors
+    /// [`SnapshotError`].
+    pub fn restorable(
+        &self,
+        key: usize,
+        state: &MechanismState,
+        strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
+    ) -> Result<(), SnapshotError> {
+        state.open(&self.own[key - 1].identity)?;
+        self.bank.surfaces(key - 1).map_or(Ok(()), |surfaces| strings_are_finite(surfaces, strings))
     }
 
     /// The same from its parts: [`Action::restore_from`].
     ///
     /// # Errors
     /// [`SnapshotError`].
-    pub fn restore_from(&mut self, key: usize, state: &MechanismState, strings: &[f64]) -> Result<(), SnapshotError> {
-        let (mut saved, _) = state.open(self.own[key - 1].digest, strings)?;
+    pub fn restore_from(
+        &mut self,
+        key: usize,
+        state: &MechanismState,
+        strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
+    ) -> Result<(), SnapshotError> {
+        self.restorable(key, state, strings)?;
+        let (mut saved, _) = state.open(&self.own[key - 1].identity)?;
         let later_s = self.bank.now_s() - saved.now_s;
         for [time_s, ..] in saved.flight.iter_mut().flatten() {
             *time_s += later_s;

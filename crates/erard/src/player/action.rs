@@ -6,9 +6,10 @@ use thiserror::Error;
 use super::Input;
 use super::equilibrium::{self, EquilibriumError};
 use super::rest::{RIGID_CORRECTION, Rest};
-use super::snapshot::{MechanismState, Snapshot, SnapshotError, digest};
+use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finite};
+use crate::identity::Identity;
 use crate::instrument::Instrument;
-use crate::mechanism::{Impact, Mechanism, StepOutput, Stepping, mechanism};
+use crate::mechanism::{Impact, Mechanism, StepOutput, Stepping, TellNumbers, mechanism};
 use crate::strings::Strings;
 
 /// Why an action cannot be played.
@@ -109,7 +110,7 @@ impl Reading {
 pub struct Action {
     mechanism: Box<dyn Mechanism>,
     rest: Rest,
-    digest: u64,
+    identity: Identity,
     /// Where an imposed motion was to be at the end of the last step, m from rest.
     aimed_m: Option<f64>,
 }
@@ -156,8 +157,12 @@ impl Action {
             return Err(ActionError::Step { found: settings.step });
         }
         let mechanism = mechanism(instrument, settings)?;
-        let mut action =
-            Action { rest: Rest { site_m: 0.0, head_m: 0.0 }, digest: digest(instrument), aimed_m: None, mechanism };
+        let mut action = Action {
+            rest: Rest { site_m: 0.0, head_m: 0.0 },
+            identity: Identity::of(instrument),
+            aimed_m: None,
+            mechanism,
+        };
         action.rest_here(instrument);
         Ok(action)
     }
@@ -353,9 +358,9 @@ impl Action {
         self.rest
     }
 
-    /// The digest of the instrument's numbers, which a [`Snapshot`] carries.
-    pub fn digest(&self) -> u64 {
-        self.digest
+    /// What saved states must know of the instrument.
+    pub(crate) fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     /// The mechanism that is played: energies, rows, contacts.
@@ -370,16 +375,11 @@ impl Action {
 
     /// All that the following steps depend on, but for how strings that yield vibrate. Does not allocate.
     pub fn mechanism_state(&self) -> MechanismState {
-        MechanismState::new(self.digest, self.mechanism.save(), self.aimed_m)
+        MechanismState::new(&self.identity, self.mechanism.save(), self.aimed_m)
     }
 
-    /// How many numbers say how strings that yield vibrate, in steps of the present length; 0 where there are none.
-    pub fn string_numbers(&self) -> usize {
-        self.mechanism.readout().surfaces.map_or(0, |strings| strings.numbers())
-    }
-
-    /// How strings that yield vibrate: [`Action::string_numbers`] numbers, one after the other. Does not allocate.
-    pub fn save_strings(&self, put: &mut dyn FnMut(f64)) {
+    /// How strings that yield vibrate, in lists of numbers with names; none where there are none. Does not allocate.
+    pub fn save_strings(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
         if let Some(strings) = self.mechanism.readout().surfaces {
             strings.save(put);
         }
@@ -391,15 +391,23 @@ impl Action {
     /// # Errors
     /// [`SnapshotError`]: another instrument's, or of another version; nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
-        self.restore_from(&snapshot.mechanism, snapshot.strings())
+        self.restore_from(&snapshot.mechanism, &|name, number| snapshot.each(name, number))
     }
 
-    /// The same from its parts: of no numbers, or of so many as there are not, strings that yield are at rest. Does not allocate.
+    /// The same from its parts. `strings` tells the numbers of a list by its name and returns how many there are; of none, or of those of another length of
+    /// steps, strings that yield are at rest. Does not allocate.
     ///
     /// # Errors
     /// As [`Action::restore`].
-    pub fn restore_from(&mut self, state: &MechanismState, strings: &[f64]) -> Result<(), SnapshotError> {
-        let (saved, aimed_m) = state.open(self.digest, strings)?;
+    pub fn restore_from(
+        &mut self,
+        state: &MechanismState,
+        strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
+    ) -> Result<(), SnapshotError> {
+        let (saved, aimed_m) = state.open(&self.identity)?;
+        if let Some(surfaces) = self.mechanism.surfaces() {
+            strings_are_finite(surfaces, strings)?;
+        }
         self.mechanism.restore(&saved);
         if let Some(surfaces) = self.mechanism.surfaces_mut() {
             surfaces.restore(strings);

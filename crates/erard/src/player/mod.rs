@@ -13,7 +13,7 @@ mod reactions;
 mod recorder;
 #[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
 pub mod rest;
-mod snapshot;
+pub(crate) mod snapshot;
 mod work;
 
 pub use action::{Action, ActionError, PlayError, Reading};
@@ -25,5 +25,5 @@ pub use losses::{ContactLoss, Loss, LossRecorder, Losses, PinLoss};
 pub use observer::Observer;
 pub use reactions::{PinSeries, ReactionRecorder, Reactions};
 pub use recorder::{BodySeries, Recorded, Recorder, StringSeries, ZoneSeries};
-pub use snapshot::{BYTES as SNAPSHOT_BYTES, MechanismState, Snapshot, SnapshotError, VERSION as SNAPSHOT_VERSION};
+pub use snapshot::{MARK as SNAPSHOT_MARK, MechanismState, Snapshot, SnapshotError};
 pub use work::{ControlWork, Work};

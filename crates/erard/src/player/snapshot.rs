@@ -1,178 +1,414 @@
 //! A player's state as plain data.
+//!
+//! Its numbers are lists with names, in bytes ([`crate::saved`]) and in text alike. Names belong to the format: they do not follow the fields of Rust types.
+//! An absent list means what its default says, zero or none; a list that is not known is passed over.
 
-use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+
+use moreau::SavedState;
+use serde::de::{Error, IgnoredAny, MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thiserror::Error;
 
-use crate::instrument::Instrument;
-use crate::mechanism::{Saved, Surfaces};
+use crate::identity::{BODIES, Identity, ZONES};
+use crate::mechanism::{Saved, Surfaces, TellNumbers};
+use crate::saved::{Lists, Unreadable, VERSION, Writer};
 
-mod bytes;
+/// What the bytes of a state begin with.
+pub const MARK: [u8; 8] = *b"erardsav";
 
-pub use bytes::BYTES;
-
-/// The version of [`Snapshot`] that this program writes, and the only one that it reads.
-pub const VERSION: u32 = 1;
-
-const BODIES: usize = 12;
-const ZONES: usize = 32;
+/// What the names of the strings' lists begin with.
+const STRINGS: &str = "string_";
 
 /// All that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one instrument, which its digest
 /// tells, and says nothing of the settings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// The state of the mechanism.
-    #[serde(flatten)]
     pub mechanism: MechanismState,
     /// How strings that yield vibrate: none where the string is rigid, or was left out. It depends on the length of steps.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) strings: Vec<f64>,
+    strings: BTreeMap<String, Vec<f64>>,
 }
 
 /// All of a [`Snapshot`] but how strings that yield vibrate: of a size that is always the same, to be copied without allocating.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MechanismState {
-    /// See [`VERSION`].
-    pub version: u32,
-    /// Digest of the instrument's numbers.
-    pub instrument: u64,
-    /// The present instant, s, and what it is counted from: steps since an origin, s.
-    pub time_s: f64,
-    origin_s: f64,
-    steps: u64,
-    /// Absolute angles, rad, and angular velocities, rad/s; places beyond the instrument's bodies are zero.
-    pub angle_rad: [f64; BODIES],
-    /// See `angle_rad`.
-    pub velocity_rad_s: [f64; BODIES],
-    increment: [f64; BODIES],
-    pivot_friction: [f64; BODIES],
-    tangential: [f64; ZONES],
-    side: [f64; ZONES],
-    /// What the felts remember; a snapshot from before there were such felts has none.
-    #[serde(default)]
-    memory: [f64; ZONES],
-    /// How far the pivots' and the zones' friction has grown at rest.
-    #[serde(default)]
-    pivot_rested: [f64; BODIES],
-    /// See `pivot_rested`.
-    #[serde(default)]
-    rested: [f64; ZONES],
-    rigid_force: f64,
+    instrument: u64,
+    /// Bodies and zones are in the order of their names; places beyond the instrument's are zero.
+    saved: Saved,
     aimed_m: Option<f64>,
-    flight: [Option<[f64; 3]>; 2],
 }
 
 /// Why a snapshot cannot be gone on from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// Of another program.
-    #[error("the snapshot is of version {0}; expected {VERSION}")]
-    Version(u32),
     /// Of another instrument.
     #[error("the snapshot was taken of another instrument")]
     Instrument,
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]
     NotFinite,
-    /// Bytes that are no snapshot: too few or too many, or they begin otherwise.
-    #[error("{found} bytes are no snapshot; expected {BYTES} bytes that begin with `erardsav`")]
-    NoSnapshot {
-        /// How many there are.
-        found: usize,
-    },
-    /// Bytes that were changed since they were written.
-    #[error("the snapshot is damaged: its bytes do not add up")]
-    Damaged,
+    /// Bytes that are no snapshot, of another version, or damaged.
+    #[error(transparent)]
+    Unreadable(#[from] Unreadable),
 }
 
 impl Snapshot {
-    /// How strings that yield vibrate, in numbers of theirs; none where they are at rest for all that is known.
-    #[must_use]
-    pub fn strings(&self) -> &[f64] {
-        &self.strings
-    }
-
     pub(crate) fn new(mechanism: MechanismState, surfaces: Option<&dyn Surfaces>) -> Self {
-        let mut strings = Vec::with_capacity(surfaces.map_or(0, |surfaces| surfaces.numbers()));
+        let mut strings = BTreeMap::new();
         if let Some(surfaces) = surfaces {
-            surfaces.save(&mut |number| strings.push(number));
+            surfaces.save(&mut |name, numbers| {
+                strings.insert(name.to_owned(), numbers.collect());
+            });
         }
         Snapshot { mechanism, strings }
+    }
+
+    /// The snapshot as bytes, the same on every machine ([`crate::saved`]).
+    #[must_use]
+    pub fn to_vec(&self) -> Vec<u8> {
+        let write = |bytes: &mut [u8]| {
+            let mut out = Writer::new(bytes, MARK);
+            self.mechanism.write(&mut out);
+            for (name, numbers) in &self.strings {
+                out.list(name, &mut numbers.iter().copied());
+            }
+            out.seal()
+        };
+        let mut bytes = vec![0; write(&mut [])];
+        write(&mut bytes);
+        bytes
+    }
+
+    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Without the strings' lists it is one whose
+    /// strings are at rest.
+    ///
+    /// # Errors
+    /// [`SnapshotError::Unreadable`], [`SnapshotError::NotFinite`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        let lists = Lists::read(bytes, MARK)?;
+        let (mechanism, strings) = (MechanismState::read(&lists), lists.beginning(STRINGS));
+        let finite = mechanism.is_finite() && strings.values().flatten().all(|number| number.is_finite());
+        if finite { Ok(Snapshot { mechanism, strings }) } else { Err(SnapshotError::NotFinite) }
+    }
+
+    /// Tells the numbers of one of the strings' lists.
+    pub(crate) fn each(&self, name: &str, number: &mut TellNumbers<'_>) -> usize {
+        let numbers = self.strings.get(name).map_or(&[][..], |numbers| numbers);
+        numbers.iter().enumerate().for_each(|(index, x)| number(index, *x));
+        numbers.len()
     }
 }
 
 impl MechanismState {
-    pub(crate) fn new(instrument: u64, saved: Saved, aimed_m: Option<f64>) -> Self {
-        let Saved { state, origin_s, steps, now_s, flight } = saved;
-        MechanismState {
-            version: VERSION,
-            instrument,
-            time_s: now_s,
-            origin_s,
-            steps,
-            angle_rad: state.angle,
-            velocity_rad_s: state.velocity,
-            increment: state.increment,
-            pivot_friction: state.pivot_friction,
-            tangential: state.tangential,
-            side: state.side,
-            memory: state.memory,
-            pivot_rested: state.pivot_rested,
-            rested: state.rested,
-            rigid_force: state.rigid_force,
-            aimed_m,
-            flight,
-        }
+    pub(crate) fn new(identity: &Identity, mut saved: Saved, aimed_m: Option<f64>) -> Self {
+        saved.state = saved.state.reordered(&identity.bodies, &identity.zones);
+        MechanismState { instrument: identity.digest, saved, aimed_m }
     }
 
-    /// What the mechanism goes on from, if this is of such an instrument and `strings` and all else is finite.
-    pub(crate) fn open(&self, instrument: u64, strings: &[f64]) -> Result<(Saved, Option<f64>), SnapshotError> {
-        if self.version != VERSION {
-            return Err(SnapshotError::Version(self.version));
-        }
-        if self.instrument != instrument {
+    /// Nothing known of an instrument: the default of every list.
+    fn absent() -> Self {
+        let (bodies, zones) = ([0.0; BODIES], [0.0; ZONES]);
+        let state = SavedState {
+            angle: bodies,
+            velocity: bodies,
+            increment: bodies,
+            pivot_friction: bodies,
+            tangential: zones,
+            side: zones,
+            rigid_force: 0.0,
+            memory: zones,
+            pivot_rested: bodies,
+            rested: zones,
+        };
+        let saved = Saved { state, origin_s: 0.0, steps: 0, now_s: 0.0, flight: [None; 2] };
+        MechanismState { instrument: 0, saved, aimed_m: None }
+    }
+
+    /// Digest of the instrument's numbers ([`crate::Instrument::digest`]).
+    #[must_use]
+    pub fn instrument(&self) -> u64 {
+        self.instrument
+    }
+
+    /// The instant, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.saved.now_s
+    }
+
+    /// Every number but the digest: the one list of names, by which states are written, read and checked. What may be absent (a finger's aim, a sample of the
+    /// flight) has a number before it that is 1 if it is there.
+    fn lists(&mut self, list: &mut dyn FnMut(&'static str, &mut [f64])) {
+        let MechanismState { instrument: _, saved, aimed_m } = self;
+        let Saved { state, origin_s, steps, now_s, flight } = saved;
+        let SavedState {
+            angle,
+            velocity,
+            increment,
+            pivot_friction,
+            tangential,
+            side,
+            rigid_force,
+            memory,
+            pivot_rested,
+            rested,
+        } = state;
+        list("angle_rad", angle);
+        list("velocity_rad_s", velocity);
+        list("increment_rad_s", increment);
+        list("pivot_friction_N_m", pivot_friction);
+        list("tangential_N", tangential);
+        list("side", side);
+        list("rigid_force_N", std::slice::from_mut(rigid_force));
+        list("felt_memory", memory);
+        list("pivot_rested", pivot_rested);
+        list("zone_rested", rested);
+        list("time_s", std::slice::from_mut(now_s));
+        list("origin_s", std::slice::from_mut(origin_s));
+        // Whole numbers up to 2^53 are floats.
+        let mut count = [*steps as f64];
+        list("steps", &mut count);
+        *steps = count[0] as u64;
+        optional("aimed_m", aimed_m.map(|aimed_m| [aimed_m]), list, |found| *aimed_m = found.map(|[aimed_m]| aimed_m));
+        let [first, second] = flight;
+        optional("flight", *first, list, |found| *first = found);
+        optional("flight_before", *second, list, |found| *second = found);
+    }
+
+    /// Writes its lists.
+    pub fn write(&self, out: &mut Writer<'_>) {
+        out.word("instrument", self.instrument);
+        let mut copy = *self;
+        copy.lists(&mut |name, numbers| out.list(name, &mut numbers.iter().copied()));
+    }
+
+    /// Reads its lists. Whether it belongs to an instrument and is finite is seen when it is restored.
+    #[must_use]
+    pub fn read(lists: &Lists<'_>) -> Self {
+        let mut state = MechanismState { instrument: lists.word("instrument").unwrap_or(0), ..Self::absent() };
+        state.lists(&mut |name, places| lists.fill(name, places));
+        state
+    }
+
+    fn is_finite(&self) -> bool {
+        let (mut copy, mut finite) = (*self, true);
+        copy.lists(&mut |_, numbers| finite &= numbers.iter().all(|number| number.is_finite()));
+        finite
+    }
+
+    /// What the mechanism goes on from, if this is of such an instrument and finite.
+    pub(crate) fn open(&self, identity: &Identity) -> Result<(Saved, Option<f64>), SnapshotError> {
+        if self.instrument != identity.digest {
             return Err(SnapshotError::Instrument);
         }
-        let lists: [&[f64]; 10] = [
-            &self.angle_rad,
-            &self.velocity_rad_s,
-            &self.increment,
-            &self.pivot_friction,
-            &self.tangential,
-            &self.side,
-            &self.memory,
-            &self.pivot_rested,
-            &self.rested,
-            strings,
-        ];
-        let single = [self.time_s, self.origin_s, self.rigid_force, self.aimed_m.unwrap_or(0.0)];
-        let mut all = lists.into_iter().flatten().chain(&single).chain(self.flight.iter().flatten().flatten());
-        if !all.all(|x| x.is_finite()) {
+        if !self.is_finite() {
             return Err(SnapshotError::NotFinite);
         }
-        let state = moreau::SavedState {
-            angle: self.angle_rad,
-            velocity: self.velocity_rad_s,
-            increment: self.increment,
-            pivot_friction: self.pivot_friction,
-            tangential: self.tangential,
-            side: self.side,
-            rigid_force: self.rigid_force,
-            memory: self.memory,
-            pivot_rested: self.pivot_rested,
-            rested: self.rested,
-        };
-        let MechanismState { origin_s, steps, time_s, flight, aimed_m, .. } = *self;
-        Ok((Saved { state, origin_s, steps, now_s: time_s, flight }, aimed_m))
+        let mut saved = self.saved;
+        saved.state = saved.state.reordered(&places(&identity.bodies), &places(&identity.zones));
+        Ok((saved, self.aimed_m))
     }
 }
 
-/// FNV-1a over what the engine is given of an instrument: two with the same digest move alike.
-pub(super) fn digest(instrument: &Instrument) -> u64 {
-    let description = crate::assembly::describe::<f64>(instrument);
-    let strings = if instrument.has_yielding_strings() { &instrument.strings[..] } else { &[] };
-    // A float prints the shortest digits that read back as the same number.
-    format!("{description:?}{strings:?}")
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+/// A list of numbers that may be absent, with a 1 before it if it is there.
+fn optional<const K: usize>(
+    name: &'static str,
+    numbers: Option<[f64; K]>,
+    list: &mut dyn FnMut(&'static str, &mut [f64]),
+    set: impl FnOnce(Option<[f64; K]>),
+) {
+    let mut all = [0.0; 4];
+    if let ([is_there, places @ ..], Some(numbers)) = (&mut all, numbers) {
+        *is_there = 1.0;
+        places.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+    }
+    list(name, all.get_mut(..=K).unwrap_or_default());
+    let [is_there, rest @ ..] = all;
+    set((is_there != 0.0).then(|| rest.first_chunk().copied()).flatten());
+}
+
+/// Where in an order each index stands.
+fn places<const K: usize>(order: &[usize; K]) -> [usize; K] {
+    let mut places = [0; K];
+    for (place, index) in order.iter().enumerate() {
+        if let Some(of_index) = places.get_mut(*index) {
+            *of_index = place;
+        }
+    }
+    places
+}
+
+/// Whether every number is finite of the lists that surfaces would save.
+pub(crate) fn strings_are_finite(
+    surfaces: &dyn Surfaces,
+    each: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
+) -> Result<(), SnapshotError> {
+    let mut finite = true;
+    surfaces.save(&mut |name, _| {
+        each(name, &mut |_, number| finite &= number.is_finite());
+    });
+    if finite { Ok(()) } else { Err(SnapshotError::NotFinite) }
+}
+
+impl Serialize for Snapshot {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("version", &VERSION)?;
+        map.serialize_entry("instrument", &self.mechanism.instrument)?;
+        let (mut copy, mut result) = (self.mechanism, Ok(()));
+        copy.lists(&mut |name, numbers| {
+            if result.is_ok() {
+                result = map.serialize_entry(name, &*numbers);
+            }
+        });
+        result?;
+        for (name, numbers) in &self.strings {
+            map.serialize_entry(name, numbers)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Snapshot {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Named)
+    }
+}
+
+struct Named;
+
+/// A list of a later version may be anything.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Entry {
+    Numbers(Vec<f64>),
+    Other(IgnoredAny),
+}
+
+impl<'de> Visitor<'de> for Named {
+    type Value = Snapshot;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a snapshot: lists of numbers by name")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Snapshot, A::Error> {
+        let (mut mechanism, mut strings) = (MechanismState::absent(), BTreeMap::new());
+        while let Some(name) = map.next_key::<String>()? {
+            match name.as_str() {
+                "version" => {
+                    let version = map.next_value()?;
+                    if version != VERSION {
+                        return Err(A::Error::custom(Unreadable::Version(version)));
+                    }
+                }
+                "instrument" => mechanism.instrument = map.next_value()?,
+                _ => {
+                    if let Entry::Numbers(numbers) = map.next_value()? {
+                        strings.insert(name, numbers);
+                    }
+                }
+            }
+        }
+        mechanism.lists(&mut |name, places| {
+            let numbers = strings.remove(name).unwrap_or_default();
+            places.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+        });
+        strings.retain(|name, _| name.starts_with(STRINGS));
+        Ok(Snapshot { mechanism, strings })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Action, Input, Instrument};
+
+    fn pressed() -> Snapshot {
+        let mut action = Action::new(&Instrument::builtin("concert-grand-rigid").unwrap()).unwrap();
+        for n in 0..700 {
+            action.step(Input::Rigid { position_m: f64::from(n) * 1e-5, velocity_m_s: 0.2 });
+        }
+        action.save()
+    }
+
+    /// Every number is read back as it was, and every list is one that is written.
+    #[test]
+    fn bytes_and_back() {
+        let snapshot = pressed();
+        let own = &snapshot.mechanism;
+        assert!(own.aimed_m.is_some() && own.saved.flight.iter().all(Option::is_some));
+        assert!(own.saved.state.side.iter().any(|side| *side != 0.0));
+        assert_eq!(Snapshot::from_bytes(&snapshot.to_vec()), Ok(snapshot.clone()));
+        let mut none = snapshot.clone();
+        (none.mechanism.aimed_m, none.mechanism.saved.flight) = (None, [None, Some([1.0, 2.0, 3.0])]);
+        assert_eq!(Snapshot::from_bytes(&none.to_vec()), Ok(none.clone()));
+        // Every place of every list has a number of its own.
+        let (mut all, mut counted) = (none.clone(), 1.0);
+        all.mechanism.lists(&mut |_, numbers| {
+            for number in numbers {
+                *number = counted;
+                counted += 1.0;
+            }
+        });
+        assert_eq!(counted, 1.0 + f64::from(5 * 12 + 4 * 32 + 4 + 2 + 2 * 4));
+        assert_eq!(Snapshot::from_bytes(&all.to_vec()), Ok(all));
+        let mut broken = snapshot;
+        broken.mechanism.saved.state.rigid_force = f64::NAN;
+        assert_eq!(Snapshot::from_bytes(&broken.to_vec()), Err(SnapshotError::NotFinite));
+    }
+
+    /// A state of a later program has lists more, in bytes and in text; that of an earlier one lacks some, which are then zero or none.
+    #[test]
+    fn a_list_more_and_a_list_fewer() {
+        let snapshot = pressed();
+        let write = |without: &str, more: bool| {
+            let write = |bytes: &mut [u8]| {
+                let mut out = Writer::new(bytes, MARK);
+                out.word("instrument", snapshot.mechanism.instrument);
+                let mut copy = snapshot.mechanism;
+                copy.lists(&mut |name, numbers| {
+                    if more {
+                        out.list("of_a_later_program", &mut [f64::NAN, 2.0].into_iter());
+                    }
+                    if name != without {
+                        out.list(name, &mut numbers.iter().copied());
+                    }
+                });
+                out.seal()
+            };
+            let mut bytes = vec![0; write(&mut [])];
+            write(&mut bytes);
+            Snapshot::from_bytes(&bytes).unwrap()
+        };
+        let text = |change: &dyn Fn(&mut serde_json::Map<String, serde_json::Value>)| {
+            let mut text = serde_json::to_value(&snapshot).unwrap();
+            change(text.as_object_mut().unwrap());
+            serde_json::from_value::<Snapshot>(text).unwrap()
+        };
+        assert_eq!(write("", true), snapshot);
+        let more = |text: &mut serde_json::Map<String, serde_json::Value>| {
+            text.insert("of_a_later_program".to_owned(), serde_json::json!({ "a": [1, "b"] }));
+        };
+        assert_eq!(text(&more), snapshot);
+        let mut names = Vec::new();
+        let mut copy = snapshot.mechanism;
+        copy.lists(&mut |name, _| names.push(name));
+        assert_eq!(names.len(), 16);
+        for name in names {
+            let mut expected = snapshot.clone();
+            expected.mechanism.lists(&mut |found, numbers| {
+                if found == name {
+                    numbers.fill(0.0);
+                }
+            });
+            assert_ne!((expected == snapshot, name), (true, "angle_rad"));
+            assert_eq!(write(name, false), expected, "{name}");
+            assert_eq!(text(&|text| drop(text.remove(name).unwrap())), expected, "{name}");
+        }
+    }
 }

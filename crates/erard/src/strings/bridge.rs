@@ -57,10 +57,6 @@ impl Bridge {
         Bridge { modes, row, stiffness_n_m, static_m_n, gives_m_n, answers_n_m }
     }
 
-    pub fn count(&self) -> usize {
-        self.modes.len()
-    }
-
     /// w, m.
     pub fn displacement_m(&self) -> f64 {
         self.modes.iter().map(|mode| mode.r).sum()
@@ -144,6 +140,18 @@ impl Bridge {
     /// Displacements and velocities of its modes, in turn.
     pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
         self.modes.iter().flat_map(|mode| [mode.r, mode.v])
+    }
+
+    /// Displacement and velocity of one of its modes.
+    pub fn mode_now(&self, index: usize) -> [f64; 2] {
+        self.modes.get(index).map_or([0.0; 2], |mode| [mode.r, mode.v])
+    }
+
+    /// Sets one of them.
+    pub fn set_mode(&mut self, index: usize, velocity: bool, number: f64) {
+        if let Some(mode) = self.modes.get_mut(index) {
+            *(if velocity { &mut mode.v } else { &mut mode.r }) = number;
+        }
     }
 
     pub fn set_numbers(&mut self, from: &[f64]) {

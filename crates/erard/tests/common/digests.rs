@@ -3,6 +3,7 @@
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard::run::Run;
+use erard::saved::{FNV1A, fnv1a};
 use erard::stroke::Touch;
 use moreau::Settings;
 
@@ -18,15 +19,14 @@ pub fn digest(run: &Run) -> u64 {
     // instant as every other is: half of it, for nobody pushed before.
     let (first, later) = run.force_n.split_first().expect("rows");
     let first = [0.5 * first];
-    angles
+    let numbers = angles
         .chain(forces)
         .chain(&run.key_m)
         .chain(&first)
         .chain(later)
         .chain(&run.final_pivot_friction_n_m)
-        .chain(&totals)
-        .flat_map(|x| x.to_bits().to_le_bytes())
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+        .chain(&totals);
+    fnv1a(FNV1A, numbers.flat_map(|x| x.to_bits().to_le_bytes()))
 }
 
 /// Twelve notes of one second, soft to loud, one after the other: 240 000 steps.
@@ -58,23 +58,13 @@ pub const BENDING: u64 = 0x9756_0c7b_15c5_659f;
 pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
 
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on which side of the loader a
-/// difference between two targets arises.
-pub const LOADED: u64 = 0xba0b_5685_fe41_3a88;
+/// difference between two targets arises. It changes with every number of these instruments that changes a step.
+pub const LOADED: u64 = 0xadb1_3a44_1697_5eb5;
 
-/// FNV-1a over what a value prints; a float prints the shortest digits that read back as the same number.
-fn printed(hash: u64, value: &impl std::fmt::Debug) -> u64 {
-    format!("{value:?}").bytes().fold(hash, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-}
-
-/// The digest of everything that is built in, as loaded.
+/// The digest of everything that is built in, as loaded: of the instruments' own ([`erard::identity`]).
 pub fn loaded() -> u64 {
-    let mut found = 0xcbf2_9ce4_8422_2325;
-    for name in Instrument::builtin_names() {
-        found = printed(found, &Instrument::builtin(name).expect("built in"));
-    }
     let keyboard = Keyboard::builtin("concert-grand").expect("built in");
-    for key in [1, 40, 88] {
-        found = printed(found, &keyboard.key(key).expect("a key"));
-    }
-    found
+    let builtin = Instrument::builtin_names().map(|name| Instrument::builtin(name).expect("built in"));
+    let keys = [1, 40, 88].map(|key| keyboard.key(key).expect("a key"));
+    builtin.chain(keys).fold(FNV1A, |hash, instrument| fnv1a(hash, instrument.digest().to_le_bytes()))
 }

@@ -1,5 +1,6 @@
 //! What lies on the strings and where they end: dampers against an independent solution, at rest, under key and pedal; a bridge that moves against its eigenvalues.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use crate::common::{Play, USUAL_STEP_S};
@@ -91,16 +92,20 @@ fn strings(m: &dyn Mechanism) -> &Strings {
 fn swing(m: &mut dyn Mechanism, speeds_m_s: &[f64]) {
     let (modes, all) = (strings(m).modes(), strings(m).strings().len());
     let surfaces = m.surfaces_mut().unwrap();
-    let mut numbers = Vec::new();
-    surfaces.save(&mut |number| numbers.push(number));
+    let mut lists: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    surfaces.save(&mut |name, list| drop(lists.insert(name, list.collect())));
+    let numbers = lists.get_mut("string_modes").unwrap();
     for string in 0..all {
         for (i, speed) in speeds_m_s.iter().enumerate() {
             numbers[2 * (string * modes / all + i) + 1] = *speed;
         }
     }
-    let still = numbers.len() - 1;
-    numbers[still] = 0.0;
-    surfaces.restore(&numbers);
+    lists.insert("string_still", vec![0.0]);
+    surfaces.restore(&|name, number| {
+        let list = lists.get(name).map_or(&[][..], |list| list);
+        list.iter().enumerate().for_each(|(index, x)| number(index, *x));
+        list.len()
+    });
 }
 
 /// Where the energy of a string, of the bridge's modes it ends on, and of the felt on it is at an instant, J.

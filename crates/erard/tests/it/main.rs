@@ -24,6 +24,7 @@ mod reactions;
 mod repose;
 mod rest;
 mod robustness;
+mod saved_states;
 mod shipped_instruments;
 mod single_precision;
 mod solvers;

@@ -1,6 +1,8 @@
 //! The player from outside: readings, blows, snapshots, bad inputs, sizes.
 
 use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
+use erard::player::{MechanismState, SNAPSHOT_MARK};
+use erard::saved::{Lists, Unreadable, Writer};
 use erard::stroke::{Cursor, Series, Touch};
 use erard::{Action, Impact, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError};
 
@@ -96,6 +98,19 @@ fn a_snapshot_goes_on_to_the_bit() {
     assert_eq!(format!("{:?}", first.save()), format!("{:?}", second.save()));
 }
 
+/// A state in bytes whose force of a rigid drive is no number: the list that is read is the first of its name.
+fn with_a_number_that_is_not_finite(state: &MechanismState) -> Vec<u8> {
+    let write = |bytes: &mut [u8]| {
+        let mut out = Writer::new(bytes, SNAPSHOT_MARK);
+        out.number("rigid_force_N", f64::NAN);
+        state.write(&mut out);
+        out.seal()
+    };
+    let mut bytes = vec![0; write(&mut [])];
+    write(&mut bytes);
+    bytes
+}
+
 /// A snapshot of another instrument, of another version or with a number that is not finite is refused, and nothing changes.
 #[test]
 fn snapshots_that_do_not_fit_are_refused() {
@@ -107,12 +122,16 @@ fn snapshots_that_do_not_fit_are_refused() {
     let (own, before) = (action.save(), format!("{:?}", action.save()));
     let foreign = Action::new(&other).unwrap().save();
     assert_eq!(action.restore(&foreign), Err(SnapshotError::Instrument));
-    let mut broken = own.clone();
-    broken.mechanism.version = 7;
-    assert_eq!(action.restore(&broken), Err(SnapshotError::Version(7)));
-    let mut broken = own.clone();
-    broken.mechanism.angle_rad[2] = f64::NAN;
-    assert_eq!(action.restore(&broken), Err(SnapshotError::NotFinite));
+    let mut broken = own.to_vec();
+    broken[8] = 7;
+    assert_eq!(Snapshot::from_bytes(&broken), Err(SnapshotError::Unreadable(Unreadable::Version(7))));
+    let mut text = serde_json::to_value(&own).unwrap();
+    text["version"] = 7.into();
+    assert!(serde_json::from_value::<Snapshot>(text).unwrap_err().to_string().contains("version 7"));
+    let broken = with_a_number_that_is_not_finite(&own.mechanism);
+    assert_eq!(Snapshot::from_bytes(&broken), Err(SnapshotError::NotFinite));
+    let lists = Lists::read(&broken, SNAPSHOT_MARK).unwrap();
+    assert_eq!(action.restore_from(&MechanismState::read(&lists), &|_, _| 0), Err(SnapshotError::NotFinite));
     assert_eq!(format!("{:?}", action.save()), before);
 }
 

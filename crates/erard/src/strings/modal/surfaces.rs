@@ -3,9 +3,11 @@
 use std::any::Any;
 
 use moreau::Surface;
-use moreau_kernels::Surfaces;
+use moreau_kernels::{Surfaces, TellNumbers};
 
 use super::{Between, POINTS, Strings};
+use crate::identity::by_name;
+use crate::instrument::{MAX_BRIDGE_MODES, MAX_STRINGS};
 use crate::strings::bridge::Bridge;
 use crate::strings::pedal::Rail;
 use crate::strings::rows::WIDE;
@@ -14,6 +16,35 @@ use crate::strings::rows::WIDE;
 const LOOK_EVERY: u64 = 64;
 /// Strings that are still go on standing as they do where a force changes by less than this part of it: its rounding.
 const SAME: f64 = 1e-10;
+
+/// Indices, each below the number of places.
+fn order<const K: usize>(indices: impl Iterator<Item = usize>) -> [usize; K] {
+    let mut order = [0; K];
+    order.iter_mut().zip(indices).for_each(|(place, index)| *place = index);
+    order
+}
+
+/// A saved state's order: that of names, whatever that in the file. Nothing here allocates.
+impl Strings {
+    fn strings_by_name(&self) -> impl Iterator<Item = usize> + use<> {
+        let order: [usize; MAX_STRINGS] = by_name(self.strings.iter().map(|string| string.name.as_str()));
+        order.into_iter().take(self.strings.len())
+    }
+
+    fn felts_by_name(&self) -> impl Iterator<Item = usize> + '_ {
+        self.strings_by_name().filter_map(|string| self.felts.iter().position(|felt| felt.string == string))
+    }
+
+    fn bridge_by_name(&self) -> impl Iterator<Item = usize> + use<> {
+        let order: [usize; MAX_BRIDGE_MODES] = by_name(self.bridge_modes.iter().map(|mode| mode.name.as_str()));
+        order.into_iter().take(self.bridge_modes.len())
+    }
+
+    fn mode_now(&self, at: usize) -> [f64; 2] {
+        let block = &self.blocks[at / WIDE];
+        [block.q[at % WIDE], block.v[at % WIDE]]
+    }
+}
 
 impl Surfaces for Strings {
     fn zones(&self) -> &[usize] {
@@ -160,54 +191,77 @@ impl Surfaces for Strings {
         self.given_j
     }
 
-    fn numbers(&self) -> usize {
-        2 * self.modes.len() + 2 * self.bridge.as_ref().map_or(0, Bridge::count) + POINTS + 8
-    }
-
-    fn save(&self, mut put: &mut dyn FnMut(f64)) {
-        for mode in &self.modes {
-            let block = &self.blocks[mode.at / WIDE];
-            put(block.q[mode.at % WIDE]);
-            put(block.v[mode.at % WIDE]);
-        }
-        self.bridge.iter().flat_map(Bridge::numbers).for_each(&mut put);
-        self.forces_n.iter().for_each(|force_n| put(*force_n));
+    fn save(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
+        let modes = self.strings_by_name().flat_map(|string| self.modes_of(string));
+        put("string_modes", &mut modes.flat_map(|(_, at)| self.mode_now(at)));
+        let bridge = self.bridge.iter().flat_map(|bridge| self.bridge_by_name().map(|index| bridge.mode_now(index)));
+        put("string_bridge_modes", &mut bridge.flatten());
+        put("string_hammer_N", &mut std::iter::once(self.forces_n[0]));
+        put("string_dampers_N", &mut self.felts_by_name().map(|felt| self.forces_n[1 + felt]));
         let rail = self.rail.unwrap_or_default();
-        [self.work_j, self.given_j, rail.lift_m, rail.aim_m, self.bridge_j, self.rocked_j]
-            .into_iter()
-            .for_each(&mut put);
-        put((self.steps % LOOK_EVERY) as f64);
-        put(f64::from(u8::from(self.still)));
+        let single = [
+            ("string_work_J", self.work_j),
+            ("string_given_J", self.given_j),
+            ("string_rail_m", rail.lift_m),
+            ("string_rail_aim_m", rail.aim_m),
+            ("string_bridge_J", self.bridge_j),
+            ("string_rocked_J", self.rocked_j),
+            ("string_steps", (self.steps % LOOK_EVERY) as f64),
+            ("string_still", f64::from(u8::from(self.still))),
+        ];
+        single.into_iter().for_each(|(name, number)| put(name, &mut std::iter::once(number)));
     }
 
-    fn restore(&mut self, from: &[f64]) {
-        // Snapshots of before losses were kept by kind lack two numbers.
-        if from.len() != self.numbers() && from.len() + 2 != self.numbers() {
+    fn restore(&mut self, each: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize) {
+        let single = |name| {
+            let mut found = None;
+            each(name, &mut |_, number| found = Some(number));
+            found
+        };
+        let or_zero = |name| single(name).unwrap_or(0.0);
+        self.rail = self.rail.map(|_| Rail { lift_m: or_zero("string_rail_m"), aim_m: or_zero("string_rail_aim_m") });
+        // Modes of another length of steps, or none: at rest.
+        let count = each("string_modes", &mut |_, _| {});
+        let bridge = each("string_bridge_modes", &mut |_, _| {});
+        if count != 2 * self.modes.len() || bridge != 2 * self.bridge_modes.len() {
             self.reset_to_equilibrium();
             (self.work_j, self.given_j, self.rocked_j, self.steps) = (0.0, 0.0, 0.0, 0);
             self.bridge_j = self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j);
             self.rail = self.rail.map(|_| Rail::default());
             return;
         }
-        let (own, from) = from.split_at(2 * self.modes.len());
-        for (mode, numbers) in self.modes.iter().zip(own.chunks_exact(2)) {
-            let block = &mut self.blocks[mode.at / WIDE];
-            (block.q[mode.at % WIDE], block.v[mode.at % WIDE]) = (numbers[0], numbers[1]);
-        }
-        let (own, from) = from.split_at(2 * self.bridge.as_ref().map_or(0, Bridge::count));
+        let (strings, felts): ([usize; MAX_STRINGS], [usize; MAX_STRINGS]) =
+            (order(self.strings_by_name()), order(self.felts_by_name()));
+        let bridge_modes: [usize; MAX_BRIDGE_MODES] = order(self.bridge_by_name());
+        let mut modes = strings.into_iter().take(self.strings.len()).flat_map(|string| {
+            let first = self.modes.iter().position(|mode| mode.string == string).unwrap_or(self.modes.len());
+            self.modes[first..].iter().take_while(move |mode| mode.string == string)
+        });
+        let (blocks, mut at) = (&mut self.blocks, 0);
+        each("string_modes", &mut |index, number| {
+            if index % 2 == 0 {
+                at = modes.next().map_or(at, |mode| mode.at);
+                blocks[at / WIDE].q[at % WIDE] = number;
+            } else {
+                blocks[at / WIDE].v[at % WIDE] = number;
+            }
+        });
         if let Some(bridge) = &mut self.bridge {
-            bridge.set_numbers(own);
+            each("string_bridge_modes", &mut |index, number| {
+                bridge.set_mode(bridge_modes[index / 2], index % 2 == 1, number);
+            });
         }
-        let (forces_n, rest) = from.split_at(POINTS);
-        self.forces_n.copy_from_slice(forces_n);
-        (self.work_j, self.given_j) = (rest[0], rest[1]);
-        self.rail = self.rail.map(|_| Rail { lift_m: rest[2], aim_m: rest[3] });
-        let (by_kind, rest) = rest[4..].split_at(rest.len() - 6);
-        (self.bridge_j, self.rocked_j) = match *by_kind {
-            [bridge_j, rocked_j] => (bridge_j, rocked_j),
-            _ => (self.bridge.as_ref().map_or(0.0, Bridge::own_energy_j), 0.0),
-        };
-        (self.steps, self.still) = (rest[0] as u64, rest[1] != 0.0);
+        self.forces_n = [0.0; POINTS];
+        self.forces_n[0] = or_zero("string_hammer_N");
+        let (forces_n, count) = (&mut self.forces_n, self.felts.len());
+        each("string_dampers_N", &mut |index, number| {
+            if index < count {
+                forces_n[1 + felts[index]] = number;
+            }
+        });
+        (self.work_j, self.given_j) = (or_zero("string_work_J"), or_zero("string_given_J"));
+        (self.bridge_j, self.rocked_j) = (or_zero("string_bridge_J"), or_zero("string_rocked_J"));
+        (self.steps, self.still) = (or_zero("string_steps") as u64, or_zero("string_still") != 0.0);
         self.update_surfaces();
     }
 
