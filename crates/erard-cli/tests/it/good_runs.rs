@@ -137,6 +137,7 @@ fn a_stroke_from_a_file() {
 
 /// A run's own table, played back: the hammer's column is held against the models too.
 #[test]
+#[ignore = "ci: comparisons with pictures"]
 fn a_measured_stroke_beside_the_models() {
     let folder = Folder::new("compare");
     folder.good(&["press", "--stroke", "f", "--dt", "1e-5", "--record-every", "20", "--out", "run"]);

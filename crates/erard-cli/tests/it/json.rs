@@ -143,7 +143,7 @@ fn infer(values: &[&Value], key: &str) -> Value {
 }
 
 /// Commands that answer within a second.
-const QUICK: [&str; 7] = ["press", "draw", "kinematics", "study", "check", "compare", "list"];
+const QUICK: [&str; 5] = ["press", "draw", "kinematics", "study", "list"];
 
 #[test]
 fn quick_commands_answer_by_their_schemas() {

@@ -170,6 +170,7 @@ fn an_interruption_leaves_nothing() {
 /// The technician's sheet of an action that is out of order: what is out is marked, what to turn is said in turns and millimetres, and its own
 /// name and number stand on it. Its numbers are those that `regulate` finds.
 #[test]
+#[ignore = "ci: a regulation and two sheets"]
 fn the_technicians_sheet() {
     let folder = folder("sheet");
     let regulate = |arguments: &[&str]| {

@@ -121,6 +121,7 @@ fn a_laboratory_s_recording_in_one_command() {
 
 /// What is wrong with a trace is noticed and said.
 #[test]
+#[ignore = "ci: a comparison for each fault"]
 fn traces_that_are_wrong_are_noticed() {
     let folder = Folder::new("recordings-wrong");
     let rows = played(&folder);
@@ -174,6 +175,7 @@ fn traces_that_are_wrong_are_noticed() {
 
 /// A run's own tables are strokes, the same ones; a key's trace gives the fingertip's where force was recorded too.
 #[test]
+#[ignore = "ci: runs compared with themselves, driven in every way"]
 fn runs_are_strokes() {
     let folder = Folder::new("recordings-runs");
     folder.good(&["press", "--stroke", "f", "--dt", "1e-5", "--record-every", "20", "--out", "run"]);

@@ -110,6 +110,7 @@ fn a_study_has_a_column_for_it() {
 
 /// One key of 88 whose parts weigh a hundred-thousandth: its hammer meets the string with more than 180 m/s, once "all 88 keys are sound".
 #[test]
+#[ignore = "ci: a keyboard of 88 keys"]
 fn a_key_at_180_metres_a_second() {
     let folder = Folder::new("trust-fast");
     let base = erard::instrument::Instrument::builtin("steinway-o").unwrap();
@@ -163,20 +164,11 @@ fn a_keyboard_with_an_absurd_key_is_not_sound() {
 
 /// Mutants from end to end: the command presses what it accepts, touches nothing that it reads and leaves nothing behind.
 #[test]
-fn mutants_touch_nothing_and_leave_nothing_behind() {
-    touch_nothing(6);
-}
-
-#[test]
 #[ignore = "ci: 24 mutants"]
-fn many_mutants_touch_nothing_and_leave_nothing_behind() {
-    touch_nothing(24);
-}
-
-fn touch_nothing(seeds: u64) {
+fn mutants_touch_nothing_and_leave_nothing_behind() {
     let folder = Folder::new("trust-mutants");
-    let (mut pressed, mut refused) = (0_u64, 0_u64);
-    for seed in 0..seeds {
+    let (mut pressed, mut refused) = (0, 0);
+    for seed in 0..24_u64 {
         let mut rng = fastrand::Rng::with_seed(seed);
         let zones = ["string", "check", "capstan_heel", "let_off_button", "key_front"];
         let (key, value) = match rng.u8(..4) {
@@ -217,6 +209,5 @@ fn touch_nothing(seeds: u64) {
         assert_eq!(left, ["mutant.csv", "mutant.toml"], "{seed}");
     }
     println!("{pressed} pressed, {refused} refused");
-    // More than 6 and 1 of 24.
-    assert!(4 * pressed > seeds && 24 * refused > seeds, "{pressed} pressed, {refused} refused");
+    assert!(pressed > 6 && refused > 1, "{pressed} pressed, {refused} refused");
 }

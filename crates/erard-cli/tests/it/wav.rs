@@ -66,6 +66,7 @@ fn formula_hz(string: &PianoString, n: u32) -> f64 {
 
 /// The first ten partials lie within 0.1 cent of n f0 sqrt(1 + B n^2) with the file's f0 and B, and fall as b1 + b3 omega^2 says, to a twentieth.
 #[test]
+#[ignore = "ci: a note of two seconds"]
 fn partials_of_the_file_are_where_the_formula_has_them() {
     let folder = Folder::for_command("press", "wav-partials");
     let samples = note(&folder, &unison(), &["--force-step", "5"], "2.2");
@@ -89,6 +90,7 @@ fn partials_of_the_file_are_where_the_formula_has_them() {
 /// Z0 = mu c (where Y is so small that Z0 Y does not count beside 1: N. H. Fletcher and T. D. Rossing, The Physics of Musical Instruments, 1998, chapter 12; from memory):
 /// a partial rises above each of the bridge's modes, and falls below it.
 #[test]
+#[ignore = "ci: a note of two seconds"]
 fn a_bridge_that_moves_shifts_partials_as_its_admittance_says() {
     let text = unison();
     assert_eq!(text.matches("\nrigid_bridge = true\n").count(), 1);
@@ -130,6 +132,7 @@ fn a_bridge_that_moves_shifts_partials_as_its_admittance_says() {
 /// A damper that is half up holds its place of the string as a spring does, and takes from it as a dashpot does: the first partials rise by some cents and fall faster. Lifted
 /// it does neither.
 #[test]
+#[ignore = "ci: two notes of two seconds"]
 fn a_damper_that_is_half_up_shifts_partials() {
     let folder = Folder::for_command("press", "wav-damper");
     folder.file("let-go.csv", "time_s,force_N\n0,5\n0.2,5\n0.21,0\n");

@@ -251,6 +251,7 @@ fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
 
 /// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less at the front, of down-weight and up-weight.
 #[test]
+#[ignore = "ci: actions weighed anew"]
 fn a_lead_lowers_the_balance_weight_by_its_lever() {
     let grand = rigid_grand();
     let mut leaded = grand.clone();
@@ -375,6 +376,7 @@ fn let_off_distance(instrument: &Instrument) -> f64 {
 /// From twice as far the hammer flies longer, and has to be let go faster, to reach the string at all: v = sqrt(2 a d), with a
 /// the slowing of a freely rising hammer, from its weight, pin friction and inertia, and d the way that it flies.
 #[test]
+#[ignore = "ci: searches for the softest blow"]
 fn twice_the_let_off_needs_a_faster_hammer() {
     let near_string = rigid_grand();
     let distance = let_off_distance(&near_string);

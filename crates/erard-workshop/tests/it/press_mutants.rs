@@ -342,7 +342,7 @@ fn asked(name: &str) -> Option<u64> {
 fn whatever_is_accepted_can_be_pressed() {
     match asked("ERARD_MUTANT") {
         Some(seed) => println!("{:#?}", press(seed)),
-        None => can_be_pressed(60),
+        None => can_be_pressed(30),
     }
 }
 
@@ -358,7 +358,7 @@ fn can_be_pressed(wanted: u64) {
     let of = |fate| fates.get(&fate).copied().unwrap_or_default();
     // All kinds occur, or the mutants are too tame or too wild to test anything.
     assert!(of(Fate::Refused) > wanted / 20, "{fates:?}");
-    assert!(of(Fate::Long) < wanted.div_ceil(50), "{fates:?}");
+    assert!(of(Fate::Long) < wanted.div_ceil(50).max(2), "{fates:?}");
     assert!(of(Fate::Doubtful) > wanted / 20 && of(Fate::Trusted) > wanted / 20, "{fates:?}");
 }
 

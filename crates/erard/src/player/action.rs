@@ -405,7 +405,7 @@ impl Action {
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
         let (saved, aimed_m) = state.open(&self.identity)?;
-        if let Some(surfaces) = self.mechanism.surfaces() {
+        if let Some(surfaces) = self.mechanism.readout().surfaces {
             strings_are_finite(surfaces, strings)?;
         }
         self.mechanism.restore(&saved);

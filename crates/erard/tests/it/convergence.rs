@@ -73,6 +73,7 @@ fn theta_one_is_of_first_order() {
 
 /// At the usual step the hammer speed is right within 0.5 % for every force and nuance, at whatever phase.
 #[test]
+#[ignore = "ci: all strokes, beside short steps"]
 fn half_a_percent_at_the_usual_step() {
     let grand = grand();
     let held = [0.8, 2.0, 5.0, 8.0, 20.0, 35.0].map(|force| Play::ForceStep(force, 1.0));
