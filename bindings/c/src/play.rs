@@ -125,7 +125,7 @@ impl Play {
             Outcome::TooManyLaws => return ErardStatus::Internal,
         };
         let reading = &mut self.reading;
-        if let Some(blow) = self.action.impact() {
+        if let Some(blow) = now.impact {
             (reading.blow_time_s, reading.blow_m_s) = (blow.time_s, blow.hammer_speed_m_s);
             reading.blows = reading.blows.wrapping_add(1);
         }

@@ -67,18 +67,18 @@ fn with_dry_felts(slip: f64) -> Instrument {
     instrument
 }
 
-/// The note, stepped from outside: every field of every reading and every blow is read, and every step is taken.
+/// The note, stepped from outside: every field of every reading is read, impacts among them, and every step is taken.
 fn action_note(instrument: &Instrument, steps: u64) -> f64 {
     let mut action = Action::new(instrument).expect("it comes to rest");
     action.let_rest(false);
     let mut sum = 0.0;
     for n in 0..steps {
         let force_n = if n < STEPS / 2 { MF_N } else { 0.0 };
-        let Reading { key_m, key_m_s, finger_n, hammer_m, hammer_m_s, string_n, outcome, .. } =
+        let Reading { key_m, key_m_s, finger_n, hammer_m, hammer_m_s, string_n, impact, outcome, .. } =
             action.step(Input::Force(force_n));
         assert_eq!(outcome, Outcome::Converged);
         sum += key_m + key_m_s + finger_n + hammer_m + hammer_m_s + string_n;
-        sum += action.impact().map_or(0.0, |blow| blow.time_s + blow.hammer_speed_m_s);
+        sum += impact.map_or(0.0, |impact| impact.time_s + impact.hammer_speed_m_s);
     }
     sum
 }

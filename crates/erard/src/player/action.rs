@@ -67,6 +67,8 @@ pub struct Reading {
     pub hammer_m_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
+    /// The impact of the hammer on the string in the step, if there was one.
+    pub impact: Option<Impact>,
     /// How the step ended. After [`Outcome::NonFinite`] the action is where it was, and can be stepped on.
     pub outcome: Outcome,
 }
@@ -82,6 +84,7 @@ impl Reading {
             hammer_m: output.point_m[1] - rest.head_m,
             hammer_m_s: output.point_m_s[1],
             string_n: output.zone_n,
+            impact: output.impact,
             outcome: output.report.outcome,
         }
     }
@@ -101,7 +104,7 @@ impl Reading {
 /// for _ in 0..1000 {
 ///     let reading = action.step(Input::Force(5.0)); // 50 us each
 ///     assert!(reading.key_m < 0.0105);
-///     impact = impact.or(action.impact());
+///     impact = impact.or(reading.impact);
 /// }
 /// let impact = impact.expect("5 N in 50 ms are a mezzo forte");
 /// assert!((1.0..3.0).contains(&impact.hammer_speed_m_s));
