@@ -419,6 +419,17 @@ impl Action {
         Ok(())
     }
 
+    /// Adds to the angular velocity of a body (index as in the instrument), rad/s: what an impulse on it does. The last step's forces are zero until the
+    /// next step.
+    ///
+    /// # Panics
+    /// If there is no such body.
+    pub fn add_velocity(&mut self, body: usize, rad_s: f64) {
+        let mut saved = self.mechanism.save();
+        saved.state.velocity[body] += rad_s;
+        self.mechanism.restore(&saved);
+    }
+
     /// The engine's input for the next step.
     #[inline]
     fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {

@@ -259,7 +259,7 @@ fn a_state_goes_on_in_another_order() {
         assert_ne!(own.bodies[0].name, other.bodies[0].name);
         let (mut here, mut there) = (Action::new(&own).unwrap(), Action::new(&other).unwrap());
         // Into the blow, where strings move and zones rub.
-        while here.blow().is_none() {
+        while here.impact().is_none() {
             here.step(Input::Force(6.0));
         }
         for _ in 0..10 {
