@@ -38,8 +38,8 @@ const bodies = erard.erard_body_count(action);
 const angles = erard.erard_memory_new(8 * bodies);
 erard.erard_angles(action, angles, bodies);
 let digest = 0xcbf29ce484222325n;
-for (const bits of new BigUint64Array(erard.memory.buffer, angles, bodies)) {
-  digest = BigInt.asUintN(64, (digest ^ bits) * 0x100000001b3n);
+for (const byte of new Uint8Array(erard.memory.buffer, angles, 8 * bodies)) {
+  digest = BigInt.asUintN(64, (digest ^ BigInt(byte)) * 0x100000001b3n);
 }
 const best = (work, times) => {
   let least = Infinity;

@@ -5,6 +5,8 @@
 
 #![no_std]
 
+#[path = "../../../crates/erard/src/fnv1a.rs"]
+mod fnv1a;
 mod grand;
 mod play;
 

@@ -3,6 +3,7 @@
 use moreau::Scalar;
 
 use crate::Grand;
+use crate::fnv1a::{FNV1A, fnv1a};
 
 /// Length of a step, s.
 pub const STEP_S: f64 = 50e-6;
@@ -46,6 +47,5 @@ pub fn play<T: Scalar>(grand: &mut Grand<T>, each: &mut dyn FnMut(&mut dyn FnMut
 
 /// FNV-1a over the bits of all angles, as doubles.
 pub fn digest<T: Scalar>(grand: &Grand<T>) -> u64 {
-    let angles = grand.state.angle.iter().map(|angle| angle.to_f64().to_bits());
-    angles.fold(0xcbf2_9ce4_8422_2325, |sum, bits| (sum ^ bits).wrapping_mul(0x0000_0100_0000_01b3))
+    fnv1a(FNV1A, grand.state.angle.iter().flat_map(|angle| angle.to_f64().to_bits().to_le_bytes()))
 }

@@ -5,6 +5,7 @@
 use std::fmt::Write;
 
 use erard::instrument::{Instrument, InstrumentFile, numbers_at};
+use erard::saved::{FNV1A, fnv1a};
 
 /// Name of the library inside the archive, and of the model.
 pub const MODEL: &str = "erard";
@@ -185,11 +186,8 @@ fn unit_of(key: &str) -> &'static str {
 /// A name for this instrument and this version of the numbering, as FMI writes it.
 #[must_use]
 pub fn guid(text: &str) -> String {
-    let fold = |seed: u64, bytes: &[u8]| {
-        bytes.iter().fold(seed, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
-    };
-    let version = concat!("erard-fmu/1 ", env!("CARGO_PKG_VERSION")).as_bytes();
-    let [a, b] = [0xcbf2_9ce4_8422_2325, 0x9e37_79b9_7f4a_7c15].map(|seed| fold(fold(seed, version), text.as_bytes()));
+    let version = concat!("erard-fmu/1 ", env!("CARGO_PKG_VERSION"));
+    let [a, b] = [FNV1A, 0x9e37_79b9_7f4a_7c15].map(|seed| fnv1a(seed, version.bytes().chain(text.bytes())));
     let hex = format!("{a:016x}{b:016x}");
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }

@@ -21,6 +21,7 @@
 pub mod assembly;
 pub mod events;
 pub mod files;
+mod fnv1a;
 pub mod gradient;
 pub mod grand;
 pub mod identity;

@@ -12,16 +12,10 @@
 
 use thiserror::Error;
 
+pub use crate::fnv1a::{FNV1A, fnv1a};
+
 /// The version of the layout that this program writes, and the only one that it reads.
 pub const VERSION: u32 = 2;
-
-/// Where [`fnv1a`] begins.
-pub const FNV1A: u64 = 0xcbf2_9ce4_8422_2325;
-
-/// FNV-1a with 64 bits, continued from `hash`: the one check sum of the project, for saved states, identities and promised bits.
-pub fn fnv1a(hash: u64, bytes: impl IntoIterator<Item = u8>) -> u64 {
-    bytes.into_iter().fold(hash, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-}
 
 /// Why bytes are no saved state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -38,8 +32,21 @@ pub enum Unreadable {
 }
 
 const WORD: usize = 8;
-const NAME: usize = 24;
-const HEAD: usize = NAME + WORD;
+/// A name and a count.
+const HEAD: usize = 4 * WORD;
+
+/// A list's name in words, which are compared one by one: no call of the system's library.
+type Name = [u64; 3];
+
+fn words_of(name: &str) -> Name {
+    let mut words = [0; 3];
+    for (place, byte) in name.bytes().enumerate() {
+        if let Some(word) = words.get_mut(place / WORD) {
+            *word |= u64::from(byte) << (8 * (place % WORD));
+        }
+    }
+    words
+}
 
 /// Writes a state into bytes, or counts how many it takes.
 pub struct Writer<'a> {
@@ -71,11 +78,9 @@ impl<'a> Writer<'a> {
 
     /// A list of lists: what `write` writes. It is read by [`Lists::groups`].
     pub fn group(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
-        debug_assert!(name.len() <= NAME, "{name}");
-        let mut left = name.bytes();
-        for _ in 0..NAME / WORD {
-            let word = [0; WORD].map(|_: u8| left.next().unwrap_or(0));
-            self.put(u64::from_le_bytes(word));
+        debug_assert!(name.len() <= 3 * WORD, "{name}");
+        for word in words_of(name) {
+            self.put(word);
         }
         let count_at = self.at;
         self.put(0);
@@ -138,20 +143,27 @@ impl<'a> Lists<'a> {
     }
 
     /// Names and words.
-    fn iter(&self) -> impl Iterator<Item = (&'a [u8], &'a [u8])> + use<'a> {
+    fn iter(&self) -> impl Iterator<Item = (Name, &'a [u8])> + use<'a> {
         let mut left = self.bytes;
         std::iter::from_fn(move || {
-            let (name, rest) = left.split_first_chunk::<NAME>()?;
-            let (count, rest) = rest.split_first_chunk()?;
-            let count = usize::try_from(u64::from_le_bytes(*count)).ok()?.checked_mul(WORD)?;
+            let (a, rest) = first_word(left)?;
+            let (b, rest) = first_word(rest)?;
+            let (c, rest) = first_word(rest)?;
+            let (count, rest) = first_word(rest)?;
+            let count = usize::try_from(count).ok()?.checked_mul(WORD)?;
             let (words, rest) = rest.split_at_checked(count)?;
             left = rest;
-            Some((name.split(|byte| *byte == 0).next().unwrap_or(name), words))
+            Some(([a, b, c], words))
         })
     }
 
+    fn named(&self, name: &str) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        let [a, b, c] = words_of(name);
+        self.iter().filter(move |([x, y, z], _)| *x == a && *y == b && *z == c).map(|(_, words)| words)
+    }
+
     fn find(&self, name: &str) -> &'a [u8] {
-        self.iter().find(|(found, _)| *found == name.as_bytes()).map_or(&[], |(_, words)| words)
+        self.named(name).next().unwrap_or_default()
     }
 
     fn words(&self, name: &str) -> impl Iterator<Item = u64> + use<'a> {
@@ -189,8 +201,8 @@ impl<'a> Lists<'a> {
     }
 
     /// The lists of lists of one name, in their order.
-    pub fn groups(&self, name: &'static str) -> impl Iterator<Item = Lists<'a>> + use<'a> {
-        self.iter().filter(move |(found, _)| *found == name.as_bytes()).map(|(_, words)| Lists { bytes: words })
+    pub fn groups(&self, name: &str) -> impl Iterator<Item = Lists<'a>> + use<'a> {
+        self.named(name).map(|words| Lists { bytes: words })
     }
 
     /// The names that begin so, with their numbers. Allocates.
@@ -198,11 +210,19 @@ impl<'a> Lists<'a> {
     pub fn beginning(&self, with: &str) -> std::collections::BTreeMap<String, Vec<f64>> {
         let mut found = std::collections::BTreeMap::new();
         for (name, _) in self.iter() {
-            let Some(name) = std::str::from_utf8(name).ok().filter(|name| name.starts_with(with)) else { continue };
-            found.insert(name.to_owned(), self.words(name).map(f64::from_bits).collect());
+            let bytes = name.into_iter().flat_map(u64::to_le_bytes).take_while(|byte| *byte != 0).collect();
+            if let Some(name) = String::from_utf8(bytes).ok().filter(|name| name.starts_with(with)) {
+                let numbers = self.words(&name).map(f64::from_bits).collect();
+                found.insert(name, numbers);
+            }
         }
         found
     }
+}
+
+fn first_word(bytes: &[u8]) -> Option<(u64, &[u8])> {
+    let (word, rest) = bytes.split_first_chunk()?;
+    Some((u64::from_le_bytes(*word), rest))
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ fn saved_states_go_on_to_the_bit() {
     goes_on(&Action::grand(), &Action::grand());
     let (straight, other) = (Action::strung(), Action::strung());
     assert!(straight.save().len() > Action::grand().save().len() + 16 * 50, "fifty modes and more are saved");
-    assert_eq!(other.restore(&Action::grand().save()), ErardStatus::Saved);
+    assert_eq!(other.restore(&Action::grand().save()), ErardStatus::Foreign);
     goes_on(&straight, &other);
 }
 
@@ -349,4 +349,33 @@ fn a_keyboard_plays() {
     keyboard.drive(41, 0.0);
     keyboard.step(40_000);
     assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 0, "what was let go sleeps");
+}
+
+/// A state has lists with names: a native snapshot is a state that lacks the interface's own, and a state is a snapshot that has more.
+#[test]
+fn states_and_snapshots_are_one() {
+    let (here, native) = (Action::strung(), erard::Instrument::builtin("concert-grand-strings").unwrap());
+    let mut there = erard::Action::new(&native).unwrap();
+    while there.blow().is_none() {
+        there.step(Input::Force(6.0));
+        here.force(6.0);
+    }
+    let (state, snapshot) = (here.save(), there.save());
+    assert_eq!(erard::Snapshot::from_bytes(&state), Ok(snapshot.clone()));
+    let blows = here.read().blows;
+    for _ in 0..100 {
+        here.force(1.0);
+    }
+    assert_eq!(here.restore(&snapshot.to_vec()), ErardStatus::Ok);
+    assert_eq!((here.read().blows, blows), (0, 1), "the snapshot knows of no blow");
+    for n in 0..200 {
+        let native = there.step(Input::Force(2.0));
+        assert_eq!(here.force(2.0).hammer_m.to_bits(), native.hammer_m.to_bits(), "step {n}");
+    }
+    // Of the same numbers by another name.
+    let text = erard::Instrument::builtin_text("concert-grand-strings").unwrap();
+    let name = text.lines().find(|line| line.starts_with("name = ")).unwrap();
+    let other = Action::of(&text.replacen(name, "name = \"mine\"", 1));
+    assert_eq!(other.restore(&state), ErardStatus::Ok);
+    assert_eq!(other.save(), state);
 }

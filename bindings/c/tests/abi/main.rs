@@ -32,7 +32,11 @@ impl Action {
 
     /// The built-in concert grand whose strings yield.
     pub(crate) fn strung() -> Self {
-        let text = include_str!("../../../../crates/erard/instruments/concert-grand-strings.toml");
+        Action::of(include_str!("../../../../crates/erard/instruments/concert-grand-strings.toml"))
+    }
+
+    /// What a file's text describes.
+    pub(crate) fn of(text: &str) -> Self {
         let mut status = ErardStatus::Internal;
         let action = unsafe { erard_action_new(text.as_ptr().cast(), text.len(), 50e-6, &raw mut status) };
         assert_eq!((status, action.is_null()), (ErardStatus::Ok, false), "{}", last_error());

@@ -41,7 +41,8 @@ fn calls(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
                 // A function of the same object is named by its section.
                 let named = named.strip_prefix(".text.").unwrap_or(named);
                 let named = ["unlikely.", "cold.", "hot."].iter().find_map(|p| named.strip_prefix(p)).unwrap_or(named);
-                if !named.starts_with('.') && !named.is_empty() {
+                // Constants without a name are data, as those in sections of data are.
+                if !named.starts_with('.') && !named.starts_with("anon.") && !named.is_empty() {
                     calls.get_mut(function).expect("it is there").insert(named.to_owned());
                 }
             }

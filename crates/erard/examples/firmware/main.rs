@@ -3,6 +3,7 @@
 
 mod source;
 
+use erard::saved::{FNV1A, fnv1a};
 use erard::{Action, Input, Instrument};
 
 fn main() {
@@ -19,6 +20,5 @@ fn digest() -> u64 {
     for n in 0..10_000 {
         action.step(Input::Force(if n < 5_000 { 5.0 } else { 0.0 }));
     }
-    let bits = action.angles().iter().map(|angle| angle.to_bits());
-    bits.fold(0xcbf2_9ce4_8422_2325, |sum, bits| (sum ^ bits).wrapping_mul(0x0000_0100_0000_01b3))
+    fnv1a(FNV1A, action.angles().iter().flat_map(|angle| angle.to_bits().to_le_bytes()))
 }

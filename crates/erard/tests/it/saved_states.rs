@@ -254,9 +254,12 @@ fn optional_laws_change_the_identity() {
 /// A state goes on in an instrument whose file has another order: every body where it was, and the same motion to rounding.
 #[test]
 fn a_state_goes_on_in_another_order() {
-    for name in ["concert-grand", "concert-grand-strings"] {
-        let (own, other) = (Instrument::builtin(name).unwrap(), reversed(name));
+    for (name, rigid_bridge) in
+        [("concert-grand", true), ("concert-grand-strings", true), ("concert-grand-strings", false)]
+    {
+        let (mut own, mut other) = (Instrument::builtin(name).unwrap(), reversed(name));
         assert_ne!(own.bodies[0].name, other.bodies[0].name);
+        (own.roles.rigid_bridge, other.roles.rigid_bridge) = (rigid_bridge, rigid_bridge);
         let (mut here, mut there) = (Action::new(&own).unwrap(), Action::new(&other).unwrap());
         // Into the blow, where strings move and zones rub.
         while here.impact().is_none() {
