@@ -1,10 +1,13 @@
 //! Adaptive steps of an engine: what is kept while the error is controlled.
 
 use moreau::{
-    Accuracy, ControlledStep, Controller, Model, Outcome, Settings, State, StepDoubling, Workspace, controlled_step,
+    Accuracy, ControlledStep, Controller, Input, Model, Outcome, Settings, State, StepDoubling, Workspace,
+    controlled_step,
 };
 
-use crate::mechanism::InputDuring;
+/// What drives an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument says where the
+/// driven point is then, as [`crate::Observation::site_position`] does.
+pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
     controller: Controller<f64, Z>,

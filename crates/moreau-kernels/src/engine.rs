@@ -8,8 +8,9 @@ use moreau::{
 };
 
 use crate::controlled::Control;
+use crate::controlled::InputDuring;
 use crate::impact::ImpactPredictor;
-use crate::mechanism::{InputDuring, Mechanism, Readout, Saved, StepOutput, Stepping};
+use crate::mechanism::{Mechanism, Readout, Saved, StepOutput, Stepping};
 use crate::observation::{Observation, site_position};
 use crate::surfaces::{Over, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes};

@@ -4,15 +4,12 @@ use moreau::{
     Accuracy, Contact, ControlledStep, Energies, Input, Ledger, ModelError, SavedState, Settings, StepReport,
 };
 
+use crate::controlled::InputDuring;
 use crate::engine::Engine;
 use crate::observation::Observation;
 use crate::size::with_size;
 use crate::surfaces::Surfaces;
 use crate::{Impact, OwnedDescription, Probes, Size};
-
-/// What drives an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument says where the
-/// driven point is then, as [`Observation::site_position`] does.
-pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
 
 /// Output of a step. Places and speeds are those at the step's end; forces acted in the step, at its theta point.
 #[derive(Debug, Clone, Copy, PartialEq)]

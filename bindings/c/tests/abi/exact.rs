@@ -356,7 +356,7 @@ fn a_keyboard_plays() {
 fn states_and_snapshots_are_one() {
     let (here, native) = (Action::strung(), erard::Instrument::builtin("concert-grand-strings").unwrap());
     let mut there = erard::Action::new(&native).unwrap();
-    while there.blow().is_none() {
+    while there.impact().is_none() {
         there.step(Input::Force(6.0));
         here.force(6.0);
     }
