@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use erard::stroke::{Columns, Layout, PositionOf, Recording as Inner, Role, Series};
 use erard::recording::{LowPass, Preparation, Prepared, prepare};
+use erard::stroke::{Columns, Layout, PositionOf, Recording as Inner, Role, Series};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
