@@ -12,7 +12,7 @@
 //! ```
 //!
 //! Data flows one way: instrument file and stroke -> the player ([`Action`], [`keyboard::Keys`]) -> readings, observers
-//! ([`player::Recorder`], [`player::LedgerBook`], [`events::EventDetector`]) -> runs ([`press`], [`simulation::simulate`]).
+//! ([`player::Recorder`], [`player::LedgerBook`], [`events::EventDetector`]) -> runs ([`press`], [`simulate`]).
 //!
 //! The loop over the steps of a run is [`Action::play`]; each step solves the equations at the top of [`moreau::step()`].
 //!
