@@ -66,7 +66,14 @@ impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
 }
 
 fn reordered<T: Real, const K: usize>(numbers: &[T; K], order: &[usize; K]) -> [T; K] {
-    order.map(|place| numbers.get(place).copied().unwrap_or(T::ZERO))
+    // A plain loop: what a real-time caller reaches holds no clean-up after a panic.
+    let mut sorted = [T::ZERO; K];
+    for i in 0..K {
+        if let Some(number) = numbers.get(order[i]) {
+            sorted[i] = *number;
+        }
+    }
+    sorted
 }
 
 fn sized<T: Real, const K: usize>(numbers: &[T]) -> [T; K] {

@@ -224,7 +224,11 @@ fn optional<const K: usize>(
     let mut all = [0.0; 4];
     if let ([is_there, places @ ..], Some(numbers)) = (&mut all, numbers) {
         *is_there = 1.0;
-        places.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+        for (k, place) in places.iter_mut().enumerate() {
+            if let Some(number) = numbers.get(k) {
+                *place = *number;
+            }
+        }
     }
     list(name, all.get_mut(..=K).unwrap_or_default());
     let [is_there, rest @ ..] = all;
