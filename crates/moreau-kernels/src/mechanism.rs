@@ -155,7 +155,7 @@ pub fn open_ledger(mechanism: &mut dyn Mechanism) -> Ledger {
     Ledger::open_at(mechanism.energies_at(now.velocities), lost, given)
 }
 
-/// Takes stock of what is stored in a mechanism: the ledger's residual refers to it.
+/// Records a mechanism's stored energy, to which the ledger's residual refers.
 pub fn take_stock(mechanism: &dyn Mechanism, ledger: &mut Ledger) {
     ledger.now = mechanism.energies_at(mechanism.readout().velocities);
 }

@@ -46,7 +46,7 @@ pub trait Surfaces: Send {
     /// Goes on from there; from nothing (no list has any numbers) at rest. `each` tells the numbers of a list, with their indices, and returns how many
     /// there are.
     fn restore(&mut self, each: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize);
-    /// The thing itself, for who knows what it is.
+    /// The subsystem itself, for callers that know its type.
     fn as_any(&self) -> &dyn Any;
     /// The same, to be changed.
     fn as_any_mut(&mut self) -> &mut dyn Any;

@@ -7,7 +7,7 @@ use crate::instrument::Instrument;
 use crate::player::hand::MovingHand;
 use crate::player::{Action, Drive, Hand, Input, Observer};
 
-/// [`simulate`] for who does not want to be told how far it is.
+/// [`simulate`] without a progress callback.
 ///
 /// # Errors
 /// See [`SimulationError`].
