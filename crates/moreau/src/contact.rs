@@ -199,7 +199,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
     }
 
-    /// The same where the curve gives way, from the compression and rate to where it was: it lies lower, and the felt is pressed by so much less.
+    /// The same on a compliant surface, from compression and rate to where the surface was: it is displaced, and the felt is compressed by so much less.
     #[cold]
     #[inline(never)]
     fn contact_that_yields(
