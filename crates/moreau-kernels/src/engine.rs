@@ -3,8 +3,8 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, GROUND, Input, Ledger, Model, ModelError, Outcome, Pose, Settings,
-    Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
+    Accuracy, Contact, ControlledStep, Energies, GROUND, Input, Ledger, Model, ModelError, Outcome, Pose, SavedState,
+    Settings, Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
 };
 
 use crate::controlled::Control;
@@ -190,7 +190,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     /// Output now; with the forces of drive and marked zone in the last step, N.
     #[inline(always)]
     pub fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
-        let State { angle, velocity, .. } = &self.state;
+        let SavedState { angle, velocity, .. } = &*self.state;
         let (site, [dx, dy]) = &self.site;
         let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.predictor.point()], angle, velocity);
         let [site_m, site_m_s] = [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]];

@@ -1,6 +1,5 @@
 //! Several mechanisms in the lanes of one model. The lanes may be of another precision than the mechanisms: S is theirs.
 
-use crate::broad_phase::BroadPhase;
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
 use crate::description::{Curve, Site, Zone};
@@ -128,55 +127,21 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// # Panics
     /// If there are fewer.
     pub fn of_lanes<S: Scalar>(states: &[&State<S, B, Z>]) -> Self {
-        let mut joined = State::at_rest(join_all(|lane| states[lane].angle));
-        joined.velocity = join_all(|lane| states[lane].velocity);
-        joined.increment = join_all(|lane| states[lane].increment);
-        joined.pivot_friction = join_all(|lane| states[lane].pivot_friction);
-        joined.tangential = join_all(|lane| states[lane].tangential);
-        joined.side = join_all(|lane| states[lane].side);
-        joined.memory = join_all(|lane| states[lane].memory);
-        joined.pivot_rested = join_all(|lane| states[lane].pivot_rested);
-        joined.rested = join_all(|lane| states[lane].rested);
-        joined.rigid_force = join(|lane| states[lane].rigid_force);
+        let mut joined = State::at_rest([T::ZERO; B]);
+        for lane in 0..T::LANES {
+            joined.set_lane(lane, states[lane]);
+        }
         joined
     }
 
     /// Sets one lane's state.
     pub fn set_lane<S: Scalar>(&mut self, lane: usize, one: &State<S, B, Z>) {
-        fn set<S: Scalar, T: Real, const K: usize>(all: &mut [T; K], lane: usize, one: &[S; K]) {
-            for k in 0..K {
-                all[k] = all[k].with_lane(lane, cast(one[k]));
-            }
-        }
-        set(&mut self.angle, lane, &one.angle);
-        set(&mut self.velocity, lane, &one.velocity);
-        set(&mut self.increment, lane, &one.increment);
-        set(&mut self.pivot_friction, lane, &one.pivot_friction);
-        set(&mut self.tangential, lane, &one.tangential);
-        set(&mut self.side, lane, &one.side);
-        set(&mut self.memory, lane, &one.memory);
-        set(&mut self.pivot_rested, lane, &one.pivot_rested);
-        set(&mut self.rested, lane, &one.rested);
-        self.rigid_force = self.rigid_force.with_lane(lane, cast(one.rigid_force));
-        self.broad_phase = BroadPhase::none();
+        *self = State::from(self.numbers.zip(&one.numbers, |all, x| all.with_lane(lane, cast(x))));
     }
 
     /// One lane's state.
     pub fn lane<S: Scalar>(&self, lane: usize) -> State<S, B, Z> {
-        fn of<S: Scalar, T: Real, const K: usize>(all: &[T; K], lane: usize) -> [S; K] {
-            all.map(|x| cast(x.lane(lane)))
-        }
-        let mut one = State::at_rest(of(&self.angle, lane));
-        one.velocity = of(&self.velocity, lane);
-        one.increment = of(&self.increment, lane);
-        one.pivot_friction = of(&self.pivot_friction, lane);
-        one.tangential = of(&self.tangential, lane);
-        one.side = of(&self.side, lane);
-        one.memory = of(&self.memory, lane);
-        one.pivot_rested = of(&self.pivot_rested, lane);
-        one.rested = of(&self.rested, lane);
-        one.rigid_force = cast(self.rigid_force.lane(lane));
-        one
+        State::from(self.numbers.map(|x| cast(x.lane(lane))))
     }
 }
 

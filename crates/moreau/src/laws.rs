@@ -228,7 +228,8 @@ pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usiz
         }
         state.rigid_force = workspace.forces.rigid_force;
         for &z in state.broad_phase.sliding() {
-            (state.tangential[z], state.side[z]) = (workspace.forces.tangential[z], workspace.forces.side[z]);
+            (state.numbers.tangential[z], state.numbers.side[z]) =
+                (workspace.forces.tangential[z], workspace.forces.side[z]);
         }
         return;
     }
@@ -244,8 +245,8 @@ pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usiz
     }
     keep(&mut state.rigid_force, workspace.forces.rigid_force);
     for &z in state.broad_phase.sliding() {
-        keep(&mut state.tangential[z], workspace.forces.tangential[z]);
-        keep(&mut state.side[z], workspace.forces.side[z]);
+        keep(&mut state.numbers.tangential[z], workspace.forces.tangential[z]);
+        keep(&mut state.numbers.side[z], workspace.forces.side[z]);
     }
 }
 

@@ -1,67 +1,100 @@
-//! A state taken apart into plain numbers, and put together again.
+//! A state's numbers: the one list of them, from which they are copied, compared, and put into lanes.
 
-use crate::broad_phase::BroadPhase;
-use crate::real::{Real, Scalar};
-use crate::state::State;
+use crate::real::Real;
 
-/// Everything that a step's result depends on. What a [`State`] holds beside it only saves work.
+/// Everything that a step's result depends on. What a [`State`](crate::State) holds beside it only saves work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SavedState<T, const B: usize, const Z: usize> {
-    /// Absolute angles, rad.
+    /// Absolute angles q, rad.
     pub angle: [T; B],
-    /// Absolute angular velocities, rad/s.
+    /// Absolute angular velocities v, rad/s.
     pub velocity: [T; B],
-    /// Change of the velocities over the last step, rad/s.
+    /// Velocity increment: the change of the velocities over the last step, rad/s. The next step's iteration starts from it.
     pub increment: [T; B],
-    /// Dry friction torque of each pivot over the last step, N m.
+    // The contact cache: what the set-valued laws did in the last step. It warm-starts the solver.
+    /// Dry friction torque of each pivot over the last step, N m (counter-clockwise on the body).
     pub pivot_friction: [T; B],
-    /// Coulomb force of each zone over the last step, N.
+    /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
     pub tangential: [T; Z],
-    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0.
-    pub side: [T; Z],
     /// Force of a rigid drive over the last step, N.
     pub rigid_force: T,
-    /// What the felts remember.
+    /// What the felts remember ([`Loss`](crate::Loss)): the stretch of an elastoplastic one's spring, m^((r+1)/2); k z/(1 - eps) of a hereditary
+    /// one, N; the dry part of a set-valued one's force over the last step, N. Zero for the others.
     pub memory: [T; Z],
-    /// How far the pivots' and the zones' friction has grown while it stuck.
+    /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to 1 (static); zero where it
+    /// does not grow ([`Dwell`](crate::Dwell)).
     pub pivot_rested: [T; B],
     /// See `pivot_rested`.
     pub rested: [T; Z],
+    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first guess.
+    pub side: [T; Z],
 }
 
+/// Makes, from the fields with a number for every body, for every zone and alone, what is done with all of them.
+macro_rules! each_field {
+    (bodies: $($body:ident)*; zones: $($zone:ident)*; alone: $($alone:ident)*) => {
+        impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
+            /// All zero.
+            fn zero() -> Self {
+                SavedState { $($body: [T::ZERO; B],)* $($zone: [T::ZERO; Z],)* $($alone: T::ZERO,)* }
+            }
+
+            /// The same in other arrays.
+            fn rearranged<const C: usize, const Y: usize>(
+                &self,
+                bodies: impl Fn(&[T; B]) -> [T; C],
+                zones: impl Fn(&[T; Z]) -> [T; Y],
+            ) -> SavedState<T, C, Y> {
+                SavedState {
+                    $($body: bodies(&self.$body),)*
+                    $($zone: zones(&self.$zone),)*
+                    $($alone: self.$alone,)*
+                }
+            }
+
+            /// Number by number, with those of another.
+            #[inline(always)]
+            pub(crate) fn zip<U: Copy, V>(
+                &self,
+                other: &SavedState<U, B, Z>,
+                mut f: impl FnMut(T, U) -> V,
+            ) -> SavedState<V, B, Z> {
+                SavedState {
+                    $($body: core::array::from_fn(|i| f(self.$body[i], other.$body[i])),)*
+                    $($zone: core::array::from_fn(|z| f(self.$zone[z], other.$zone[z])),)*
+                    $($alone: f(self.$alone, other.$alone),)*
+                }
+            }
+        }
+    };
+}
+
+each_field!(
+    bodies: velocity angle increment pivot_friction pivot_rested;
+    zones: tangential side memory rested;
+    alone: rigid_force
+);
+
 impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
+    /// At rest at the given absolute angles.
+    pub fn at_rest(angle: [T; B]) -> Self {
+        SavedState { angle, ..SavedState::zero() }
+    }
+
+    /// Number by number.
+    #[inline(always)]
+    pub(crate) fn map<V>(&self, mut f: impl FnMut(T) -> V) -> SavedState<V, B, Z> {
+        self.zip(self, |x, _| f(x))
+    }
+
     /// The same in another size: cut off, or filled up with zeros.
     pub fn sized<const C: usize, const Y: usize>(&self) -> SavedState<T, C, Y> {
-        SavedState {
-            angle: sized(&self.angle),
-            velocity: sized(&self.velocity),
-            increment: sized(&self.increment),
-            pivot_friction: sized(&self.pivot_friction),
-            tangential: sized(&self.tangential),
-            side: sized(&self.side),
-            rigid_force: self.rigid_force,
-            memory: sized(&self.memory),
-            pivot_rested: sized(&self.pivot_rested),
-            rested: sized(&self.rested),
-        }
+        self.rearranged(|bodies| sized(bodies), |zones| sized(zones))
     }
-}
 
-impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
     /// The same with bodies and zones in another order: place i takes what place `bodies[i]` has.
     pub fn reordered(&self, bodies: &[usize; B], zones: &[usize; Z]) -> Self {
-        SavedState {
-            angle: reordered(&self.angle, bodies),
-            velocity: reordered(&self.velocity, bodies),
-            increment: reordered(&self.increment, bodies),
-            pivot_friction: reordered(&self.pivot_friction, bodies),
-            tangential: reordered(&self.tangential, zones),
-            side: reordered(&self.side, zones),
-            rigid_force: self.rigid_force,
-            memory: reordered(&self.memory, zones),
-            pivot_rested: reordered(&self.pivot_rested, bodies),
-            rested: reordered(&self.rested, zones),
-        }
+        self.rearranged(|numbers| reordered(numbers, bodies), |numbers| reordered(numbers, zones))
     }
 }
 
@@ -78,40 +111,4 @@ fn reordered<T: Real, const K: usize>(numbers: &[T; K], order: &[usize; K]) -> [
 
 fn sized<T: Real, const K: usize>(numbers: &[T]) -> [T; K] {
     core::array::from_fn(|i| numbers.get(i).copied().unwrap_or(T::ZERO))
-}
-
-impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
-    /// The state in plain numbers.
-    pub fn save(&self) -> SavedState<T, B, Z> {
-        SavedState {
-            angle: self.angle,
-            velocity: self.velocity,
-            increment: self.increment,
-            pivot_friction: self.pivot_friction,
-            tangential: self.tangential,
-            side: self.side,
-            rigid_force: self.rigid_force,
-            memory: self.memory,
-            pivot_rested: self.pivot_rested,
-            rested: self.rested,
-        }
-    }
-}
-
-impl<T: Real, const B: usize, const Z: usize> From<SavedState<T, B, Z>> for State<T, B, Z> {
-    fn from(saved: SavedState<T, B, Z>) -> Self {
-        State {
-            angle: saved.angle,
-            velocity: saved.velocity,
-            increment: saved.increment,
-            pivot_friction: saved.pivot_friction,
-            tangential: saved.tangential,
-            rigid_force: saved.rigid_force,
-            side: saved.side,
-            memory: saved.memory,
-            pivot_rested: saved.pivot_rested,
-            rested: saved.rested,
-            broad_phase: BroadPhase::none(),
-        }
-    }
 }

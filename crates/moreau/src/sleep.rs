@@ -88,17 +88,9 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends on. That leaves out
     /// the broad phase: with any of them a step gives the same bits.
     pub fn identical(&self, other: &Self) -> bool {
-        let same = |a: &[T], b: &[T]| a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
-        same(&self.velocity, &other.velocity)
-            && same(&self.angle, &other.angle)
-            && same(&self.increment, &other.increment)
-            && same(&self.pivot_friction, &other.pivot_friction)
-            && same(&self.tangential, &other.tangential)
-            && same(&self.side, &other.side)
-            && same(&self.memory, &other.memory)
-            && same(&self.pivot_rested, &other.pivot_rested)
-            && same(&self.rested, &other.rested)
-            && same_bits(self.rigid_force, other.rigid_force)
+        let mut same = true;
+        self.numbers.zip(&other.numbers, |a, b| same = same && same_bits(a, b));
+        same
     }
 }
 

@@ -1,56 +1,53 @@
 //! Where a mechanism is now, and what drives it in a step.
 
+use core::ops::{Deref, DerefMut};
+
 use crate::broad_phase::BroadPhase;
 use crate::model::Model;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
+use crate::saved::SavedState;
 
-/// Where a mechanism is: everything that the next step depends on.
+/// Where a mechanism is: the numbers that the next step depends on, which are its fields ([`SavedState`]), and what saves the step work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T: Real, const B: usize, const Z: usize> {
-    /// Absolute angles q, rad.
-    pub angle: [T; B],
-    /// Absolute angular velocities v, rad/s.
-    pub velocity: [T; B],
-    /// Velocity increment: the change of the velocities over the last step, rad/s. The next step's iteration starts from it.
-    pub increment: [T; B],
-    // The contact cache: what the set-valued laws did in the last step. It warm-starts the solver.
-    /// Dry friction torque of each pivot over the last step, N m (counter-clockwise on the body).
-    pub pivot_friction: [T; B],
-    /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
-    pub tangential: [T; Z],
-    /// Force of a rigid drive over the last step, N.
-    pub rigid_force: T,
-    /// What the felts remember ([`Loss`](crate::Loss)): the stretch of an elastoplastic one's spring, m^((r+1)/2); k z/(1 - eps) of a hereditary
-    /// one, N; the dry part of a set-valued one's force over the last step, N. Zero for the others.
-    pub memory: [T; Z],
-    /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to 1 (static); zero where it
-    /// does not grow ([`Dwell`](crate::Dwell)).
-    pub pivot_rested: [T; B],
-    /// See `pivot_rested`.
-    pub rested: [T; Z],
-    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first guess.
-    pub(crate) side: [T; Z],
+    pub(crate) numbers: SavedState<T, B, Z>,
     /// The zones that may be touched.
     pub(crate) broad_phase: BroadPhase<T, B, Z>,
+}
+
+impl<T: Real, const B: usize, const Z: usize> Deref for State<T, B, Z> {
+    type Target = SavedState<T, B, Z>;
+
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.numbers
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize> DerefMut for State<T, B, Z> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.numbers
+    }
+}
+
+impl<T: Real, const B: usize, const Z: usize> From<SavedState<T, B, Z>> for State<T, B, Z> {
+    fn from(numbers: SavedState<T, B, Z>) -> Self {
+        State { numbers, broad_phase: BroadPhase::none() }
+    }
+}
+
+impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
+    /// The state in plain numbers.
+    pub fn save(&self) -> SavedState<T, B, Z> {
+        self.numbers
+    }
 }
 
 impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// At rest at the given absolute angles.
     pub fn at_rest(angle: [T; B]) -> Self {
-        let z = T::ZERO;
-        State {
-            angle,
-            velocity: [z; B],
-            increment: [z; B],
-            pivot_friction: [z; B],
-            tangential: [z; Z],
-            rigid_force: z,
-            memory: [z; Z],
-            pivot_rested: [z; B],
-            rested: [z; Z],
-            side: [z; Z],
-            broad_phase: BroadPhase::none(),
-        }
+        State::from(SavedState::at_rest(angle))
     }
 
     /// Drops from the contact cache the zones that a new broad phase leaves out.

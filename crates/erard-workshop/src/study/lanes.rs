@@ -42,18 +42,7 @@ pub(super) struct Player<'a> {
 /// Standing still at these angles.
 fn standing(angles: &[f64], pivot_friction: &[f64]) -> State {
     let of = |values: &[f64]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
-    State {
-        angle: of(angles),
-        velocity: [0.0; 12],
-        increment: [0.0; 12],
-        pivot_friction: of(pivot_friction),
-        tangential: [0.0; 32],
-        side: [0.0; 32],
-        rigid_force: 0.0,
-        memory: [0.0; 32],
-        pivot_rested: [0.0; 12],
-        rested: [0.0; 32],
-    }
+    State { pivot_friction: of(pivot_friction), ..State::at_rest(of(angles)) }
 }
 
 /// A group of the mechanisms of some lanes; where there are fewer than lanes, the last one is there several times.

@@ -12,7 +12,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thiserror::Error;
 
-use crate::identity::{BODIES, Identity, ZONES};
+use crate::identity::{BODIES, Identity};
 use crate::mechanism::{Saved, Surfaces, TellNumbers};
 use crate::saved::{Lists, Unreadable, VERSION, Writer};
 
@@ -111,19 +111,7 @@ impl MechanismState {
 
     /// Nothing known of an instrument: the default of every list.
     fn absent() -> Self {
-        let (bodies, zones) = ([0.0; BODIES], [0.0; ZONES]);
-        let state = SavedState {
-            angle: bodies,
-            velocity: bodies,
-            increment: bodies,
-            pivot_friction: bodies,
-            tangential: zones,
-            side: zones,
-            rigid_force: 0.0,
-            memory: zones,
-            pivot_rested: bodies,
-            rested: zones,
-        };
+        let state = SavedState::at_rest([0.0; BODIES]);
         let saved = Saved { state, origin_s: 0.0, steps: 0, now_s: 0.0, flight: [None; 2] };
         MechanismState { instrument: 0, saved, aimed_m: None }
     }

@@ -2,7 +2,9 @@
 
 #![allow(unsafe_code)]
 
-use moreau::{Input, Mask, Model, Outcome, Real, Scalar, Settings, State, Workspace, step_lanes, step_out_of_line};
+use moreau::{
+    Input, Mask, Model, Outcome, Real, SavedState, Scalar, Settings, State, Workspace, step_lanes, step_out_of_line,
+};
 
 use super::avx2::F64x4;
 use super::avx2_single::F32x8;
@@ -126,7 +128,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
 
     #[inline(always)]
     fn copy_lane<const LANE: usize>(&self, angles: &mut [f64; B], velocities: &mut [f64; B]) {
-        let State { angle, velocity, .. } = &self.stepped.state;
+        let SavedState { angle, velocity, .. } = &*self.stepped.state;
         for i in 0..B {
             (angles[i], velocities[i]) = (angle[i].lane(LANE).to_f64(), velocity[i].lane(LANE).to_f64());
         }

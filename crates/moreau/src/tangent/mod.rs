@@ -9,6 +9,7 @@ use crate::description::ModelError;
 use crate::dual::Dual;
 use crate::model::Model;
 use crate::real::Real;
+use crate::saved::SavedState;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::{Input, State};
 use crate::step::{Outcome, step_out_of_line};
@@ -257,7 +258,8 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             let thereafter = (second.velocity[i] - first.velocity[i]) / ahead;
             // The saltation matrix: I + (f_after - f_before) grad(u) / (du/dt before).
             let jump = (thereafter - acceleration) / rate;
-            let (v, q) = (&mut self.state.velocity[i], &mut self.state.angle[i]);
+            let SavedState { velocity, angle, .. } = &mut *self.state;
+            let (v, q) = (&mut velocity[i], &mut angle[i]);
             for d in 0..D {
                 q.slope[d] += length * v.slope[d];
                 v.slope[d] += jump * slip.slope[d];
@@ -274,37 +276,15 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
 
     /// Goes on from a plain state; what depends on the directions is kept.
     fn take_over(&mut self, after: &State<f64, B, Z>) {
-        let state = &mut self.state;
-        let keep = |own: &mut Dual<D>, new: f64| own.value = new;
-        let set = |own: &mut Dual<D>, new: f64| *own = Dual::constant(new);
-        for i in 0..B {
-            keep(&mut state.angle[i], after.angle[i]);
-            keep(&mut state.velocity[i], after.velocity[i]);
-            set(&mut state.increment[i], after.increment[i]);
-            set(&mut state.pivot_friction[i], after.pivot_friction[i]);
-        }
-        for z in 0..Z {
-            keep(&mut state.memory[z], after.memory[z]);
-            set(&mut state.tangential[z], after.tangential[z]);
-            set(&mut state.side[z], after.side[z]);
-        }
-        set(&mut state.rigid_force, after.rigid_force);
+        let values = self.state.numbers.zip(&after.numbers, |own, value| Dual { value, ..own });
+        let SavedState { angle, velocity, memory, .. } = values;
+        self.state.numbers = SavedState { angle, velocity, memory, ..after.map(Dual::constant) };
     }
 }
 
 /// The state without what depends on the directions.
 fn plain<const B: usize, const Z: usize, const D: usize>(state: &State<Dual<D>, B, Z>) -> State<f64, B, Z> {
-    State {
-        angle: state.angle.map(|x| x.value),
-        velocity: state.velocity.map(|x| x.value),
-        increment: state.increment.map(|x| x.value),
-        pivot_friction: state.pivot_friction.map(|x| x.value),
-        tangential: state.tangential.map(|x| x.value),
-        rigid_force: state.rigid_force.value,
-        memory: state.memory.map(|x| x.value),
-        side: state.side.map(|x| x.value),
-        ..State::at_rest([0.0; B])
-    }
+    State::from(state.map(|x| x.value))
 }
 
 fn plain_input<const D: usize>(input: &Input<Dual<D>>) -> Input<f64> {
