@@ -3,8 +3,8 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, GROUND, Input, Ledger, Model, ModelError, Outcome, Pose, SavedState,
-    Settings, Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
+    Accuracy, Contact, ControlledStep, Energies, GROUND, Input, Ledger, LossIn, Model, ModelError, Outcome, Pose,
+    SavedState, Settings, Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
 };
 
 use crate::controlled::Control;
@@ -430,6 +430,14 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         }
         if let Some(under) = under {
             ledger.record_surfaces(under.surfaces.lost(), under.surfaces.given());
+        }
+    }
+
+    fn each_loss(&self, lose: &mut dyn FnMut(LossIn, f64)) {
+        let (settings, workspace) = self.last();
+        let Stepped { model, state, velocity_before, .. } = &self.core;
+        if let Some(contacts) = &self.contacts {
+            moreau::each_loss(model, settings, velocity_before, state, workspace, contacts, lose);
         }
     }
 

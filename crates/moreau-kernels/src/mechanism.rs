@@ -1,7 +1,7 @@
 //! One mechanism of any size.
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, Input, Ledger, ModelError, SavedState, Settings, StepReport,
+    Accuracy, Contact, ControlledStep, Energies, Input, Ledger, LossIn, ModelError, SavedState, Settings, StepReport,
 };
 
 use crate::controlled::InputDuring;
@@ -115,6 +115,8 @@ pub trait Mechanism: Observation + Send {
     fn energies_at(&self, velocities: &[f64]) -> Energies;
     /// Books the last step in a ledger ([`open_ledger`]).
     fn book(&self, ledger: &mut Ledger);
+    /// Reports what each pivot and each zone has lost in the last step, J, where [`Stepping::keeps_contacts`]: what a ledger books.
+    fn each_loss(&self, lose: &mut dyn FnMut(LossIn, f64));
     /// All that the following steps depend on, but for [`Readout::surfaces`].
     fn save(&self) -> Saved;
     /// Goes on from there, to the bit.

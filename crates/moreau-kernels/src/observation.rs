@@ -2,11 +2,14 @@
 
 use core::cell::OnceCell;
 
-use moreau::{GROUND, Model, ModelError, Pose};
+use moreau::{Energies, GROUND, Input, Ledger, Model, ModelError, Pose, SavedState, Settings, State, Workspace};
 
 use crate::impact::ImpactPredictor;
 use crate::size::with_size;
 use crate::{EveryBody, Impact, OwnedDescription, Probes, Size};
+
+/// A state in the largest size.
+type AnyState = SavedState<f64, 12, 32>;
 
 /// The present pose of a mechanism, whatever its size. Indices follow the description's bodies and zones.
 pub trait Observation {
@@ -30,6 +33,10 @@ pub trait LaneObserver: Observation + Send {
     fn is_far(&self) -> bool;
     /// The impact of the marked point on the marked zone in the last step.
     fn impact(&self) -> Option<Impact>;
+    /// Stored energies of a state, J.
+    fn energies(&self, state: &AnyState) -> Energies;
+    /// Books a step from one state to another in a ledger. Its forces are worked out again from the two ([`Workspace::retrace`]).
+    fn book(&mut self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
 }
 
 /// An observer of a mechanism that is stepped in lanes.
@@ -47,7 +54,7 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     let model: Model<f64, B, Z> = description.model()?;
     let (predictor, angle) = (ImpactPredictor::new(&model, probes), description.first_angles());
     let bodies = description.bodies.len();
-    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new() }))
+    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new(), workspace: None }))
 }
 
 struct Observed<const B: usize, const Z: usize> {
@@ -57,6 +64,8 @@ struct Observed<const B: usize, const Z: usize> {
     angle: [f64; B],
     /// Computed when it is asked for.
     pose: OnceCell<Pose<f64, B>>,
+    /// What acted in the step that was booked last; nothing is solved, so that it has no room for laws.
+    workspace: Option<Box<Workspace<f64, B, Z, 0>>>,
 }
 
 impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
@@ -75,6 +84,17 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
 
     fn impact(&self) -> Option<Impact> {
         self.predictor.impact()
+    }
+
+    fn energies(&self, state: &AnyState) -> Energies {
+        Energies::of(&self.model, &State::from(state.sized()))
+    }
+
+    fn book(&mut self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]) {
+        let [before, after] = ends.map(|state| State::from(state.sized()));
+        let workspace = self.workspace.get_or_insert_default();
+        workspace.retrace(&self.model, settings, input, &before, &after);
+        ledger.record(&self.model, settings, &before, &after, workspace);
     }
 }
 

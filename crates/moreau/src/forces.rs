@@ -203,7 +203,7 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize>(
 
 /// The driver's force at the site and its tangent: given, or from its spring and damper, which only push.
 #[inline(always)]
-fn drive_force<T: Real, const B: usize, const Z: usize>(
+pub(crate) fn drive_force<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     input: &Input<T>,
     h_theta: T,

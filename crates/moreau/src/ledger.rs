@@ -70,6 +70,19 @@ impl Energies {
     }
 }
 
+/// Where a step loses energy: in the pivot of a body or in a contact zone, by index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LossIn {
+    /// Dry friction of a pivot.
+    DryPivot(usize),
+    /// Viscous friction of a pivot.
+    ViscousPivot(usize),
+    /// The felt of a zone.
+    Felt(usize),
+    /// Coulomb friction of a zone.
+    Sliding(usize),
+}
+
 /// Running totals of one run, J. Every dissipation is counted with the sign that a loss is positive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
@@ -124,10 +137,6 @@ impl Ledger {
     }
 
     /// Books one step: `before` and `after` it, and the workspace that it left.
-    ///
-    /// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the path
-    /// of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
-    /// velocity turns, and equal to the scheme's own work wherever it does not.
     pub fn record<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -150,56 +159,23 @@ impl Ledger {
         workspace: &Workspace<T, B, Z, N>,
         contacts: &[Option<Contact<T>>; Z],
     ) {
-        let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
-        let at_theta = |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1];
+        let at_theta = mean_at_theta(settings);
         let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
         let drive_velocity =
             at_theta(joints.map(|w| model.site_support.product(&workspace.drive.site_row, &w).to_f64()));
-        let work = workspace.drive.force.to_f64() * drive_velocity * h;
+        let work = workspace.drive.force.to_f64() * drive_velocity * settings.step.to_f64();
         self.drive_work += work;
         self.drive_work_in += work.max(0.0);
-        let mut smallest = self.smallest_term;
-        let mut lose = |account: &mut f64, loss: f64| {
-            *account += loss;
-            smallest = smallest.min(loss);
-        };
-        for i in 0..B {
-            let u = joints.map(|w| w[i].to_f64());
-            let rate = at_theta(u);
-            lose(&mut self.pivot_viscous, model.viscous[i].to_f64() * rate * rate * h);
-            match settings.friction {
-                FrictionLaw::SetValued => {
-                    lose(&mut self.pivot_dry, after.pivot_friction[i].to_f64().abs() * path(u) * h);
-                }
-                FrictionLaw::Regularised { pivot_width, .. } => {
-                    let torque = model.dry[i].to_f64() * libm::tanh(rate / pivot_width.to_f64());
-                    lose(&mut self.pivot_dry, torque * rate * h);
-                }
-            }
-        }
-        for &z in workspace.touched_zones() {
-            let Some(contact) = &contacts[z] else { continue };
-            let gained = contact.gained.to_f64();
-            lose(&mut self.felt_damping, (contact.damping_force * contact.rate).to_f64() * h - gained);
-            let Some(mu) = model.zones[z].friction else { continue };
-            let u = workspace.slip(model, z, &joints).map(T::to_f64);
-            match settings.friction {
-                FrictionLaw::SetValued => {
-                    lose(&mut self.coulomb, after.tangential[z].to_f64().abs() * path(u) * h);
-                }
-                FrictionLaw::Regularised { sliding_width, .. } => {
-                    let u = at_theta(u);
-                    let f = (mu * contact.force).to_f64() * libm::tanh(u / sliding_width.to_f64());
-                    lose(&mut self.coulomb, f * u * h);
-                }
-            }
-        }
-        let timing = Timing::new(settings.step, settings.theta);
-        for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
-            let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].memory);
-            lose(&mut self.felt_damping, -gained.to_f64());
-        }
-        self.smallest_term = smallest;
+        each_loss(model, settings, velocity_before, after, workspace, contacts, |loss_in, loss_j| {
+            let account = match loss_in {
+                LossIn::DryPivot(_) => &mut self.pivot_dry,
+                LossIn::ViscousPivot(_) => &mut self.pivot_viscous,
+                LossIn::Felt(_) => &mut self.felt_damping,
+                LossIn::Sliding(_) => &mut self.coulomb,
+            };
+            *account += loss_j;
+            self.smallest_term = self.smallest_term.min(loss_j);
+        });
     }
 
     /// Books what surfaces have lost since they were made, J, and what work has been done through them from outside, J.
@@ -233,6 +209,64 @@ impl Ledger {
     pub fn residual_relative(&self) -> f64 {
         let scale = self.drive_work_in.max(self.dissipated());
         if scale > 0.0 { self.residual().abs() / scale } else { self.residual().abs() }
+    }
+}
+
+/// The value at the theta point of what runs linearly over a step.
+fn mean_at_theta<T: Scalar>(settings: &Settings<T>) -> impl Fn([f64; 2]) -> f64 {
+    let theta = settings.theta.to_f64();
+    move |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1]
+}
+
+/// Reports every loss of a step, J. The arguments are those of [`Ledger::record_contacts`].
+///
+/// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the path
+/// of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
+/// velocity turns, and equal to the scheme's own work wherever it does not.
+pub fn each_loss<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    velocity_before: &[T; B],
+    after: &State<T, B, Z>,
+    workspace: &Workspace<T, B, Z, N>,
+    contacts: &[Option<Contact<T>>; Z],
+    mut lose: impl FnMut(LossIn, f64),
+) {
+    let (h, at_theta) = (settings.step.to_f64(), mean_at_theta(settings));
+    let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
+    for i in 0..B {
+        let u = joints.map(|w| w[i].to_f64());
+        let rate = at_theta(u);
+        lose(LossIn::ViscousPivot(i), model.viscous[i].to_f64() * rate * rate * h);
+        let dry = match settings.friction {
+            FrictionLaw::SetValued => after.pivot_friction[i].to_f64().abs() * path(u) * h,
+            FrictionLaw::Regularised { pivot_width, .. } => {
+                let torque = model.dry[i].to_f64() * libm::tanh(rate / pivot_width.to_f64());
+                torque * rate * h
+            }
+        };
+        lose(LossIn::DryPivot(i), dry);
+    }
+    for &z in workspace.touched_zones() {
+        let Some(contact) = &contacts[z] else { continue };
+        let gained = contact.gained.to_f64();
+        lose(LossIn::Felt(z), (contact.damping_force * contact.rate).to_f64() * h - gained);
+        let Some(mu) = model.zones[z].friction else { continue };
+        let u = workspace.slip(model, z, &joints).map(T::to_f64);
+        let sliding = match settings.friction {
+            FrictionLaw::SetValued => after.tangential[z].to_f64().abs() * path(u) * h,
+            FrictionLaw::Regularised { sliding_width, .. } => {
+                let u = at_theta(u);
+                let f = (mu * contact.force).to_f64() * libm::tanh(u / sliding_width.to_f64());
+                f * u * h
+            }
+        };
+        lose(LossIn::Sliding(z), sliding);
+    }
+    let timing = Timing::new(settings.step, settings.theta);
+    for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
+        let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].memory);
+        lose(LossIn::Felt(z), -gained.to_f64());
     }
 }
 

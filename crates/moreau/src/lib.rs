@@ -66,6 +66,7 @@ mod narrow_phase;
 pub mod osnsp;
 mod pose;
 mod real;
+mod retrace;
 mod saved;
 mod settings;
 mod sleep;
@@ -86,7 +87,7 @@ pub use description::{Body, Curve, Description, Dwell, GROUND, ModelError, Part,
 pub use dual::Dual;
 pub use fault::Fault;
 pub use felt::{Exponent, Felt, FeltKind, Loss};
-pub use ledger::{Energies, Ledger};
+pub use ledger::{Energies, Ledger, LossIn, each_loss};
 pub use model::Model;
 pub use osnsp::Solver;
 pub use pose::Pose;

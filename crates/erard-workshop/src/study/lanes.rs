@@ -1,6 +1,6 @@
 //! Mechanisms side by side: brought to rest, and played.
 
-use moreau::{Input, ModelError, Outcome, SavedState, Settings};
+use moreau::{Input, Ledger, ModelError, Outcome, SavedState, Settings};
 use moreau_kernels::{EveryBody, LaneObserver, Lanes, OwnedDescription, SideBySide, Size, lane_observer, side_by_side};
 
 use super::sampling::{Sampled, Sampling};
@@ -13,7 +13,7 @@ use erard::player::equilibrium::{self, PATIENCE_S, Settling};
 use erard::player::rest::Rest;
 use erard::player::{self, Action, ActionError};
 use erard::run::{Setup, SimulationError};
-use erard::trust::{self, EnergyAudit, Extremes};
+use erard::trust::{self, Extremes};
 
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 1024;
@@ -199,7 +199,8 @@ struct Lane<'a> {
     highest_m: f64,
     unconverged_steps: u64,
     steps: u64,
-    energy: Option<EnergyAudit<'a>>,
+    /// The energy ledger, and the state up to which it is booked.
+    ledger: Option<(Ledger, State)>,
     extremes: Extremes,
     sampled: Option<Sampled<'a>>,
     failed: Option<SimulationError>,
@@ -223,7 +224,7 @@ impl<'a> Lane<'a> {
             highest_m: 0.0,
             unconverged_steps: 0,
             steps: 0,
-            energy: None,
+            ledger: None,
             extremes: Extremes::new(player.instrument),
             sampled: sampling.map(|sampling| Sampled::new(sampling, player.instrument)),
             failed: None,
@@ -275,13 +276,31 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Looks at what a step in lanes tells of energy and bounds.
-    fn audit(&mut self, time_s: f64, input: &Input<f64>, angles: &[f64], state: impl FnOnce() -> State) {
+    /// Opens the energy ledger at a state.
+    fn open_ledger(&mut self, state: State) {
+        self.ledger = Some((Ledger::open_at(self.observer.energies(&state), 0.0, 0.0), state));
+    }
+
+    /// Books a step's energy, and notes how far bodies turned and felts were pressed.
+    fn audit(
+        &mut self,
+        time_s: f64,
+        input: &Input<f64>,
+        settings: &Settings<f64>,
+        angles: &[f64],
+        state: impl FnOnce() -> State,
+    ) {
         self.extremes.note_angles(time_s, angles);
-        let Some(energy) = &mut self.energy else { return };
-        energy.observe(input, &state());
+        let Some((ledger, before)) = &mut self.ledger else { return };
+        let after = state();
+        // A step that changed nothing has nothing to book.
+        if after == *before {
+            return;
+        }
+        self.observer.book(ledger, settings, input, [before, &after]);
+        *before = after;
         for zone in 0..self.player.instrument.zones.len() {
-            self.extremes.note_compression(time_s, zone, energy.compression(zone));
+            self.extremes.note_compression(time_s, zone, self.observer.compression(zone));
         }
     }
 
@@ -289,7 +308,10 @@ impl<'a> Lane<'a> {
         if let Some(error) = self.failed {
             return Err(error);
         }
-        let energy_residual = self.energy.as_ref().map(EnergyAudit::residual);
+        let energy_residual = self.ledger.map(|(mut ledger, state)| {
+            ledger.now = self.observer.energies(&state);
+            trust::energy_residual(&ledger)
+        });
         let mut warnings: Vec<_> = energy_residual.and_then(trust::of_energy).into_iter().collect();
         warnings.extend(trust::of_steps(self.unconverged_steps, self.steps));
         warnings.extend(trust::of_extremes(self.player.instrument, &self.extremes));
@@ -341,16 +363,13 @@ fn step_all(
     let mut outcomes = vec![Outcome::Converged; inputs.len()];
     let steps = setup.check()?;
     let h = setup.settings.step;
-    let bodies = own.first().map_or(0, |lane| lane.player.instrument.bodies.len());
     for (i, lane) in own.iter_mut().enumerate() {
         group.motion(i, &mut angles, &mut velocities);
         lane.observe(setup.start_s, &angles, &velocities);
         lane.sample(setup.start_s, &angles, &velocities);
-        lane.energy = setup.ledger.then(|| {
-            let (angles, velocities) = (&angles[..bodies], &velocities[..bodies]);
-            let state = group.state(i);
-            EnergyAudit::open(lane.player.instrument, setup.settings.theta, h, [angles, velocities, &state.memory])
-        });
+        if setup.ledger {
+            lane.open_ledger(group.state(i));
+        }
     }
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) {
@@ -380,7 +399,7 @@ fn step_all(
                 lane.sample(now_s, &angles, &velocities);
             }
             lane.steps = n + 1;
-            lane.audit(now_s, &inputs[i], &angles, || group.state(i));
+            lane.audit(now_s, &inputs[i], &setup.settings, &angles, || group.state(i));
         }
     }
     Ok(())

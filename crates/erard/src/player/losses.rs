@@ -1,15 +1,12 @@
 //! Where the energy goes: what every pin and every contact has lost.
 //!
-//! The engine's ledger keeps the same books in four sums ([`moreau::Ledger`]); here they are kept pin by pin and contact by contact, by the same
-//! rules: a dry force loses itself times the path of its velocity, which runs linearly over the step, a viscous one and a felt themselves times
-//! the velocity at the theta point, where they act.
+//! The engine's ledger sums the same losses over all pins and all contacts ([`moreau::Ledger`]); here they are kept one by one.
 
 use super::Observer;
-use super::motion::{Motion, dot, sub};
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::strings::{StringLosses, Strings};
-use moreau::FrictionLaw;
+use moreau::LossIn;
 
 /// What one pin has lost, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -59,7 +56,6 @@ impl Loss {
 #[derive(Debug, Clone)]
 pub struct Losses {
     instrument: Instrument,
-    motion: Motion,
     pins: Vec<PinLoss>,
     contacts: Vec<ContactLoss>,
     /// What strings that yield had lost when the books were opened, and since, J.
@@ -80,7 +76,6 @@ impl Losses {
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         Losses {
             instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
-            motion: Motion::still(instrument, mechanism),
             pins: vec![PinLoss::default(); instrument.bodies.len()],
             contacts: vec![ContactLoss::default(); instrument.zones.len()],
             strings_before: lost_in_strings(mechanism),
@@ -91,38 +86,20 @@ impl Losses {
 
     /// After every step. Does not allocate.
     pub fn observe(&mut self, m: &dyn Mechanism) {
-        self.motion.observe(&self.instrument, m);
         self.strings = lost_in_strings(m) - self.strings_before;
-        let Losses { instrument, motion, pins, contacts, .. } = self;
-        let h = motion.step_s;
-        let relative = |values: &[f64], body: usize| {
-            values[body] - instrument.bodies[body].parent.map_or(0.0, |parent| values[parent])
-        };
-        let regularised = matches!(m.readout().stepping.settings.friction, FrictionLaw::Regularised { .. });
-        for (i, (body, loss)) in instrument.bodies.iter().zip(pins).enumerate() {
-            let rate = relative(&motion.rate, i);
-            loss.viscous_j += body.viscous_n_m_s * rate * rate * h;
-            let dry = m.readout().pivot_friction[i];
-            let u = [0, 1].map(|end| relative(&motion.velocity[end], i));
-            loss.dry_j += if regularised { -dry * rate * h } else { dry.abs() * path(u) * h };
-        }
-        let zones = instrument.zones.iter().zip(m.readout().contacts).zip(m.readout().tangential_forces);
-        for (((zone, contact), tangential), loss) in zones.zip(contacts) {
-            let Some(contact) = contact else { continue };
-            loss.felt_j += contact.damping_force * contact.rate * h - contact.gained;
-            if zone.friction_coefficient > 0.0 {
-                let tangent = [contact.normal[1], -contact.normal[0]];
-                let slip = |rate: &[f64]| {
-                    let at = |body| motion.velocity_at(instrument, body, contact.point, rate);
-                    dot(sub(at(zone.disc_body), at(zone.curve_body)), tangent)
-                };
-                loss.sliding_j += if regularised {
-                    -tangential * slip(&motion.rate) * h
-                } else {
-                    tangential.abs() * path([slip(&motion.velocity[0]), slip(&motion.velocity[1])]) * h
-                };
+        let Losses { pins, contacts, .. } = self;
+        m.each_loss(&mut |loss_in, loss_j| {
+            let account = match loss_in {
+                LossIn::DryPivot(body) => pins.get_mut(body).map(|pin| &mut pin.dry_j),
+                LossIn::ViscousPivot(body) => pins.get_mut(body).map(|pin| &mut pin.viscous_j),
+                LossIn::Felt(zone) => contacts.get_mut(zone).map(|contact| &mut contact.felt_j),
+                LossIn::Sliding(zone) => contacts.get_mut(zone).map(|contact| &mut contact.sliding_j),
+            };
+            // The engine has more places than the instrument has pins.
+            if let Some(account) = account {
+                *account += loss_j;
             }
-        }
+        });
     }
 
     /// What each body's pin has lost so far.
@@ -190,11 +167,6 @@ impl Losses {
         all.sort_by(|a, b| b.all_j().total_cmp(&a.all_j()));
         all
     }
-}
-
-/// Mean of |u| over a step in which u runs linearly from u0 to u1.
-fn path([u0, u1]: [f64; 2]) -> f64 {
-    if u0 * u1 >= 0.0 { (u0 + u1).abs() / 2.0 } else { (u0 * u0 + u1 * u1) / (2.0 * (u0 - u1).abs()) }
 }
 
 /// Writes losses down while a run goes on.

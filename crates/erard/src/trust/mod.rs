@@ -17,10 +17,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod energy_audit;
 mod extremes;
 
-pub use energy_audit::EnergyAudit;
 pub use extremes::{Extremes, Furthest};
 
 use std::collections::BTreeMap;

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 pub mod digests;
+pub mod energy_audit;
 pub mod ladder;
 pub mod perturb;
 
@@ -126,9 +127,13 @@ impl Play {
             ledger: true,
             pedal: erard::strings::Pedal::default(),
         };
-        let go = |drive: &Drive<'_>| {
+        self.with_drive(|drive| {
             simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))
-        };
+        })
+    }
+
+    /// Does something with its drive.
+    pub fn with_drive<R>(&self, go: impl FnOnce(&Drive<'_>) -> R) -> R {
         match *self {
             Play::Free => go(&|_| player::Input::Free),
             Play::ForceStep(force, until) => go(&player::force(|t| if t < until { force } else { 0.0 })),

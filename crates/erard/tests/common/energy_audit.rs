@@ -1,14 +1,13 @@
 //! An energy ledger kept from outside: from nothing but the angles and velocities at the ends of steps, the friction that acted, and the
-//! instrument's own numbers.
-//!
-//! Where steps are taken side by side in vector lanes nobody keeps [`moreau::Ledger`]. These books say the same to some h^2, and use none of the
-//! engine's arithmetic: a test holds the two beside each other.
+//! instrument's own numbers. It uses none of the engine's arithmetic; tests compare it with [`moreau::Ledger`].
 
+use erard::grand::KEY_DOWN;
+use erard::instrument::{Curve, Felt, Instrument, Vec2};
+use erard::mechanism::Mechanism;
+use erard::player::rest::Rest;
+use erard::player::{Drive, Observer};
+use erard::trust::LEAST_TURNOVER_J;
 use moreau::{Input, SavedState};
-
-use super::LEAST_TURNOVER_J;
-use crate::grand::KEY_DOWN;
-use crate::instrument::{Curve, Felt, Instrument, Vec2};
 
 /// A state of any size.
 type State = SavedState<f64, 12, 32>;
@@ -72,51 +71,66 @@ fn dot(a: Vec2, b: Vec2) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// The books of one mechanism: opened where it stands, told of every step.
-#[derive(Debug, Clone)]
+/// An observer that keeps the books of a run.
 pub struct EnergyAudit<'a> {
     instrument: &'a Instrument,
-    theta: f64,
-    step_s: f64,
+    drive: &'a Drive<'a>,
+    rest: Option<Rest>,
     start_j: f64,
     work_j: f64,
     work_in_j: f64,
-    lost_j: f64,
+    /// What every pin has lost by dry and by viscous friction, J.
+    pub pins_j: Vec<[f64; 2]>,
+    /// What every zone has lost in its felt and by sliding, J.
+    pub zones_j: Vec<[f64; 2]>,
     before: Moment,
     now: Moment,
 }
 
+impl Observer for EnergyAudit<'_> {
+    fn begin(&mut self, _: f64, m: &dyn Mechanism) {
+        let state = m.save().state;
+        self.rest = Some(Rest::of(self.instrument, m));
+        self.place(&state.angle, &state.velocity, &state.memory);
+        self.start_j = self.stored_j();
+        self.before = self.now.clone();
+    }
+
+    fn step(&mut self, time_s: f64, _: bool, m: &dyn Mechanism) {
+        let (h, theta) = (m.readout().last_step_s, m.readout().stepping.settings.theta);
+        // Of an imposed motion the force is asked for, not the velocity.
+        let input = self.rest.unwrap().input(self.drive, time_s - h, h, theta, h, &|| 0.0);
+        self.book(h, theta, &input, &m.save().state);
+    }
+}
+
 impl<'a> EnergyAudit<'a> {
-    /// Opens the books at absolute angles, rad, velocities, rad/s, and what the felts remember, for steps of so many s at a theta.
-    #[must_use]
-    pub fn open(
-        instrument: &'a Instrument,
-        theta: f64,
-        step_s: f64,
-        [angles, velocities, memory]: [&[f64]; 3],
-    ) -> Self {
-        let mut books = EnergyAudit {
+    /// Of a run with this drive.
+    pub fn new(instrument: &'a Instrument, drive: &'a Drive<'a>) -> Self {
+        EnergyAudit {
             instrument,
-            theta,
-            step_s,
+            drive,
+            rest: None,
             start_j: 0.0,
             work_j: 0.0,
             work_in_j: 0.0,
-            lost_j: 0.0,
+            pins_j: vec![[0.0; 2]; instrument.bodies.len()],
+            zones_j: vec![[0.0; 2]; instrument.zones.len()],
             before: Moment::default(),
             now: Moment::default(),
-        };
-        books.place(angles, velocities, memory);
-        books.start_j = books.stored_j();
-        books.before = books.now.clone();
-        books
+        }
+    }
+
+    /// Everything lost, J: in dry and viscous pins, in felts and by sliding.
+    pub fn lost_j(&self) -> [f64; 4] {
+        let sum = |of: &[[f64; 2]], k: usize| of.iter().map(|lost| lost[k]).sum::<f64>();
+        [sum(&self.pins_j, 0), sum(&self.pins_j, 1), sum(&self.zones_j, 0), sum(&self.zones_j, 1)]
     }
 
     /// Books a step that ended in such a state, under an input of the engine's.
-    pub fn observe(&mut self, input: &Input<f64>, after: &State) {
+    fn book(&mut self, h: f64, theta: f64, input: &Input<f64>, after: &State) {
         std::mem::swap(&mut self.before, &mut self.now);
         self.place(&after.angle, &after.velocity, &after.memory);
-        let (h, theta) = (self.step_s, self.theta);
         let at_theta = |before: f64, after: f64| (1.0 - theta) * before + theta * after;
         let [place, speed] = [0, 1].map(|k| at_theta(self.before.site[k], self.now.site[k]));
         let finger = &self.instrument.finger;
@@ -136,14 +150,14 @@ impl<'a> EnergyAudit<'a> {
             let rate = |moment: &Moment| moment.bodies[i].rate - body.parent.map_or(0.0, |p| moment.bodies[p].rate);
             let [before, now] = [rate(&self.before), rate(&self.now)];
             let middle = at_theta(before, now);
-            self.lost_j += body.viscous_n_m_s * middle * middle * h;
-            self.lost_j += after.pivot_friction[i].abs() * path(before, now) * h;
+            self.pins_j[i][0] += after.pivot_friction[i].abs() * path(before, now) * h;
+            self.pins_j[i][1] += body.viscous_n_m_s * middle * middle * h;
         }
         for (z, zone) in self.instrument.zones.iter().enumerate() {
             let ([compression_before, slip_before], [compression, slip]) = (self.before.zones[z], self.now.zones[z]);
             let memory = [self.before.memory[z], self.now.memory[z]];
             if zone.felt.dry_loss > 0.0 || zone.felt.relaxed > 0.0 {
-                self.lost_j += lost_with_memory_j(&zone.felt, [compression_before, compression], memory);
+                self.zones_j[z][0] += lost_with_memory_j(&zone.felt, [compression_before, compression], memory);
             }
             if compression_before.max(compression) > 0.0 && zone.felt.damping + zone.felt.hunt_crossley > 0.0 {
                 let rate = (compression - compression_before) / h;
@@ -152,25 +166,19 @@ impl<'a> EnergyAudit<'a> {
                     let deep = compression_before + share * (compression - compression_before);
                     if deep > 0.0 {
                         let dry = dry_n(&zone.felt, deep, 0.5 * (memory[0] + memory[1]));
-                        self.lost_j += 0.5 * loss_n(&zone.felt, deep, rate, dry) * rate * h;
+                        self.zones_j[z][0] += 0.5 * loss_n(&zone.felt, deep, rate, dry) * rate * h;
                     }
                 }
             }
-            self.lost_j += after.tangential[z].abs() * path(slip_before, slip) * h;
+            self.zones_j[z][1] += after.tangential[z].abs() * path(slip_before, slip) * h;
         }
     }
 
-    /// Compression of a zone now, m; negative where it is open.
-    #[must_use]
-    pub fn compression(&self, zone: usize) -> f64 {
-        self.now.zones[zone][0]
-    }
-
-    /// What the books leave unexplained, as [`super::energy_residual`] does.
-    #[must_use]
+    /// What the books leave unexplained, as [`erard::trust::energy_residual`] does.
     pub fn residual(&self) -> f64 {
-        let left = self.stored_j() - self.start_j - self.work_j + self.lost_j;
-        left.abs() / self.work_in_j.max(self.lost_j).max(LEAST_TURNOVER_J)
+        let lost_j: f64 = self.lost_j().iter().sum();
+        let left = self.stored_j() - self.start_j - self.work_j + lost_j;
+        left.abs() / self.work_in_j.max(lost_j).max(LEAST_TURNOVER_J)
     }
 
     fn place(&mut self, angles: &[f64], velocities: &[f64], memory: &[f64]) {

@@ -1,0 +1,82 @@
+//! What acts in a step whose end is known: one that was taken elsewhere, in a lane.
+
+use crate::curvature::Margins;
+use crate::felt::ONSET;
+use crate::forces::drive_force;
+use crate::laws::recall_memories;
+use crate::model::Model;
+use crate::real::Scalar;
+use crate::settings::Settings;
+use crate::state::{Input, State};
+use crate::timing::Timing;
+use crate::workspace::Workspace;
+
+impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z, N> {
+    /// Works out the forces of a step from the states before and after it and the input during it, all curves as drawn. Afterwards they can be read as if the
+    /// step had been taken with this workspace, to what its Newton iteration left; an [`crate::Ledger`] books it alike. Nothing is solved, so that N may be 0.
+    pub fn retrace(
+        &mut self,
+        model: &Model<T, B, Z>,
+        settings: &Settings<T>,
+        input: &Input<T>,
+        before: &State<T, B, Z>,
+        after: &State<T, B, Z>,
+    ) {
+        *self = Workspace::new();
+        let timing = Timing::new(settings.step, settings.theta);
+        let kinematics = &mut self.kinematics;
+        let mut angle = before.angle;
+        for i in 0..B {
+            let mean = before.velocity[i] + timing.theta * (after.velocity[i] - before.velocity[i]);
+            kinematics.velocity[i] = mean;
+            angle[i] += timing.h_theta * mean;
+        }
+        kinematics.joint_velocity = model.tree.relative(&kinematics.velocity);
+        kinematics.pose.place(&model.tree, model.first_moments(), &angle);
+        if model.remembers {
+            recall_memories(model, before, self);
+            for &z in model.dry_zones() {
+                self.dry.force[z] = after.memory[z];
+            }
+        }
+        self.retrace_drive(model, &timing, input, after);
+        for z in 0..model.zone_count {
+            self.retrace_zone(model, &timing, z);
+        }
+    }
+
+    fn retrace_drive(&mut self, model: &Model<T, B, Z>, timing: &Timing<T>, input: &Input<T>, after: &State<T, B, Z>) {
+        let Workspace { kinematics, drive, .. } = self;
+        let Some(site) = &model.site else { return };
+        let x = kinematics.pose.point(site.body, site.point);
+        kinematics.pose.turning_row(&model.site_support, x, site.direction, &mut drive.site_row);
+        let driven = drive_force(model, input, timing.h_theta, kinematics, drive);
+        drive.force = match input {
+            Input::Rigid { .. } => after.rigid_force,
+            _ => driven.map_or(T::ZERO, |(force, _)| force),
+        };
+    }
+
+    fn retrace_zone(&mut self, model: &Model<T, B, Z>, timing: &Timing<T>, z: usize) {
+        let Workspace { kinematics, contacts, .. } = self;
+        let (zone, support, pose) = (&model.compiled[z], &model.supports[z], &kinematics.pose);
+        let center = zone.center(pose);
+        let (compression, normal) = zone.compression_and_normal(pose, center);
+        let contact = &mut contacts.states[z];
+        pose.turning_row(support, center, normal, &mut contact.row);
+        let rate = support.product(&contact.row, &kinematics.joint_velocity);
+        // The step's own test.
+        if Margins::new().include(compression, rate, timing) <= T::from_f64(ONSET) {
+            return;
+        }
+        (contact.in_reach, contact.compression, contact.rate) = (true, compression, rate);
+        contacts.active[z] = true;
+        contacts.touched[contacts.touched_count] = z;
+        contacts.touched_count += 1;
+        if zone.slides {
+            let point = zone.contact_point(pose, compression, normal);
+            pose.turning_row(support, point, [-normal[1], normal[0]], &mut contacts.slip_row[z]);
+            contacts.has_slip_row[z] = true;
+        }
+    }
+}
