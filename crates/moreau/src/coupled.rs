@@ -4,6 +4,7 @@
 //! is symmetric and positive definite, and the laws P rise. So the forces are where a convex function is least, sum P*_i(F_i) + F a F / 2 - r F, and going
 //! from felt to felt, each time solving the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Zones that yield").
 
+use crate::linear::gauss_jordan;
 use crate::model::Model;
 use crate::osnsp::System;
 use crate::real::{Mask, Real};
@@ -157,7 +158,7 @@ fn add_pair<T: Real, const B: usize, const N: usize>(
 /// (diag(1/s) + a)^-1, N s/m, with nothing where s is zero: positive semidefinite.
 fn tangents<T: Real>(give: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [[T; COUPLED]; COUPLED] {
     let (zero, mut inverse) = (T::ZERO, [[T::ZERO; COUPLED]; COUPLED]);
-    // Row by row of (1 + s a) x = s, by elimination; s a has a zero diagonal, and the matrix is that of a positive definite one times s.
+    // (1 + s a) x = s; s a has a zero diagonal, and the matrix is that of a positive definite one times s.
     let mut matrix = [[zero; COUPLED]; COUPLED];
     for i in 0..COUPLED {
         for j in 0..COUPLED {
@@ -166,20 +167,7 @@ fn tangents<T: Real>(give: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [
         matrix[i][i] += T::ONE;
         inverse[i][i] = slopes[i];
     }
-    for pivot in 0..COUPLED {
-        let by = T::ONE / matrix[pivot][pivot];
-        for k in 0..COUPLED {
-            matrix[pivot][k] = by * matrix[pivot][k];
-            inverse[pivot][k] = by * inverse[pivot][k];
-        }
-        for i in (0..COUPLED).filter(|i| *i != pivot) {
-            let factor = matrix[i][pivot];
-            for k in 0..COUPLED {
-                matrix[i][k] = matrix[i][k].sub_product(factor, matrix[pivot][k]);
-                inverse[i][k] = inverse[i][k].sub_product(factor, inverse[pivot][k]);
-            }
-        }
-    }
+    gauss_jordan(&mut matrix, &mut inverse);
     inverse
 }
 

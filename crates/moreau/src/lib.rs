@@ -88,6 +88,7 @@ pub use dual::Dual;
 pub use fault::Fault;
 pub use felt::{Exponent, Felt, FeltKind, Loss};
 pub use ledger::{Energies, Ledger, LossIn, each_loss};
+pub use linear::gauss_jordan;
 pub use model::Model;
 pub use osnsp::Solver;
 pub use pose::Pose;

@@ -125,6 +125,25 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
     y
 }
 
+/// Solves `matrix` x = `right` for all columns of `right`, in place, by Gauss and Jordan's elimination. Pivots are not sought: none may vanish, as with
+/// a positive definite matrix times a positive diagonal one.
+pub fn gauss_jordan<T: Real, const K: usize>(matrix: &mut [[T; K]; K], right: &mut [[T; K]; K]) {
+    for pivot in 0..K {
+        let by = T::ONE / matrix[pivot][pivot];
+        for k in 0..K {
+            matrix[pivot][k] = by * matrix[pivot][k];
+            right[pivot][k] = by * right[pivot][k];
+        }
+        for i in (0..K).filter(|i| *i != pivot) {
+            let factor = matrix[i][pivot];
+            for k in 0..K {
+                matrix[i][k] = matrix[i][k].sub_product(factor, matrix[pivot][k]);
+                right[i][k] = right[i][k].sub_product(factor, right[pivot][k]);
+            }
+        }
+    }
+}
+
 /// a . b.
 #[inline(always)]
 pub(crate) fn product<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {

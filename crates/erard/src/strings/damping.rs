@@ -13,6 +13,8 @@
 //! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of its strings: k is then the matrix (C^-1 + A)^-1 with C the
 //! dashpots c/h on its diagonal, and A what a newton that rocks one felt rocks another by.
 
+use moreau::gauss_jordan;
+
 use super::rows::{Block, Row};
 use crate::instrument::{self, Curve, Instrument, MAX_STRINGS, PianoString};
 
@@ -167,33 +169,20 @@ pub(super) type BridgeCoupling = [[f64; MAX_STRINGS]; MAX_STRINGS];
 
 /// How felts that rock hang together where the bridge moves, (C^-1 + A)^-1, N/m: what a metre by which one would rock makes another's dashpot push. `per_newton` is the bridge's.
 pub(super) fn bridge_coupling(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_newton: f64) -> BridgeCoupling {
-    let mut inverse = BridgeCoupling::default();
-    // Gauss and Jordan's elimination of [C^-1 + A | 1], among those that rock: symmetric and positive, so that no pivot is missing.
-    let mut rows = [[0.0; 2 * MAX_STRINGS]; MAX_STRINGS];
-    let rocks: [bool; MAX_STRINGS] = std::array::from_fn(|k| {
-        let is_rocked = rocks[k].per_s > 0.0;
-        if is_rocked {
-            for (l, felt) in felts.iter().enumerate() {
-                rows[k][l] = felts[k].rocking_sounds * per_newton * felt.rocking_sounds;
-            }
-            rows[k][k] += 1.0 / rocks[k].per_s + felts[k].rocks_m_n();
-            rows[k][MAX_STRINGS + k] = 1.0;
+    let rocked: [bool; MAX_STRINGS] = std::array::from_fn(|k| rocks[k].per_s > 0.0);
+    // C^-1 + A and a one for each felt, among those that rock: symmetric and positive, so that no pivot is missing.
+    let (mut matrix, mut inverse) = (BridgeCoupling::default(), BridgeCoupling::default());
+    for k in 0..MAX_STRINGS {
+        if !rocked[k] {
+            matrix[k][k] = 1.0;
+            continue;
         }
-        is_rocked
-    });
-    for k in (0..MAX_STRINGS).filter(|k| rocks[*k]) {
-        let pivot = rows[k][k];
-        rows[k].iter_mut().for_each(|number| *number /= pivot);
-        let own = rows[k];
-        for (_, row) in rows.iter_mut().enumerate().filter(|(l, _)| *l != k && rocks[*l]) {
-            let factor = row[k];
-            row.iter_mut().zip(own).for_each(|(number, own)| *number -= factor * own);
+        for (l, felt) in felts.iter().enumerate().filter(|(l, _)| rocked[*l]) {
+            matrix[k][l] = felts[k].rocking_sounds * per_newton * felt.rocking_sounds;
         }
+        matrix[k][k] += 1.0 / rocks[k].per_s + felts[k].rocks_m_n();
+        inverse[k][k] = 1.0;
     }
-    for k in (0..MAX_STRINGS).filter(|k| rocks[*k]) {
-        for l in (0..MAX_STRINGS).filter(|l| rocks[*l]) {
-            inverse[k][l] = rows[k][MAX_STRINGS + l];
-        }
-    }
+    gauss_jordan(&mut matrix, &mut inverse);
     inverse
 }
