@@ -291,7 +291,7 @@ fn weights(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
         number(file, &path("inertia_kg_m2"), 0),
     ) {
         let front_mm = i.roles.key_front_m.map(|c| 1e3 * c);
-        let pivot = pivot_as_drawn(i, parts.key).map(|c| 1e3 * c);
+        let pivot = i.drawn()[parts.key].pivot_m.map(|c| 1e3 * c);
         // On the line from the pin to the key's front, half-way up the stick.
         let at_mm = [-LEAD_AT_MM - pivot[0], 0.5 * front_mm[1]];
         let least = -0.25 * mass_g;
@@ -397,14 +397,4 @@ fn root(instrument: &Instrument, mut body: usize) -> usize {
         body = parent;
     }
     body
-}
-
-/// Where a body's pivot is as drawn, m.
-fn pivot_as_drawn(instrument: &Instrument, body: usize) -> Vec2 {
-    let one = &instrument.bodies[body];
-    let Some(parent) = one.parent else { return one.pivot_m };
-    let [ox, oy] = pivot_as_drawn(instrument, parent);
-    let (sin, cos) = libm::sincos(instrument.bodies[parent].angle_rad);
-    let [x, y] = one.pivot_m;
-    [ox + cos * x - sin * y, oy + sin * x + cos * y]
 }

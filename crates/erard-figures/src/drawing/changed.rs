@@ -3,9 +3,8 @@
 use super::carried;
 use super::outline::MM;
 use super::piece::Carrier;
-use super::pose::{Placement, drawn_angles, placements};
 use crate::svg::number;
-use erard::instrument::{Instrument, OutlivedNote, ScrewAction, Vec2};
+use erard::instrument::{Instrument, OutlivedNote, Placement, ScrewAction, Vec2};
 use std::fmt::Write;
 
 /// Height of the letters of the lines below a picture, and from line to line, mm of the picture.
@@ -80,7 +79,7 @@ pub fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], placed: &
     if changed.is_empty() {
         return String::new();
     }
-    let drawn = placements(instrument, &drawn_angles(instrument));
+    let drawn = instrument.drawn();
     let mut out = String::from("<g class=\"marks\">");
     let mut taken: Vec<Vec2> = Vec::new();
     for (index, note) in changed.iter().enumerate().take(MOST) {
@@ -155,14 +154,14 @@ mod tests {
         let [one] = &changed[..] else { panic!("{changed:?}") };
         let zone = file.instrument.zones.iter().find(|zone| zone.name == "capstan_heel").unwrap();
         assert_eq!(one.place, Some((zone.disc_body, zone.disc_center_m)));
-        let angles = drawn_angles(&file.instrument);
+        let angles = file.instrument.drawn_angles();
         let svg =
             pose_svg(&file.instrument, &angles, &PoseOptions { changed: changed.clone(), ..PoseOptions::default() });
         let mark = svg.split("<circle class=\"mark\"").nth(1).unwrap();
         let value = |name: &str| -> f64 {
             mark.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
         };
-        let at = placements(&file.instrument, &angles)[zone.disc_body.unwrap()].to_world(zone.disc_center_m);
+        let at = file.instrument.placements(&angles)[zone.disc_body.unwrap()].to_world(zone.disc_center_m);
         assert!((value("cx") - at[0] * MM).abs() < 0.01 && (value("cy") + at[1] * MM).abs() < 0.01, "{mark}");
         let text: String =
             svg.split("class=\"changed-note\"").skip(1).map(|part| part.split('<').next().unwrap()).collect();

@@ -1,7 +1,6 @@
 //! The forces of a run: what pushes where, and how large its arrow is.
 
 use super::arrows::{Arrow, ArrowKind};
-use super::pose::placements;
 use erard::grand::KEY_DOWN;
 use erard::instrument::Instrument;
 use erard::player::PinSeries;
@@ -18,7 +17,7 @@ pub fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
 
 /// What pushes in one frame of a run: the finger, and all contacts.
 pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Arrow> {
-    let placed = placements(instrument, &angles_at(run, frame));
+    let placed = instrument.placements(&angles_at(run, frame));
     let force_n = run.force_n.get(frame).copied().filter(|force| force.is_finite() && *force > 0.0);
     let finger = instrument.roles.key.zip(force_n).map(|(key, force_n)| {
         let point_m = placed[key].to_world(instrument.roles.key_front_m);
@@ -46,7 +45,7 @@ pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Arrow>
 
 /// What the pins do to the bodies that turn about them, in one frame of a run.
 pub fn pins_at(instrument: &Instrument, run: &Run, pins: &[PinSeries], frame: usize) -> Vec<Arrow> {
-    let placed = placements(instrument, &angles_at(run, frame));
+    let placed = instrument.placements(&angles_at(run, frame));
     let unseen = super::drawing(instrument).unseen;
     let arrow = |(body, pin): (usize, &PinSeries)| {
         let [x, y] = [*pin.pin_x_n.get(frame)?, *pin.pin_y_n.get(frame)?];

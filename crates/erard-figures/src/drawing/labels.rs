@@ -3,9 +3,8 @@
 use super::anchor::visible_point;
 use super::outline::MM;
 use super::piece::Piece;
-use super::pose::{Placement, drawn_angles, placements};
 use crate::svg::{escape, number};
-use erard::instrument::{Instrument, Vec2};
+use erard::instrument::{Instrument, Placement, Vec2};
 use std::fmt::Write;
 
 /// Height of a label's letters, mm of the picture.
@@ -105,7 +104,7 @@ fn visible_points(pieces: &[Piece], placed: &[Placement]) -> Vec<(usize, Vec2)> 
 
 /// The pieces that have a label, each with a point of it that can be seen as drawn, m in its carrier's frame.
 pub(crate) fn named_points(instrument: &Instrument, pieces: &[Piece]) -> Vec<(usize, Vec2)> {
-    let drawn = placements(instrument, &drawn_angles(instrument));
+    let drawn = instrument.drawn();
     let in_carrier = |(index, world): (usize, Vec2)| (index, pieces[index].carrier.placement(&drawn).from_world(world));
     visible_points(pieces, &drawn).into_iter().map(in_carrier).collect()
 }

@@ -3,7 +3,6 @@
 use super::fallback::circle;
 use super::material::Finish;
 use super::piece::{Carrier, Piece};
-use super::pose::{drawn_angles, placements};
 use erard::instrument::{Curve, Instrument, Vec2, Zone};
 
 /// Density of the disc that stands for the inertia, kg per m2 of its face: lead as thick as a key is wide.
@@ -12,7 +11,7 @@ const LEAD_KG_PER_M2: f64 = 11_340.0 * 0.0127;
 /// Draws a key with its stops; `None` for what is more than a key, or stops that are no lines on the ground.
 pub(super) fn draw(instrument: &Instrument) -> Option<Vec<Piece>> {
     let ([body], Some(0)) = (&instrument.bodies[..], instrument.roles.key) else { return None };
-    let placed = placements(instrument, &drawn_angles(instrument));
+    let placed = instrument.drawn();
     let pin = placed[0];
     let mm = |p: Vec2| p.map(|c| 1e3 * c);
     let upright = |p: Vec2| mm([p[0] - pin.pivot_m[0], p[1] - pin.pivot_m[1]]);

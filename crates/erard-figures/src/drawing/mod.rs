@@ -16,7 +16,6 @@ mod lever;
 mod material;
 mod outline;
 mod piece;
-mod pose;
 
 pub use arrows::{Arrow, ArrowKind, arrows};
 pub use changed::{ChangedNote, changed_marks};
@@ -25,10 +24,9 @@ pub(crate) use labels::named_points;
 pub use material::{Finish, Paint, gradients, paint};
 pub use outline::{path, transform};
 pub use piece::{Carrier, Piece};
-pub use pose::{Placement, drawn_angles, placements};
 
 use crate::svg::{escape, number};
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, Placement};
 pub(crate) use outline::MM;
 use std::fmt::Write;
 
@@ -88,7 +86,7 @@ pub fn drawing(instrument: &Instrument) -> Drawing {
     let is_known = drawing.pieces.is_empty();
     let own: Vec<Piece> = own.filter(|piece| is_known || !is_drawn(piece)).collect();
     drawing.pieces.extend(own);
-    let placed = placements(instrument, &drawn_angles(instrument));
+    let placed = instrument.drawn();
     drawing.pieces.extend(piece::finger(instrument, &placed));
     drawing
 }
@@ -99,7 +97,7 @@ pub const STYLE: &str = include_str!("drawing.css");
 /// The action with its bodies at the given absolute angles (rad, in the instrument's order; what is missing is drawn
 /// as in the file), as an SVG document.
 pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptions) -> String {
-    let placed = placements(instrument, angles_rad);
+    let placed = instrument.placements(angles_rad);
     let drawing = drawing(instrument);
     let bounds = view(instrument, &drawing.pieces, &placed);
     let [left, mut top, right, mut bottom] = bounds;
@@ -225,7 +223,7 @@ pub(super) fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
 /// drawn, so that pictures of neighbouring poses match.
 pub fn view(instrument: &Instrument, pieces: &[Piece], placed: &[Placement]) -> [f64; 4] {
     const MARGIN: f64 = 8.0;
-    let drawn = placements(instrument, &drawn_angles(instrument));
+    let drawn = instrument.drawn();
     let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     for frames in [placed, &drawn] {
         for piece in pieces {

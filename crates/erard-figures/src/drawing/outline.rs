@@ -4,9 +4,8 @@
 //! becomes `translate(x -y) rotate(-angle)` and text needs no flipping back.
 
 use super::piece::Piece;
-use super::pose::Placement;
 use crate::svg::number;
-use erard::instrument::Vec2;
+use erard::instrument::{Placement, Vec2};
 use std::fmt::Write;
 
 /// Metres of the instrument to millimetres of the picture.

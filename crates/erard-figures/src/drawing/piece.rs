@@ -1,8 +1,7 @@
 //! What a picture is made of: outlines, what carries each, and what it is made of.
 
 use super::material::Finish;
-use super::pose::Placement;
-use erard::instrument::{Instrument, Part, Vec2};
+use erard::instrument::{Instrument, Part, Placement, Vec2};
 
 /// One outline of the picture.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,10 +9,10 @@ mod scene;
 
 pub use scene::scene;
 
-use crate::drawing::{self, ChangedNote, Drawing, Piece, changed_marks, gradients, placements, shapes};
+use crate::drawing::{self, ChangedNote, Drawing, Piece, changed_marks, gradients, shapes};
 use crate::figure::{self, Figure};
 use crate::svg::{escape, number};
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, Placement};
 use erard::player::PinSeries;
 use erard::run::Run;
 use std::fmt::Write;
@@ -91,7 +91,7 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
     let mut views: Option<Views> = None;
     let mut groups = String::new();
     for (index, (one, drawing)) in shown.iter().zip(&drawings).enumerate() {
-        let placed = placements(one.instrument, &drawing::angles_at(one.run, 0));
+        let placed = one.instrument.placements(&drawing::angles_at(one.run, 0));
         let whole = drawing::view(one.instrument, &drawing.pieces, &placed);
         let close = close_up(one.instrument, &drawing.pieces, &placed);
         views = Some(match views {
@@ -231,7 +231,7 @@ fn inline(data: &serde_json::Value) -> String {
 
 /// The part of the picture where the small things happen: from the first thing carried by a body other than the key,
 /// to the end, and as high as the whole. `None` where that is nearly all.
-fn close_up(instrument: &Instrument, pieces: &[Piece], placed: &[drawing::Placement]) -> Option<[f64; 4]> {
+fn close_up(instrument: &Instrument, pieces: &[Piece], placed: &[Placement]) -> Option<[f64; 4]> {
     let key = instrument.roles.key?;
     let small: Vec<Piece> =
         pieces.iter().filter(|piece| piece.carrier.body().is_some_and(|body| body != key)).cloned().collect();

@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::{Views, close_up};
-use crate::drawing::{self, ARROW, Drawing, MM, drawn_angles, gradients, placements, shapes};
+use crate::drawing::{self, ARROW, Drawing, MM, gradients, shapes};
 use erard::instrument::{Curve, Instrument};
 
 /// The instrument as drawn: `shapes` and `gradients` are SVG (for `<g>` and `<defs>`), lengths are millimetres of the picture (y up; SVG's is down),
@@ -12,7 +12,7 @@ use erard::instrument::{Curve, Instrument};
 #[must_use]
 pub fn scene(instrument: &Instrument) -> Value {
     let drawing = drawing::drawing(instrument);
-    let placed = placements(instrument, &drawn_angles(instrument));
+    let placed = instrument.drawn();
     let views = Views {
         whole: drawing::view(instrument, &drawing.pieces, &placed),
         close: close_up(instrument, &drawing.pieces, &placed),

@@ -3,7 +3,8 @@
 use crate::kinematics::{DeriveError, derive};
 use crate::measure::{MeasureError, NotAnAction};
 use erard::grand::{Parts, front_weight_g, strike_weight_g, whippen_weight_g};
-use erard::instrument::{Body, Instrument, Vec2};
+use erard::instrument::{Instrument, Vec2};
+use moreau::vector::{dot, sub};
 
 /// The lengths, ratios and inertias of a key's model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,36 +122,15 @@ impl KeyModel {
 
 /// Moment of inertia about its pin of a part with all that rides on it, as drawn, kg m2.
 fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
-    let bodies = &instrument.bodies;
+    let drawn = instrument.drawn();
     Parts::riders(instrument, part)
         .map(|body| {
-            let at = pivot_from(instrument, part, body);
-            let own = &bodies[body];
-            let center = turned(own, own.center_of_mass_m);
-            let from_part = [at[0] + center[0], at[1] + center[1]];
-            let square = |[x, y]: Vec2| x * x + y * y;
-            own.inertia_kg_m2 + own.mass_kg * (square(from_part) - square(center))
+            let own = &instrument.bodies[body];
+            let center = drawn[body].direction_to_world(own.center_of_mass_m);
+            let from_part = sub(drawn[body].to_world(own.center_of_mass_m), drawn[part].pivot_m);
+            own.inertia_kg_m2 + own.mass_kg * (dot(from_part, from_part) - dot(center, center))
         })
         .sum()
-}
-
-/// From a part's pin to the pin of what rides on it, as drawn, m.
-fn pivot_from(instrument: &Instrument, part: usize, mut body: usize) -> Vec2 {
-    let bodies = &instrument.bodies;
-    let mut from = [0.0; 2];
-    while body != part {
-        let Some(parent) = bodies[body].parent else { break };
-        let [x, y] = turned(&bodies[parent], bodies[body].pivot_m);
-        (from[0], from[1]) = (from[0] + x, from[1] + y);
-        body = parent;
-    }
-    from
-}
-
-/// A direction of a body's frame in the world, as drawn.
-fn turned(body: &Body, [x, y]: Vec2) -> Vec2 {
-    let (s, c) = body.angle_rad.sin_cos();
-    [c * x - s * y, s * x + c * y]
 }
 
 /// A point mass added to a body at a point of its frame (taken away where negative), kg and m: mass, centre of mass and inertia about its pin.

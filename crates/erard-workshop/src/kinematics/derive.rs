@@ -13,9 +13,10 @@ use moreau_linkage::three_lever::{
 
 use super::case::{Design, LetOff};
 use super::file::USUAL_LET_OFF_M;
-use erard::instrument::{Curve, Instrument, Vec2, Zone};
+use erard::instrument::{Curve, Instrument, Placement, Vec2, Zone};
 use erard::mechanism::Mechanism;
 use erard::player::{Action, ActionError};
+use moreau::vector::{add, dot, scale, sub};
 
 /// Play at rest that is worth telling, m.
 const NOTABLE_PLAY_M: f64 = 1e-5;
@@ -96,24 +97,6 @@ pub struct Derived {
     pub notes: Vec<String>,
 }
 
-/// A lever's place at rest in the world: pivot (m) and angle (rad).
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    pivot: Vec2,
-    angle: f64,
-}
-
-impl Place {
-    fn direction_of(&self, [x, y]: Vec2) -> Vec2 {
-        let (s, c) = self.angle.sin_cos();
-        [c * x + s * y, c * y - s * x]
-    }
-
-    fn point_of(&self, [x, y]: Vec2) -> Vec2 {
-        self.direction_of([x - self.pivot[0], y - self.pivot[1]])
-    }
-}
-
 /// The instrument at rest.
 struct AtRest<'i> {
     instrument: &'i Instrument,
@@ -139,16 +122,16 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let rest = AtRest { instrument, mechanism: action.mechanism() };
     let capstan_zone = parts.capstan_zone(&rest)?;
 
-    let place = |body: usize, turned: f64| Place {
-        pivot: rest.mechanism.point(Some(body), [0.0; 2]),
-        angle: rest.mechanism.readout().angles[body] + turned,
+    let place = |body: usize, turned: f64| Placement {
+        pivot_m: rest.mechanism.point(Some(body), [0.0; 2]),
+        angle_rad: rest.mechanism.readout().angles[body] + turned,
     };
     // The key's x axis is its surface's normal.
     let key_place = place(key, FRAC_PI_2);
     let (whippen_place, hammer_place) = (place(parts.whippen, 0.0), place(hammer, 0.0));
     let front = rest.mechanism.point(Some(key), roles.key_front_m);
     // The arm's level part: what the finger goes down is this times the key's turning.
-    let key_front = key_place.pivot[0] - front[0];
+    let key_front = key_place.pivot_m[0] - front[0];
     if key_front <= 0.0 {
         return Err(NotThreeLevers::FingerBehindPivot.into());
     }
@@ -158,19 +141,19 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let knuckle = rest.touch(parts.knuckle_zone, whippen, hammer_place, [-1.0, 1.0])?;
     rest.tell_play(capstan_zone, &mut notes);
     rest.tell_play(parts.knuckle_zone, &mut notes);
-    let from_key = |[x, y]: Vec2| [x - key_place.pivot[0], y - key_place.pivot[1]];
+    let from_key = |point: Vec2| sub(point, key_place.pivot_m);
     let levers = DiscLevers {
-        whippen_pivot: from_key(whippen_place.pivot),
-        hammer_pivot: from_key(hammer_place.pivot),
+        whippen_pivot: from_key(whippen_place.pivot_m),
+        hammer_pivot: from_key(hammer_place.pivot_m),
         capstan,
         knuckle,
         key_front,
-        key_rest: key_place.angle,
+        key_rest: key_place.angle_rad,
         head: roles.hammer_head_m,
-        near: [whippen_place.angle, hammer_place.angle],
+        near: [whippen_place.angle_rad, hammer_place.angle_rad],
     };
     let train = levers.assemble()?;
-    let let_off = rest.let_off(whippen, &levers, &train, key_place.pivot)?;
+    let let_off = rest.let_off(whippen, &levers, &train, key_place.pivot_m)?;
     let design = Design { name: instrument.name.clone(), levers: levers.into(), let_off };
     if let Some(key) = design.case(&[], Regulation::AsMoved)?.let_off_key_m {
         let poses = train.stroke(0.0, key, 100).poses;
@@ -264,8 +247,8 @@ impl AtRest<'_> {
     fn touch(
         &self,
         zone_index: usize,
-        (whippen_body, whippen): (usize, Place),
-        other: Place,
+        (whippen_body, whippen): (usize, Placement),
+        other: Placement,
         senses: [f64; 2],
     ) -> Result<Touch, DeriveError> {
         let zone = &self.instrument.zones[zone_index];
@@ -277,12 +260,12 @@ impl AtRest<'_> {
         // Left of this direction is the side that the normal points to.
         let along = [normal[1], -normal[0]];
         let turned = if along[0] * sense < 0.0 { -1.0 } else { 1.0 };
-        let [x, y] = line.direction_of(along.map(|c| turned * c));
+        let [x, y] = line.direction_from_world(along.map(|c| turned * c));
         Ok(Touch {
             disc_on_whippen,
-            center: disc.point_of(center),
+            center: disc.from_world(center),
             offset: turned * (zone.disc_radius_m - self.compression(zone_index).max(0.0)),
-            line: Line { point: line.point_of(point), angle: y.atan2(x) },
+            line: Line { point: line.from_world(point), angle: y.atan2(x) },
         })
     }
 
@@ -292,16 +275,16 @@ impl AtRest<'_> {
         match zone.curve {
             Curve::Line { point_m, normal } => {
                 let (foot, tip) = (at(point_m), at([point_m[0] + normal[0], point_m[1] + normal[1]]));
-                Ok((foot, [tip[0] - foot[0], tip[1] - foot[1]]))
+                Ok((foot, sub(tip, foot)))
             }
             Curve::Segment { from_m, to_m, rounding_m } => {
                 let (from, to) = (at(from_m), at(to_m));
-                let [x, y] = [to[0] - from[0], to[1] - from[1]];
+                let [x, y] = sub(to, from);
                 let length = x.hypot(y);
                 let normal = [-y / length, x / length];
-                let height = (center[0] - from[0]) * normal[0] + (center[1] - from[1]) * normal[1];
+                let height = dot(sub(center, from), normal);
                 let normal = normal.map(|n| n.copysign(n * height));
-                Ok(([from[0] + rounding_m * normal[0], from[1] + rounding_m * normal[1]], normal))
+                Ok((add(from, scale(normal, rounding_m)), normal))
             }
             Curve::Disc { .. } => Err(NotThreeLevers::DiscOnDisc { zone: zone.name.clone() }.into()),
         }
@@ -319,7 +302,7 @@ impl AtRest<'_> {
     /// Let-off: where the toe meets its button, or, without a button, the usual distance below the string.
     fn let_off(
         &self,
-        whippen: (usize, Place),
+        whippen: (usize, Placement),
         levers: &DiscLevers,
         train: &LeverTrain,
         origin: Vec2,
@@ -330,7 +313,7 @@ impl AtRest<'_> {
             let zone = &self.instrument.zones[zone_index];
             let on_whippen = |body| self.rides_on(whippen.0, body);
             if on_whippen(zone.disc_body) != on_whippen(zone.curve_body) {
-                let ground = Place { pivot: origin, angle: 0.0 };
+                let ground = Placement { pivot_m: origin, angle_rad: 0.0 };
                 let stop = self.touch(zone_index, whippen, ground, [1.0, 1.0])?;
                 let key = levers.key_travel_to_stop(&rest, &stop).filter(|key| *key > 0.0);
                 let pose = key.and_then(|key| train.stroke(0.0, key, 1).poses.into_iter().nth(1));
@@ -354,7 +337,7 @@ impl AtRest<'_> {
     fn tell_end_of_face(
         &self,
         zone: &Zone,
-        (whippen_body, whippen): (usize, Place),
+        (whippen_body, whippen): (usize, Placement),
         levers: &DiscLevers,
         poses: &[StrokePose],
         notes: &mut Vec<String>,
@@ -363,13 +346,12 @@ impl AtRest<'_> {
         if !self.rides_on(whippen_body, zone.curve_body) {
             return;
         }
-        let [from, to] = [from_m, to_m].map(|end| whippen.point_of(self.mechanism.point(zone.curve_body, end)));
-        let along = [to[0] - from[0], to[1] - from[1]];
+        let [from, to] = [from_m, to_m].map(|end| whippen.from_world(self.mechanism.point(zone.curve_body, end)));
+        let along = sub(to, from);
         let off = poses.iter().find(|pose| {
             let [_, contact] = levers.contact_points(pose);
-            let at = Place { pivot: levers.whippen_pivot, angle: pose.w }.point_of(contact);
-            let part = ((at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1])
-                / (along[0] * along[0] + along[1] * along[1]);
+            let at = Placement { pivot_m: levers.whippen_pivot, angle_rad: pose.w }.from_world(contact);
+            let part = dot(sub(at, from), along) / dot(along, along);
             !(0.0..=1.0).contains(&part)
         });
         if let Some(pose) = off {
@@ -383,45 +365,39 @@ impl AtRest<'_> {
 
 /// The nearest levers of L1 to L10; see [`Derived::lengths`].
 fn nearest_lengths(levers: &DiscLevers, rest: &StrokePose) -> ThreeLever {
-    let place = |pivot: Vec2, angle: f64| Place { pivot, angle };
+    let place = |pivot_m: Vec2, angle_rad: f64| Placement { pivot_m, angle_rad };
     let (key, hammer) = (place([0.0; 2], rest.k), place(levers.hammer_pivot, rest.h));
     let whippen = place(levers.whippen_pivot, rest.w);
     // In the world: which way a contact's line runs, made to point away from the player.
-    let slope = |touch: &Touch, other: Place| {
-        let angle = touch.line.angle + if touch.disc_on_whippen { other.angle } else { whippen.angle };
+    let slope = |touch: &Touch, other: Placement| {
+        let angle = touch.line.angle + if touch.disc_on_whippen { other.angle_rad } else { whippen.angle_rad };
         angle.sin().atan2(angle.cos()) + if angle.cos() < 0.0 { PI.copysign(-angle.sin()) } else { 0.0 }
     };
     let [capstan, knuckle] = levers.contact_points(rest);
     // The knuckle slides by its centre where the jack carries the line.
-    let knuckle = if levers.knuckle.disc_on_whippen {
-        knuckle
-    } else {
-        let (s, c) = hammer.angle.sin_cos();
-        let [x, y] = levers.knuckle.center;
-        [hammer.pivot[0] + c * x - s * y, hammer.pivot[1] + s * x + c * y]
-    };
+    let knuckle = if levers.knuckle.disc_on_whippen { knuckle } else { hammer.to_world(levers.knuckle.center) };
     // L1 to L10 measure the whippen's turning from the jack's top.
-    let jack_top = place(whippen.pivot, slope(&levers.knuckle, hammer));
+    let jack_top = place(whippen.pivot_m, slope(&levers.knuckle, hammer));
     let surface = place([0.0; 2], slope(&levers.capstan, key) + FRAC_PI_2);
-    let [l3, minus_l4] = jack_top.point_of(capstan);
-    let [l8, minus_l9] = hammer.point_of(knuckle);
+    let [l3, minus_l4] = jack_top.from_world(capstan);
+    let [l8, minus_l9] = hammer.from_world(knuckle);
     let [bx, by] = levers.whippen_pivot;
     let [cx, cy] = levers.hammer_pivot;
     ThreeLever {
         lengths: Lengths::from([
             bx,
-            surface.point_of(capstan)[0],
+            surface.from_world(capstan)[0],
             l3,
             -minus_l4,
             by,
             bx - cx,
-            -jack_top.point_of(knuckle)[1],
+            -jack_top.from_world(knuckle)[1],
             l8,
             -minus_l9,
             cy - by,
         ]),
         key_front: levers.key_front,
-        key_rest: surface.angle,
+        key_rest: surface.angle_rad,
         head: levers.head,
     }
 }

@@ -20,7 +20,7 @@ pub const POUND_N: f64 = 4.448;
 #[must_use]
 pub fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     let roles = &instrument.roles;
-    roles.key.map(|key| flex(instrument, key, |along| along.point(roles.key_front_m)[0]))
+    roles.key.map(|key| flex(instrument, key, |along| along.to_world(roles.key_front_m)[0]))
 }
 
 /// How far the shank goes for every newton across it at [`SHANK_LOAD_M`] while it is held at the knuckle, m/N; `None` without a hammer.
@@ -35,7 +35,7 @@ fn flex(instrument: &Instrument, piece: usize, load_m: impl Fn(&Placement) -> f6
     while instrument.bodies[body].is_bend {
         let own = instrument.springs.iter().filter(|spring| spring.body == body);
         let stiffness: f64 = own.map(|spring| spring.stiffness_n_m_per_rad).sum();
-        let arm = load - instrument.on_first_piece(body).offset_m[0];
+        let arm = load - instrument.on_first_piece(body).pivot_m[0];
         give += arm * arm / stiffness;
         let Some(parent) = instrument.bodies[body].parent else { break };
         body = parent;

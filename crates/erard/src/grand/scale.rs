@@ -1,7 +1,7 @@
 //! Parts on the scale: as a technician lays them there, each on its own pin.
 
 use super::Parts;
-use crate::instrument::{Body, Instrument, Vec2};
+use crate::instrument::Instrument;
 
 /// Grams per kilogram.
 const G_PER_KG: f64 = 1e3;
@@ -11,7 +11,8 @@ const G_PER_KG: f64 = 1e3;
 #[must_use]
 pub fn front_weight_g(instrument: &Instrument, parts: &Parts, front_m: f64) -> f64 {
     let key = &instrument.bodies[parts.key];
-    -G_PER_KG * key.mass_kg * drawn_x(key, key.center_of_mass_m) / front_m
+    let [level_m, _] = instrument.drawn()[parts.key].direction_to_world(key.center_of_mass_m);
+    -G_PER_KG * key.mass_kg * level_m / front_m
 }
 
 /// What the scale under the strike point's place shows, g: the hammer on its pin, its shank level.
@@ -34,23 +35,11 @@ pub fn falling_moment_n_m(instrument: &Instrument, body: usize) -> f64 {
 /// of that place from the pin along x, with its sign.
 #[must_use]
 pub fn whippen_weight_g(instrument: &Instrument, parts: &Parts, arm_m: f64) -> f64 {
-    let bodies = &instrument.bodies;
-    let mut moment = 0.0;
-    for body in Parts::riders(instrument, parts.whippen) {
-        let mut x = drawn_x(&bodies[body], bodies[body].center_of_mass_m);
-        let mut at = body;
-        while at != parts.whippen {
-            let Some(parent) = bodies[at].parent else { break };
-            x += drawn_x(&bodies[parent], bodies[at].pivot_m);
-            at = parent;
-        }
-        moment += bodies[body].mass_kg * x;
-    }
-    G_PER_KG * moment / arm_m
-}
-
-/// How far a point of a body lies from its pivot along x, as drawn, m.
-fn drawn_x(body: &Body, [x, y]: Vec2) -> f64 {
-    let (s, c) = body.angle_rad.sin_cos();
-    c * x - s * y
+    let drawn = instrument.drawn();
+    let pin_m = drawn[parts.whippen].pivot_m[0];
+    let moments = Parts::riders(instrument, parts.whippen).map(|body| {
+        let own = &instrument.bodies[body];
+        own.mass_kg * (drawn[body].to_world(own.center_of_mass_m)[0] - pin_m)
+    });
+    G_PER_KG * moments.sum::<f64>() / arm_m
 }

@@ -4,35 +4,8 @@
 //! a shank beyond the knuckle. Whoever means the part's geometry or its weights, and not what it gives, locks the bends
 //! ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
 
+use super::placement::Placement;
 use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
-
-/// A rigid placement: a point x of one frame stands at `offset_m` + R(`angle_rad`) x in the other.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placement {
-    /// Where the origin of the one frame stands, m.
-    pub offset_m: Vec2,
-    /// How far it is turned, rad, anticlockwise.
-    pub angle_rad: f64,
-}
-
-impl Placement {
-    const SAME: Placement = Placement { offset_m: [0.0; 2], angle_rad: 0.0 };
-
-    fn direction(&self, [x, y]: Vec2) -> Vec2 {
-        if self.angle_rad == 0.0 {
-            return [x, y];
-        }
-        let (s, c) = (libm::sin(self.angle_rad), libm::cos(self.angle_rad));
-        [c * x - s * y, s * x + c * y]
-    }
-
-    /// Where a point of the one frame, m, stands in the other, m.
-    #[must_use]
-    pub fn point(&self, x: Vec2) -> Vec2 {
-        let [x, y] = self.direction(x);
-        [self.offset_m[0] + x, self.offset_m[1] + y]
-    }
-}
 
 impl Instrument {
     /// Whether a part of it bends.
@@ -56,11 +29,11 @@ impl Instrument {
     pub fn on_first_piece(&self, piece: usize) -> Placement {
         let body = &self.bodies[piece];
         if !body.is_bend {
-            return Placement::SAME;
+            return Placement::GROUND;
         }
         let (place, drawn) =
-            body.parent.map_or((Placement::SAME, 0.0), |p| (self.on_first_piece(p), self.bodies[p].angle_rad));
-        Placement { offset_m: place.point(body.pivot_m), angle_rad: place.angle_rad + body.angle_rad - drawn }
+            body.parent.map_or((Placement::GROUND, 0.0), |p| (self.on_first_piece(p), self.bodies[p].angle_rad));
+        Placement { pivot_m: place.to_world(body.pivot_m), angle_rad: place.angle_rad + body.angle_rad - drawn }
     }
 
     /// Whether two bodies are pieces of one part.
@@ -85,16 +58,16 @@ impl Instrument {
         let mut bodies: Vec<Body> = Vec::new();
         for (i, body) in self.bodies.iter().enumerate() {
             // What it is hinged on: a body of the rigid ones, or the ground, and where in that its frame stands.
-            let (on, place) = body.parent.map_or((None, Placement::SAME), |p| (becomes[p], placed[p]));
+            let (on, place) = body.parent.map_or((None, Placement::GROUND), |p| (becomes[p], placed[p]));
             if !body.is_bend {
                 becomes[i] = Some(bodies.len());
-                bodies.push(Body { parent: on, pivot_m: place.point(body.pivot_m), ..body.clone() });
+                bodies.push(Body { parent: on, pivot_m: place.to_world(body.pivot_m), ..body.clone() });
                 continue;
             }
             becomes[i] = on;
             // The arm of a bushing on the ground is a piece of the ground.
             let Some(whole) = on.map(|on| &mut bodies[on]) else { continue };
-            add(whole, body, placed[i].point(body.center_of_mass_m));
+            add(whole, body, placed[i].to_world(body.center_of_mass_m));
             if self.roles.key == Some(i) || self.roles.hammer == Some(i) {
                 whole.name.clone_from(&body.name);
             }
@@ -102,7 +75,7 @@ impl Instrument {
         let rigid = Rigid { becomes, placed };
         let (springs, kept) = rigid.springs(self);
         let roles = &self.roles;
-        let on = |body: Option<usize>, point: Vec2| body.map_or(point, |body| rigid.placed[body].point(point));
+        let on = |body: Option<usize>, point: Vec2| body.map_or(point, |body| rigid.placed[body].to_world(point));
         Instrument {
             name: self.name.clone(),
             gravity_m_s2: self.gravity_m_s2,
@@ -149,23 +122,23 @@ impl Rigid {
     }
 
     fn place(&self, body: Option<usize>) -> Placement {
-        body.map_or(Placement::SAME, |body| self.placed[body])
+        body.map_or(Placement::GROUND, |body| self.placed[body])
     }
 
     fn zone(&self, zone: &Zone) -> Zone {
         let (disc, curve) = (self.place(zone.disc_body), self.place(zone.curve_body));
         Zone {
             disc_body: self.body(zone.disc_body),
-            disc_center_m: disc.point(zone.disc_center_m),
+            disc_center_m: disc.to_world(zone.disc_center_m),
             curve_body: self.body(zone.curve_body),
             curve: match zone.curve {
                 Curve::Line { point_m, normal } => {
-                    Curve::Line { point_m: curve.point(point_m), normal: curve.direction(normal) }
+                    Curve::Line { point_m: curve.to_world(point_m), normal: curve.direction_to_world(normal) }
                 }
                 Curve::Segment { from_m, to_m, rounding_m } => {
-                    Curve::Segment { from_m: curve.point(from_m), to_m: curve.point(to_m), rounding_m }
+                    Curve::Segment { from_m: curve.to_world(from_m), to_m: curve.to_world(to_m), rounding_m }
                 }
-                Curve::Disc { center_m, radius_m } => Curve::Disc { center_m: curve.point(center_m), radius_m },
+                Curve::Disc { center_m, radius_m } => Curve::Disc { center_m: curve.to_world(center_m), radius_m },
             },
             ..zone.clone()
         }
@@ -188,11 +161,11 @@ impl Rigid {
         let action = match screw.action {
             ScrewAction::Disc { zone, direction } => {
                 let place = self.place(instrument.zones[zone].disc_body);
-                ScrewAction::Disc { zone, direction: place.direction(direction) }
+                ScrewAction::Disc { zone, direction: place.direction_to_world(direction) }
             }
             ScrewAction::Curve { zone, direction } => {
                 let place = self.place(instrument.zones[zone].curve_body);
-                ScrewAction::Curve { zone, direction: place.direction(direction) }
+                ScrewAction::Curve { zone, direction: place.direction_to_world(direction) }
             }
             ScrewAction::Turn { zone } => ScrewAction::Turn { zone },
             ScrewAction::Spring { spring } => ScrewAction::Spring { spring: springs[spring]? },
@@ -204,7 +177,7 @@ impl Rigid {
         let place = self.place(part.body);
         Part {
             body: self.body(part.body),
-            outline_m: part.outline_m.iter().map(|&corner| place.point(corner)).collect(),
+            outline_m: part.outline_m.iter().map(|&corner| place.to_world(corner)).collect(),
             ..part.clone()
         }
     }

@@ -25,6 +25,7 @@ pub mod from_toml;
 pub mod locate;
 mod numbers;
 mod outlived;
+mod placement;
 pub(crate) mod provenance;
 #[doc(hidden)]
 pub mod quantity;
@@ -39,11 +40,11 @@ pub mod serde_fault;
 mod strings;
 mod tuning;
 
-pub use bends::Placement;
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
 pub use numbers::{numbers_at, with_numbers};
 pub use outlived::OutlivedNote;
+pub use placement::Placement;
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
 pub use rewrite::{RewriteError, cited};
 pub use schema::json_schema;

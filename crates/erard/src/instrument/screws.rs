@@ -1,6 +1,7 @@
 //! Turning the regulating screws of an instrument that is already in SI units.
 
-use super::{Curve, Instrument, ScrewAction, Vec2};
+use super::placement::turned_by;
+use super::{Curve, Instrument, ScrewAction};
 
 impl Instrument {
     /// Index of the screw called `name`.
@@ -65,10 +66,4 @@ impl Instrument {
         }
         true
     }
-}
-
-/// A direction turned counter-clockwise by an angle, rad.
-fn turned_by([x, y]: Vec2, angle: f64) -> Vec2 {
-    let (sin, cos) = libm::sincos(angle);
-    [cos * x - sin * y, sin * x + cos * y]
 }

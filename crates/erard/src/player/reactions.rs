@@ -5,8 +5,10 @@
 //! (felts, friction, weight, the finger) as they acted in the step, what is missing to m a is the pin's. The moments about the pins are not
 //! needed for that. They are left as a check: [`Reactions::moment_n_m`] is what Euler's law leaves over.
 
+use moreau::vector::{add, cross, sub};
+
 use super::Observer;
-use super::motion::{Motion, add, cross, sub, turning};
+use super::motion::Motion;
 use crate::grand::KEY_DOWN;
 use crate::instrument::{Instrument, Vec2};
 use crate::mechanism::Mechanism;
@@ -80,7 +82,7 @@ impl Reactions {
         let bodies = &instrument.bodies;
         for (i, body) in bodies.iter().enumerate() {
             pivot_acceleration[i] = body.parent.map_or([0.0; 2], |parent| {
-                let arm = sub(motion.pivot[i], motion.pivot[parent]);
+                let arm = sub(motion.pivot(i), motion.pivot(parent));
                 add(pivot_acceleration[parent], accelerated(motion, parent, arm))
             });
         }
@@ -98,7 +100,7 @@ impl Reactions {
             moment_n_m[i] += inertia - moment[i];
             if let Some(parent) = body.parent {
                 pin_n[parent] = add(pin_n[parent], pin_n[i]);
-                moment_n_m[parent] += cross(sub(motion.pivot[i], motion.pivot[parent]), pin_n[i]);
+                moment_n_m[parent] += cross(sub(motion.pivot(i), motion.pivot(parent)), pin_n[i]);
             }
         }
     }
@@ -130,7 +132,7 @@ impl Reactions {
         let mut push = |body: Option<usize>, point: Vec2, by: Vec2| {
             if let Some(body) = body {
                 force[body] = add(force[body], by);
-                moment[body] += cross(sub(point, motion.pivot[body]), by);
+                moment[body] += cross(sub(point, motion.pivot(body)), by);
             }
         };
         for ((zone, contact), tangential) in
@@ -144,7 +146,7 @@ impl Reactions {
             push(zone.curve_body, contact.point, by.map(|f| -f));
         }
         if let Some(key) = instrument.roles.key {
-            let front = add(motion.pivot[key], motion.turned(key, instrument.roles.key_front_m));
+            let front = add(motion.pivot(key), motion.turned(key, instrument.roles.key_front_m));
             push(Some(key), front, KEY_DOWN.map(|d| d * m.readout().output.drive_n));
         }
     }
@@ -153,8 +155,7 @@ impl Reactions {
 /// Acceleration of a point of a body against the body's own pivot, m/s2.
 fn accelerated(motion: &Motion, body: usize, arm: Vec2) -> Vec2 {
     let (alpha, omega) = (motion.acceleration[body], motion.rate[body]);
-    let [x, y] = turning(alpha, arm);
-    [x - omega * omega * arm[0], y - omega * omega * arm[1]]
+    [-alpha * arm[1] - omega * omega * arm[0], alpha * arm[0] - omega * omega * arm[1]]
 }
 
 /// One pin's series, with the rows of the run that it was recorded beside; forces and accelerations are centred on the rows' instants as a run's

@@ -72,7 +72,7 @@ fn balanced(instrument: &Instrument) -> Option<Instrument> {
     let moment = |i: &Instrument| -> f64 {
         let pieces = (0..i.bodies.len()).filter(|&body| i.is_same_part(body, key));
         pieces
-            .map(|body| i.bodies[body].mass_kg * i.on_first_piece(body).point(i.bodies[body].center_of_mass_m)[0])
+            .map(|body| i.bodies[body].mass_kg * i.on_first_piece(body).to_world(i.bodies[body].center_of_mass_m)[0])
             .sum()
     };
     let mut other = instrument.clone();

@@ -4,8 +4,7 @@
 use super::parts::{Component, Parts};
 use crate::drawing::material::Finish;
 use crate::drawing::piece::{Carrier, Piece};
-use crate::drawing::pose::Placement;
-use erard::instrument::{Instrument, Vec2};
+use erard::instrument::{Instrument, Placement, Vec2};
 
 /// An outline before anything carries it.
 pub(super) struct Look<'a> {

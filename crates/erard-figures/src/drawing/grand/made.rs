@@ -6,9 +6,8 @@ use super::places::{Place, Places};
 use crate::drawing::fallback::circle;
 use crate::drawing::material::Finish;
 use crate::drawing::piece::{Carrier, Piece};
-use crate::drawing::pose::Placement;
 use erard::grand::{Parts as Weighed, strike_weight_g};
-use erard::instrument::{Instrument, Vec2};
+use erard::instrument::{Instrument, Placement, Vec2};
 
 /// What a picture is drawn from.
 pub(super) struct Scene<'a> {

@@ -12,7 +12,6 @@ mod outlines;
 mod parts;
 mod places;
 
-use super::pose::{drawn_angles, placements};
 use super::{Drawing, fallback};
 use chain::Look;
 use erard::instrument::{Instrument, Vec2};
@@ -36,7 +35,7 @@ pub(super) fn draws(name: &str) -> bool {
 
 /// Draws a grand action; `None` where the instrument is none.
 pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
-    let drawn = placements(instrument, &drawn_angles(instrument));
+    let drawn = instrument.drawn();
     let parts = Parts::of(instrument, &drawn)?;
     let places = Places::new(instrument, &parts, &drawn);
     let scene = Scene { instrument, parts: &parts, places: &places, drawn: &drawn };

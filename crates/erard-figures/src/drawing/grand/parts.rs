@@ -1,9 +1,7 @@
 //! Which body and which zone of an instrument is which part of a grand action.
 
-use erard::instrument::{Curve, Instrument, Vec2, Zone};
+use erard::instrument::{Curve, Instrument, Placement, Vec2, Zone};
 use serde::Deserialize;
-
-use crate::drawing::pose::Placement;
 
 /// A part of the action that is one piece of wood, whether or not the mechanics lets it bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

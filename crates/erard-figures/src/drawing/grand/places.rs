@@ -1,8 +1,7 @@
 //! The places of a grand action that its outlines hang on, found from the instrument's geometry as drawn.
 
 use super::parts::{Component, Parts};
-use crate::drawing::pose::Placement;
-use erard::instrument::{Curve, Instrument, Vec2, Zone};
+use erard::instrument::{Curve, Instrument, Placement, Vec2, Zone};
 use serde::Deserialize;
 use std::f64::consts::{FRAC_PI_2, PI};
 
