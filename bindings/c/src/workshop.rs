@@ -83,7 +83,8 @@ pub unsafe extern "C" fn erard_measure(
         }
         // SAFETY: passed on.
         let wanted = named(unsafe { name(wanted, "the list of lines") }?)?;
-        let values = measure_some(instrument, &wanted, &|| tell(f64::NAN)).map_err(|error| not_measured(&error))?;
+        let values =
+            measure_some(instrument, &wanted, &mut |_| tell(f64::NAN)).map_err(|error| not_measured(&error))?;
         let all: Map<String, Value> =
             wanted.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
         give(Value::Object(all).to_string(), length)
@@ -264,7 +265,7 @@ pub unsafe extern "C" fn erard_try(
         // SAFETY: passed on.
         let instrument = unsafe { given(instrument) }?.instrument();
         let tried =
-            try_once(instrument, &|| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
+            try_once(instrument, &mut |_| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
         let warnings: Vec<&str> = tried.warnings.iter().map(|warning| warning.what.as_str()).collect();
         give(json!({ "hammer_speed_m_s": tried.hammer_speed_m_s, "warnings": warnings }).to_string(), length)
     })

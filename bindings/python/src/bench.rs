@@ -1,6 +1,5 @@
 //! The technician's work: measuring, regulating, kinematics, keyboards, drawings.
 
-use std::cell::RefCell;
 use std::path::Path;
 
 use erard::instrument::Instrument as Inner;
@@ -59,15 +58,7 @@ pub fn measure(
         })
     };
     let chosen: Vec<&'static Line> = only.iter().map(find).collect::<PyResult<_>>()?;
-    let values = watched(
-        py,
-        progress,
-        |going| {
-            let going = RefCell::new(going);
-            measure_some(&inner, &chosen, &|| (going.borrow_mut())(0.0))
-        },
-        fault::measure,
-    )?;
+    let values = watched(py, progress, |going| measure_some(&inner, &chosen, going), fault::measure)?;
     let object: serde_json::Map<String, serde_json::Value> =
         chosen.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
     serde_json::to_string(&object).map_err(failed)

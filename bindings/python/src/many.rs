@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use erard::Progress;
 use erard::instrument::Instrument as Inner;
 use erard::player::Input;
 use erard::run::{Setup, SimulationError};
@@ -70,7 +71,7 @@ impl Plan {
         setup: &Setup,
         sampling: Option<&Sampling>,
         workers: Workers,
-        going: &mut dyn FnMut(f64) -> bool,
+        going: &mut Progress<'_>,
     ) -> Result<Vec<Outcome>, SimulationError> {
         let mut jobs = Vec::with_capacity(self.jobs.len());
         let mut places: Vec<Result<usize, String>> = Vec::with_capacity(self.jobs.len());

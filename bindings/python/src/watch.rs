@@ -1,5 +1,6 @@
 //! Long work without Python's lock: signals are looked for, and progress told, at least every 50 ms.
 
+use erard::Progress;
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
@@ -11,7 +12,7 @@ const EVERY: Duration = Duration::from_millis(50);
 pub fn watched<T: Send, E: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
-    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E> + Send,
+    work: impl FnOnce(&mut Progress<'_>) -> Result<T, E> + Send,
     fault: impl FnOnce(&E) -> PyErr,
 ) -> PyResult<T> {
     let mut raised: Option<PyErr> = None;

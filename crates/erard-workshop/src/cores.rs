@@ -1,28 +1,25 @@
 //! Independent work on several of the processor's cores.
 
-use std::cell::RefCell;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
+use erard::Progress;
 use erard::run::SimulationError;
-
-/// Asked now and then during long work; false ends it.
-pub type Interrupt<'a> = &'a dyn Fn() -> bool;
 
 /// How often the caller is told, and asked whether to go on.
 const TELL_EVERY: Duration = Duration::from_millis(20);
 
 /// One piece of work; it keeps its own result.
-pub type Job<'a, E> = Box<dyn FnOnce(Interrupt<'_>) -> Result<(), E> + Send + 'a>;
+pub type Job<'a, E> = Box<dyn FnOnce(&mut Progress<'_>) -> Result<(), E> + Send + 'a>;
 
 /// A piece of work that leaves its result in `place`.
 pub fn job<'a, T: Send, E>(
     place: &'a mut Option<T>,
-    work: impl FnOnce(Interrupt<'_>) -> Result<T, E> + Send + 'a,
+    work: impl FnOnce(&mut Progress<'_>) -> Result<T, E> + Send + 'a,
 ) -> Job<'a, E> {
-    Box::new(move |going| {
-        *place = Some(work(going)?);
+    Box::new(move |progress| {
+        *place = Some(work(progress)?);
         Ok(())
     })
 }
@@ -49,11 +46,7 @@ impl Ending for SimulationError {
 ///
 /// # Errors
 /// The first job's, in their order, that failed; [`SimulationError::Interrupted`].
-pub fn do_all<E: Ending>(
-    jobs: Vec<Job<'_, E>>,
-    threads: usize,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<(), E> {
+pub fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress: &mut Progress<'_>) -> Result<(), E> {
     if threads <= 1 {
         return do_all_here(jobs, progress);
     }
@@ -63,12 +56,11 @@ pub fn do_all<E: Ending>(
     let (next, done, stop) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
     let caller = std::thread::current();
     let work = || {
-        let going = || !stop.load(Ordering::Relaxed);
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(place) = queue.get(index) else { break };
             let job = place.lock().ok().and_then(|mut place| place.take());
-            if let Some(Err(error)) = job.map(|job| job(&going)) {
+            if let Some(Err(error)) = job.map(|job| job(&mut |_| !stop.load(Ordering::Relaxed))) {
                 stop.store(true, Ordering::Relaxed);
                 if let Ok(mut failures) = failures.lock() {
                     failures.push((index, error));
@@ -100,15 +92,14 @@ pub fn do_all<E: Ending>(
 }
 
 /// [`do_all`] on the caller's thread, one job after the other. `progress` is asked by the jobs themselves.
-fn do_all_here<E: Ending>(jobs: Vec<Job<'_, E>>, progress: &mut dyn FnMut(f64) -> bool) -> Result<(), E> {
+fn do_all_here<E: Ending>(jobs: Vec<Job<'_, E>>, progress: &mut Progress<'_>) -> Result<(), E> {
     let count = jobs.len() as f64;
-    let progress = RefCell::new(progress);
     for (done, job) in jobs.into_iter().enumerate() {
-        let going = || (progress.borrow_mut())(done as f64 / count);
-        if !going() {
+        let mut going = |_: f64| progress(done as f64 / count);
+        if !going(0.0) {
             return Err(SimulationError::Interrupted.into());
         }
-        job(&going)?;
+        job(&mut going)?;
     }
     Ok(())
 }
@@ -128,8 +119,8 @@ mod tests {
         }
 
         let (mut a, mut b) = (None::<()>, None::<()>);
-        let waiting = job(&mut a, |going| {
-            while going() {
+        let waiting = job(&mut a, |progress| {
+            while progress(0.0) {
                 std::thread::yield_now();
             }
             Err(SimulationError::Interrupted.into())
@@ -141,8 +132,8 @@ mod tests {
     #[test]
     fn an_interruption_ends_all() {
         let mut place = None::<()>;
-        let waiting = job(&mut place, |going| {
-            while going() {
+        let waiting = job(&mut place, |progress| {
+            while progress(0.0) {
                 std::thread::yield_now();
             }
             Err(SimulationError::Interrupted.into())

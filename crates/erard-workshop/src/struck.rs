@@ -2,6 +2,7 @@
 
 use moreau::Settings;
 
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player::ActionError;
 use erard::{Action, Input};
@@ -71,15 +72,15 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
     blow
 }
 
-/// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none is. `going` ends it by returning false.
+/// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none is. `progress` ends it by returning false.
 pub fn blow_of_speed(
     action: &mut Action,
     speed_m_s: f64,
-    going: &mut dyn FnMut() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<Blow>, Stopped> {
     let still = action.save();
     let mut fast_enough = |force_n: f64| -> Result<Option<Blow>, Stopped> {
-        if !going() {
+        if !progress(0.0) {
             return Err(Stopped);
         }
         action.restore(&still).expect("it is the action's own");

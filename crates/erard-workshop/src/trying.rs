@@ -1,7 +1,8 @@
 //! Does an instrument play? Each is pressed once, and what speaks against the run is told.
 
-use crate::cores::{self, Interrupt, do_all, job};
+use crate::cores::{self, do_all, job};
 use crate::measure::MeasureError;
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player;
 use erard::run::{Setup, SimulationError, simulate};
@@ -24,7 +25,7 @@ pub struct Tried {
 ///
 /// # Errors
 /// An interruption, or what is no fault of a run ([`SimulationError::warning`]).
-pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, SimulationError> {
+pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Tried, SimulationError> {
     let silent = Tried { hammer_speed_m_s: None, warnings: Vec::new() };
     // It is there: a test of strokes reads them all.
     let Some(force) = Series::builtin(NUANCE, Touch::Pressed).and_then(|series| series.force) else {
@@ -35,7 +36,7 @@ pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, 
     }
     let end_s = force.times_s().last().copied().unwrap_or_default();
     let setup = Setup { record_every: Some(100), ..Setup::new(end_s) };
-    match simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going()) {
+    match simulate(instrument, &player::force(force.drive()), &setup, progress) {
         Ok(run) => Ok(Tried { hammer_speed_m_s: run.events.hammer_speed_m_s(), warnings: run.warnings }),
         Err(error) => match error.warning() {
             Some(warning) => Ok(Tried { warnings: vec![warning], ..silent }),
@@ -48,12 +49,12 @@ pub fn try_once(instrument: &Instrument, going: Interrupt<'_>) -> Result<Tried, 
 ///
 /// # Errors
 /// See [`try_once`].
-pub fn try_all(instruments: &[Instrument], progress: &mut dyn FnMut(f64) -> bool) -> Result<Vec<Tried>, MeasureError> {
+pub fn try_all(instruments: &[Instrument], progress: &mut Progress<'_>) -> Result<Vec<Tried>, MeasureError> {
     let mut tried: Vec<Option<Tried>> = vec![None; instruments.len()];
     let jobs = tried
         .iter_mut()
         .zip(instruments)
-        .map(|(place, instrument)| job(place, move |going| Ok(try_once(instrument, going)?)))
+        .map(|(place, instrument)| job(place, move |progress| Ok(try_once(instrument, progress)?)))
         .collect();
     do_all::<MeasureError>(jobs, cores::count(), progress)?;
     tried.into_iter().map(|one| one.ok_or(MeasureError::Lost)).collect()

@@ -1,9 +1,10 @@
 //! Every key on the technician's bench: hammers, leads and touch weights over the keyboard.
 
 use crate::cores::{self, do_all, job};
+use crate::measure::MeasureError;
 use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
-use crate::measure::{Interrupt, MeasureError};
 use crate::trying::{Tried, try_once};
+use erard::Progress;
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::keyboard::note_name;
@@ -31,29 +32,26 @@ pub struct WeighedKey {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn weigh(
-    keys: &[(usize, Instrument)],
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Vec<WeighedKey>, MeasureError> {
+pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<WeighedKey>, MeasureError> {
     let mut weighed: Vec<Option<WeighedKey>> = vec![None; keys.len()];
     let jobs = weighed
         .iter_mut()
         .zip(keys)
-        .map(|(place, (key, instrument))| job(place, move |going| weigh_key(*key, instrument, going)))
+        .map(|(place, (key, instrument))| job(place, move |progress| weigh_key(*key, instrument, progress)))
         .collect();
     do_all(jobs, cores::count(), progress)?;
     weighed.into_iter().map(|key| key.ok_or(MeasureError::Lost)).collect()
 }
 
-fn weigh_key(key: usize, instrument: &Instrument, going: Interrupt<'_>) -> Result<WeighedKey, MeasureError> {
+fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<WeighedKey, MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
-    let way = free_way(&lifted, &parts, going)?;
-    let weights = by_loop(&lifted, way.end_m, going)?;
+    let way = free_way(&lifted, &parts, progress)?;
+    let weights = by_loop(&lifted, way.end_m, progress)?;
     let (scale, _) = on_the_scale(instrument, way.end_m, weights.decided_m)?;
     let rigid = instrument.locked();
     Ok(WeighedKey {
-        tried: try_once(instrument, going)?,
+        tried: try_once(instrument, progress)?,
         key,
         note: note_name(key),
         // A sum of pieces: without its rounding errors.

@@ -31,6 +31,7 @@ pub mod keyboard;
 pub mod mechanism;
 pub mod one_dof;
 pub mod player;
+mod progress;
 #[cfg(feature = "recordings")]
 pub mod recording;
 pub mod run;
@@ -43,6 +44,7 @@ pub use instrument::Instrument;
 pub use mechanism::Impact;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
 pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
+pub use progress::Progress;
 pub use run::{Events, Run, Setup, SimulationError, press, simulate, simulate_hand, simulate_observed};
 
 /// The examples of the README are tests.

@@ -168,7 +168,7 @@ fn a_technician_measures() {
     let lines: Vec<_> = erard_workshop::measure::norms::lines()
         .filter(|line| ["dip_mm", "down_weight_g", "strike_weight_g"].contains(&line.key))
         .collect();
-    let values = erard_workshop::measure::measure_some(&native, &lines, &|| true).unwrap();
+    let values = erard_workshop::measure::measure_some(&native, &lines, &mut |_| true).unwrap();
     assert_eq!(lines.len(), 3);
     for (line, value) in lines.iter().zip(values) {
         assert_eq!(measured[line.key].as_f64(), value, "{}", line.key);

@@ -180,8 +180,8 @@ impl Measure {
         let mut found: Vec<Option<Vec<Option<f64>>>> = vec![None; named.len()];
         let jobs = found.iter_mut().zip(&named).map(|(place, one)| {
             let lines = &lines;
-            job(place, move |going| {
-                measure_some(&one.instrument, lines, going).map_err(|error| Unmeasured::from((one, error)))
+            job(place, move |progress| {
+                measure_some(&one.instrument, lines, progress).map_err(|error| Unmeasured::from((one, error)))
             })
         });
         do_all(jobs.collect(), cores::count(), &mut |share| progress.tell(share))

@@ -1,6 +1,5 @@
 //! `erard regulate`.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -153,10 +152,8 @@ impl Regulate {
         };
         progress.say("soft notes");
         let soft = {
-            let progress = RefCell::new(&mut progress);
-            let going = || progress.borrow_mut().tell(0.99);
-            let measured = |instrument: &Instrument| {
-                double_strike(instrument, &going)
+            let mut measured = |instrument: &Instrument| {
+                double_strike(instrument, &mut |_| progress.tell(0.99))
                     .map_err(|error| Failure::Measure { label: instrument.name.clone(), error })
             };
             [measured(&instrument)?, measured(&regulated.instrument)?]

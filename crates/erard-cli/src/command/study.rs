@@ -324,7 +324,7 @@ fn play_portion(
     stroke: &Stroke,
     setup: &Setup,
     workers: Workers,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut erard::Progress<'_>,
 ) -> Result<PlayedPortion, Failure> {
     let axes = varied.axes;
     // Outlines are for drawings.
@@ -377,14 +377,14 @@ type Values = Result<Vec<Option<f64>>, String>;
 fn measure_portion(
     played: &PlayedPortion,
     measures: &[&'static Line],
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut erard::Progress<'_>,
 ) -> Result<Vec<Values>, Failure> {
     if measures.is_empty() {
         return Ok(vec![Ok(Vec::new()); played.variants.len()]);
     }
     let mut found: Vec<Option<Values>> = vec![None; played.instruments.len()];
     let jobs = found.iter_mut().zip(&played.instruments).map(|(place, instrument)| {
-        job(place, move |going| match measure_some(instrument, measures, going) {
+        job(place, move |progress| match measure_some(instrument, measures, progress) {
             Err(error) if error.is_interruption() => Err(error),
             values => Ok(values.map_err(|error| error.to_string())),
         })

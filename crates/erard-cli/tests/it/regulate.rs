@@ -36,7 +36,7 @@ fn a_mis_set_file_is_put_right() {
     assert_eq!(folder.read("wrong.toml"), wrong);
 
     let right = Instrument::load(&folder.0.join("right.toml")).unwrap();
-    let d = measure(&right, &Protocol::default(), &mut || true).unwrap();
+    let d = measure(&right, &Protocol::default(), &mut |_| true).unwrap();
     for (value, asked) in [
         (d.dip_m, 10e-3),
         (d.blow_m, 46e-3),
@@ -59,7 +59,7 @@ fn a_mis_set_file_is_put_right() {
         (&"mm".into(), &10.0.into(), &"front_punching".into())
     );
     assert!((dip["after"].as_f64().unwrap() - d.dip_m.unwrap() * 1e3).abs() < 1e-6, "{dip}");
-    let second_blow = double_strike(&right, &|| true).unwrap();
+    let second_blow = double_strike(&right, &mut |_| true).unwrap();
     assert!((report["double_strike_m_s"]["after"].as_f64().unwrap() - second_blow).abs() < 1e-9, "{report}");
     assert!(second_blow < HARDLY_HEARD_M_S, "the norms leave soft notes that sound once");
     let screw = report["screws"].as_array().unwrap().iter().find(|s| s["screw"] == "front_punching").unwrap();
@@ -148,7 +148,7 @@ fn what_cannot_be_met_is_said_and_the_nearest_written() {
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(message.contains("dip 3 mm is not met: the nearest is") && message.contains("front_punching"), "{message}");
     let flat = Instrument::load(&folder.0.join("flat.toml")).unwrap();
-    let dip_m = measure(&flat, &Protocol::default(), &mut || true).unwrap().dip_m.unwrap();
+    let dip_m = measure(&flat, &Protocol::default(), &mut |_| true).unwrap().dip_m.unwrap();
     let report: Value = serde_json::from_str(&folder.read("flat.json")).unwrap();
     assert_eq!((&report["all_met"], &report["goals"][0]["met"]), (&false.into(), &false.into()));
     assert!((report["goals"][0]["after"].as_f64().unwrap() - dip_m * 1e3).abs() < 1e-6);
@@ -197,7 +197,7 @@ fn what_must_follow_is_said_and_follows() {
     assert_eq!(report["all_met"], true);
     let both = Instrument::load(&folder.0.join("both.toml")).unwrap();
     let [before, after] = [&Instrument::builtin("concert-grand-rigid").unwrap(), &both]
-        .map(|one| measure(one, &Protocol::default(), &mut || true).unwrap());
+        .map(|one| measure(one, &Protocol::default(), &mut |_| true).unwrap());
     assert!((after.let_off_m.unwrap() - 3e-3).abs() < 5e-5);
     assert!((after.drop_m.unwrap() - before.drop_m.unwrap()).abs() < 5e-5, "{after:?}");
     // Where the goal is met but something else has moved, it is said.

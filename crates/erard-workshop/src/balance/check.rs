@@ -3,8 +3,9 @@
 use super::model::add_mass;
 use super::plan::{BalancedKey, Remedy};
 use crate::cores::{self, do_all, job};
+use crate::measure::MeasureError;
 use crate::measure::weights::{by_loop, free_way};
-use crate::measure::{Interrupt, MeasureError};
+use erard::Progress;
 use erard::grand::{Parts, pedal_down, strike_weight_g};
 use erard::instrument::Instrument;
 
@@ -27,15 +28,12 @@ pub struct Checked {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn check(
-    keys: &[(&BalancedKey, Instrument)],
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Vec<Checked>, MeasureError> {
+pub fn check(keys: &[(&BalancedKey, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<Checked>, MeasureError> {
     let mut found: Vec<Option<Vec<Checked>>> = vec![None; keys.len()];
     let jobs = found
         .iter_mut()
         .zip(keys)
-        .map(|(place, (key, instrument))| job(place, move |going| check_key(key, instrument, going)))
+        .map(|(place, (key, instrument))| job(place, move |progress| check_key(key, instrument, progress)))
         .collect();
     do_all(jobs, cores::count(), progress)?;
     let mut all = Vec::new();
@@ -45,7 +43,11 @@ pub fn check(
     Ok(all)
 }
 
-fn check_key(key: &BalancedKey, instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Checked>, MeasureError> {
+fn check_key(
+    key: &BalancedKey,
+    instrument: &Instrument,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<Checked>, MeasureError> {
     // What bends is locked: weights are put on whole parts.
     let instrument = &instrument.locked();
     let parts = Parts::of(instrument)?;
@@ -68,7 +70,7 @@ fn check_key(key: &BalancedKey, instrument: &Instrument, going: Interrupt<'_>) -
         let at_mm = 0.6 * model.key_front_mm;
         front(&mut as_weighed, (front_g - model.front_weight_g) * model.key_front_mm / at_mm, at_mm);
     }
-    let before = balance(&as_weighed, &parts, going)?;
+    let before = balance(&as_weighed, &parts, progress)?;
     let Some(before_g) = before else { return Ok(Vec::new()) };
     let (strike_g, front_g) =
         (strike_weight_g(&as_weighed, &parts), erard::grand::front_weight_g(&as_weighed, &parts, front_m));
@@ -99,7 +101,7 @@ fn check_key(key: &BalancedKey, instrument: &Instrument, going: Interrupt<'_>) -
         remedies.push((Remedy::Capstan(by_mm), by_g, after));
     }
     for (remedy, by_equation_g, after) in remedies {
-        let after_g = balance(&after, &parts, going)?;
+        let after_g = balance(&after, &parts, progress)?;
         checked.push(Checked {
             key: key.measured.key,
             remedy,
@@ -111,9 +113,9 @@ fn check_key(key: &BalancedKey, instrument: &Instrument, going: Interrupt<'_>) -
 }
 
 /// The balance weight from a slow loop with the damper lifted, g.
-fn balance(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<Option<f64>, MeasureError> {
+fn balance(instrument: &Instrument, parts: &Parts, progress: &mut Progress<'_>) -> Result<Option<f64>, MeasureError> {
     let lifted = pedal_down(instrument, parts);
-    let way = free_way(&lifted, parts, going)?;
-    let weights = by_loop(&lifted, way.end_m, going)?;
+    let way = free_way(&lifted, parts, progress)?;
+    let weights = by_loop(&lifted, way.end_m, progress)?;
     Ok(weights.touch.balance_weight_g())
 }

@@ -155,7 +155,7 @@ mod tests {
         let grand = Instrument::builtin("concert-grand").unwrap();
         let model = KeyModel::of(&grand).unwrap();
         assert!((model.strike_weight_g - 8.7).abs() < 0.01 && (model.key_front_mm - 265.0).abs() < 1.0, "{model:?}");
-        let simulated = inertia(&grand, 2.0 * HALF_WAY_M, &|| true).unwrap().half_way;
+        let simulated = inertia(&grand, 2.0 * HALF_WAY_M, &mut |_| true).unwrap().half_way;
         let ratio = {
             let levers = derive(&grand).unwrap().levers;
             let pose = levers.assemble().unwrap().stroke(HALF_WAY_M, HALF_WAY_M, 0).poses[0];

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::STEP_S;
 use super::latency::{Histogram, Latency};
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::tremolo::{TEN, Tremolo};
 use erard::keyboard::{KEYS, Keyboard, Keys};
@@ -51,7 +52,7 @@ impl Ticks {
         instruments: &[Instrument],
         fingers: usize,
         ticks: usize,
-        progress: &mut dyn FnMut(f64) -> bool,
+        progress: &mut Progress<'_>,
     ) -> Option<Self> {
         let keys = Keys::at_rest(instruments, Settings::new(STEP_S)).expect("every key comes to rest");
         let mut tremolo = Tremolo::new(keys, fingers);
@@ -119,7 +120,7 @@ pub struct KeyboardTimes {
 
 impl KeyboardTimes {
     /// Measures; `None` where `progress` ended the work.
-    pub fn measure(ticks: usize, progress: &mut dyn FnMut(f64) -> bool) -> Option<Self> {
+    pub fn measure(ticks: usize, progress: &mut Progress<'_>) -> Option<Self> {
         let instruments = keyboard();
         let tremolo = Ticks::measure(&instruments, TEN, ticks, &mut |share| progress(0.5 * share))?;
         let asleep = Ticks::measure(&instruments, 0, ticks, &mut |share| progress(0.5 + 0.1 * share))?;

@@ -8,6 +8,7 @@ use moreau_kernels::Lanes;
 use serde::Serialize;
 
 use super::grand::{STEP_S, described, group, instrument};
+use erard::Progress;
 use erard::mechanism::{Stepping, mechanism};
 
 /// How long single steps took, ns; the clock's own reading is in it.
@@ -171,7 +172,7 @@ const ASK_EVERY: u64 = 1 << 14;
 ///
 /// # Panics
 /// If a number becomes infinite.
-pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
+pub fn of_steps(steps: u64, progress: &mut Progress<'_>) -> Option<Latency> {
     let mut grand = mechanism(&instrument(), Settings::new(STEP_S)).expect("assembles");
     grand.configure(Stepping { may_rest: false, ..*grand.readout().stepping });
     let (mut player, mut histogram) = (RandomPlayer::new(SEED), Histogram::new());
@@ -201,7 +202,7 @@ pub fn of_steps(steps: u64, progress: &mut dyn FnMut(f64) -> bool) -> Option<Lat
 ///
 /// # Panics
 /// If a number becomes infinite.
-pub fn of_group_steps(steps: u64, lanes: Lanes, progress: &mut dyn FnMut(f64) -> bool) -> Option<Latency> {
+pub fn of_group_steps(steps: u64, lanes: Lanes, progress: &mut Progress<'_>) -> Option<Latency> {
     let (rest, count) = (described(&instrument()).expect("comes to rest"), lanes.count());
     let mut group = group(&vec![&rest; count], &Settings::new(STEP_S), lanes);
     let mut players: Vec<RandomPlayer> =

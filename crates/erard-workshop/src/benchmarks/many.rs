@@ -10,6 +10,7 @@ use super::grand::MF_N;
 use super::{Effort, Load, STEP_S, Timed, Times, WIDEST, in_turn, instrument};
 use crate::cores;
 use crate::study::{Job, Workers, play_all};
+use erard::Progress;
 use erard::player::Input;
 use erard::run::Setup;
 
@@ -54,7 +55,7 @@ pub struct Many {
 
 impl Many {
     /// Measures; `None` where `progress` ended the work.
-    pub fn measure(effort: &Effort, progress: &mut dyn FnMut(f64) -> bool) -> Option<Self> {
+    pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
         let groups = effort.groups_per_core * cores::count();
         let load = Load::parameter_study(groups, effort.steps);
         let study = load_times(&load, effort.rounds, &mut |share| progress(0.4 * share))?;
@@ -123,7 +124,7 @@ impl LoadTimes {
 }
 
 /// Times a load in all ways, in turn; `None` where `progress` ended the work.
-pub fn load_times(load: &Load, rounds: usize, progress: &mut dyn FnMut(f64) -> bool) -> Option<LoadTimes> {
+pub fn load_times(load: &Load, rounds: usize, progress: &mut Progress<'_>) -> Option<LoadTimes> {
     let most = Lanes::most();
     let some = Lanes::here().filter(|lanes| *lanes != Lanes::One || most == Lanes::One);
     let kinds: Vec<Lanes> = some.collect();
@@ -155,7 +156,7 @@ pub fn load_times(load: &Load, rounds: usize, progress: &mut dyn FnMut(f64) -> b
 }
 
 /// Times a stroke of a study on all cores: forces around a mezzo forte on one instrument.
-fn strokes(count: usize, effort: &Effort, progress: &mut dyn FnMut(f64) -> bool) -> Option<Times> {
+fn strokes(count: usize, effort: &Effort, progress: &mut Progress<'_>) -> Option<Times> {
     let instruments = vec![instrument(); count];
     let duration_s = 0.5 * effort.steps as f64 * STEP_S;
     let setup = Setup {

@@ -71,11 +71,8 @@ pub struct Report {
     pub latencies: Latencies,
 }
 
-/// Told what is going on and the share of all work done; ends the work by returning false.
-pub type Progress<'a> = dyn FnMut(&str, f64) -> bool + 'a;
-
-/// Measures everything; `None` where `progress` ended the work.
-pub fn measure(effort: &Effort, progress: &mut Progress) -> Option<Report> {
+/// Measures everything; `None` where `progress` ended the work: it is told, beside the share done, what is going on.
+pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> Option<Report> {
     // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
     let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
     let single = Single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;

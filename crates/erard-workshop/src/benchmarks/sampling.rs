@@ -1,5 +1,6 @@
 //! Times by the clock: taken in turn, so that what disturbs the machine disturbs all alike, and given as medians.
 
+use erard::Progress;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -54,7 +55,7 @@ pub struct Timed<'a> {
 
 /// Times several things in turn, round after round, after one round that does not count. Time of each per thing done, ns; `None` where
 /// `progress`, told the share done, ended the work by returning false.
-pub fn in_turn(rounds: usize, subjects: &mut [Timed<'_>], progress: &mut dyn FnMut(f64) -> bool) -> Option<Vec<Times>> {
+pub fn in_turn(rounds: usize, subjects: &mut [Timed<'_>], progress: &mut Progress<'_>) -> Option<Vec<Times>> {
     let mut ns = vec![Vec::with_capacity(rounds); subjects.len()];
     let all = ((rounds + 1) * subjects.len()) as f64;
     for round in 0..=rounds {

@@ -7,6 +7,7 @@ use moreau_linkage::three_lever::ThreeLever;
 use serde::Serialize;
 
 use super::{Effort, STEP_S, Timed, grand, in_turn, instrument, press};
+use erard::Progress;
 use erard::player;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
@@ -42,7 +43,7 @@ impl Single {
     ///
     /// # Panics
     /// If what is built in cannot be simulated.
-    pub fn measure(effort: &Effort, progress: &mut dyn FnMut(f64) -> bool) -> Option<Self> {
+    pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
         let (grand, settings) = (grand(), Settings::new(STEP_S));
         let instrument = instrument();
         let series = Series::builtin("mf", Touch::Pressed).expect("built in");

@@ -14,6 +14,7 @@ pub use errors::{BANDS_HZ, Band, Errors};
 
 use thiserror::Error;
 
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
 use erard::player::{self, Drive};
@@ -213,7 +214,7 @@ pub fn compare(
     instrument: &Instrument,
     series: &Series,
     setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     compare_chosen(instrument, series, &Choice::default(), setup, progress)
 }
@@ -230,7 +231,7 @@ pub fn compare_chosen(
     series: &Series,
     choice: &Choice,
     setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let (start_s, duration_s) = (series.start_s(), series.end_s() - series.start_s());
     if duration_s < SHORTEST_S {

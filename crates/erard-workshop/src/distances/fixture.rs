@@ -3,6 +3,7 @@
 use moreau::{Outcome, Settings};
 
 use super::measure::DistanceError;
+use erard::Progress;
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Vec2};
 use erard::player::{Action, Input};
@@ -13,9 +14,6 @@ const ASK_EVERY: u64 = 4096;
 const GATHERING_S: f64 = 0.3;
 /// Time in which it stops, s: it goes half a tenth of a millimetre further meanwhile.
 const BRAKING_S: f64 = 0.02;
-
-/// Whether to go on: asked now and then.
-pub(super) type GoOn<'a> = &'a mut dyn FnMut() -> bool;
 
 /// What an eye at the bench sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,8 +81,8 @@ impl<'i> Fixture<'i> {
         self.action.point(body, point)
     }
 
-    fn take(&mut self, input: Input, go_on: GoOn<'_>) -> Result<(), DistanceError> {
-        if self.steps.is_multiple_of(ASK_EVERY) && !go_on() {
+    fn take(&mut self, input: Input, progress: &mut Progress<'_>) -> Result<(), DistanceError> {
+        if self.steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
             return Err(DistanceError::Interrupted);
         }
         match self.action.step(input).outcome {
@@ -105,13 +103,19 @@ impl<'i> Fixture<'i> {
     }
 
     /// One step of a finger that is at, or on its way to, a speed.
-    fn finger_step(&mut self, to_m_s: f64, over_s: f64, cruise_m_s: f64, go_on: GoOn<'_>) -> Result<(), DistanceError> {
+    fn finger_step(
+        &mut self,
+        to_m_s: f64,
+        over_s: f64,
+        cruise_m_s: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<(), DistanceError> {
         let Settings { step, theta, .. } = *self.action.settings();
         let most = cruise_m_s.abs() * step / over_s;
         let speed = self.speed_m_s + (to_m_s - self.speed_m_s).clamp(-most, most);
         let middle = 0.5 * (self.speed_m_s + speed);
         let position_m = self.finger_m + theta * step * middle;
-        self.take(Input::Motion { position_m, velocity_m_s: middle }, go_on)?;
+        self.take(Input::Motion { position_m, velocity_m_s: middle }, progress)?;
         self.finger_m += step * middle;
         self.speed_m_s = speed;
         Ok(())
@@ -124,10 +128,10 @@ impl<'i> Fixture<'i> {
         speed_m_s: f64,
         until_m: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
-        go_on: GoOn<'_>,
+        progress: &mut Progress<'_>,
     ) -> Result<bool, DistanceError> {
         while (until_m - self.finger_m) * speed_m_s > 0.0 {
-            self.finger_step(speed_m_s, GATHERING_S, speed_m_s, go_on)?;
+            self.finger_step(speed_m_s, GATHERING_S, speed_m_s, progress)?;
             if seen(self) {
                 return Ok(true);
             }
@@ -140,12 +144,12 @@ impl<'i> Fixture<'i> {
         &mut self,
         for_s: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
-        go_on: GoOn<'_>,
+        progress: &mut Progress<'_>,
     ) -> Result<(), DistanceError> {
         let cruise = self.speed_m_s;
         let until = self.time_s() + for_s;
         while self.time_s() < until {
-            self.finger_step(0.0, BRAKING_S, cruise, go_on)?;
+            self.finger_step(0.0, BRAKING_S, cruise, progress)?;
             if seen(self) {
                 break;
             }
@@ -159,11 +163,11 @@ impl<'i> Fixture<'i> {
         force_n: f64,
         for_s: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
-        go_on: GoOn<'_>,
+        progress: &mut Progress<'_>,
     ) -> Result<(), DistanceError> {
         let until = self.time_s() + for_s;
         while self.time_s() < until {
-            self.take(Input::Force(force_n), go_on)?;
+            self.take(Input::Force(force_n), progress)?;
             if seen(self) {
                 break;
             }

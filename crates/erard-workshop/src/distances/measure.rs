@@ -7,7 +7,8 @@
 
 use thiserror::Error;
 
-use super::fixture::{Fixture, GoOn, Still};
+use super::fixture::{Fixture, Still};
+use erard::Progress;
 use erard::grand::{Anatomy, AnatomyError, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::player::ActionError;
@@ -133,29 +134,29 @@ impl Trial {
         instrument: &Instrument,
         protocol: &Protocol,
         distances: &mut Distances,
-        go_on: &mut dyn FnMut() -> bool,
+        progress: &mut Progress<'_>,
     ) -> Result<(), DistanceError> {
         let anatomy = Anatomy::find(instrument)?;
         match self {
-            Trial::SlowKey => slow_key(instrument, anatomy, protocol, distances, go_on),
+            Trial::SlowKey => slow_key(instrument, anatomy, protocol, distances, progress),
             Trial::LiftedHammer => lifted_hammer(instrument, anatomy, protocol, distances),
-            Trial::MediumBlow => medium_blow(instrument, anatomy, protocol, distances, go_on),
+            Trial::MediumBlow => medium_blow(instrument, anatomy, protocol, distances, progress),
         }
     }
 }
 
-/// Measures all distances: three trials. `go_on` is asked now and then whether to.
+/// Measures all distances: three trials. `progress` is asked now and then whether to.
 ///
 /// # Errors
 /// See [`DistanceError`]. A distance that cannot be taken is no error: it is `None`.
 pub fn measure(
     instrument: &Instrument,
     protocol: &Protocol,
-    go_on: &mut dyn FnMut() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Distances, DistanceError> {
     let mut distances = Distances::default();
     for trial in Trial::ALL {
-        trial.run(instrument, protocol, &mut distances, go_on)?;
+        trial.run(instrument, protocol, &mut distances, progress)?;
     }
     Ok(distances)
 }
@@ -166,7 +167,7 @@ fn slow_key(
     anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
-    go_on: GoOn<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
     let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.slow_step_s)?;
     let rest_m = fixture.view().below_string_m;
@@ -210,7 +211,7 @@ fn slow_key(
             }
             dip_m.is_some() || (toe_seen && view.below_string_m > nearest_m + LET_OFF_FALL_M)
         },
-        go_on,
+        progress,
     )? && dip_m.is_none();
     if let_off {
         let mut still = Still::new(STILL_M_S, STILL_S);
@@ -220,7 +221,7 @@ fn slow_key(
                 follow(fixture);
                 still.seen(fixture)
             },
-            go_on,
+            progress,
         )?;
         distances.drop_m = Some(fixture.view().below_string_m - nearest_m);
         fixture.move_finger(
@@ -233,7 +234,7 @@ fn slow_key(
                 }
                 dip_m.is_some()
             },
-            go_on,
+            progress,
         )?;
         distances.aftertouch_m = dip_m.map(|dip| dip - nearest_key_m);
     } else {
@@ -301,12 +302,12 @@ fn medium_blow(
     anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
-    go_on: GoOn<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
     (distances.check_m, distances.repetition_rise_m, distances.spring_m_s) = (None, None, None);
     let Some(check) = anatomy.check else { return Ok(()) };
     let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.blow_step_s)?;
-    blow_and_let_up(&mut fixture, anatomy, check, protocol, distances, go_on)?;
+    blow_and_let_up(&mut fixture, anatomy, check, protocol, distances, progress)?;
     distances.unconverged_steps += fixture.unconverged;
     Ok(())
 }
@@ -317,7 +318,7 @@ fn blow_and_let_up(
     check: usize,
     protocol: &Protocol,
     distances: &mut Distances,
-    go_on: GoOn<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
     let (mut struck, mut still) = (false, Still::new(STILL_M_S, STILL_S));
     fixture.press(
@@ -327,14 +328,15 @@ fn blow_and_let_up(
             struck |= fixture.compression(anatomy.string) > 0.0;
             struck && fixture.compression(anatomy.punching) > 0.0 && still.seen(fixture)
         },
-        go_on,
+        progress,
     )?;
     if fixture.compression(check) <= 0.0 {
         return Ok(());
     }
     let caught_m = fixture.view().below_string_m;
     distances.check_m = Some(caught_m);
-    let free = fixture.move_finger(-protocol.slow_m_s, 0.0, &mut |fixture| fixture.compression(check) <= 0.0, go_on)?;
+    let free =
+        fixture.move_finger(-protocol.slow_m_s, 0.0, &mut |fixture| fixture.compression(check) <= 0.0, progress)?;
     if !free {
         return Ok(());
     }
@@ -345,7 +347,7 @@ fn blow_and_let_up(
             fastest_m_s = fastest_m_s.max(fixture.view().rise_m_s);
             still.seen(fixture)
         },
-        go_on,
+        progress,
     )?;
     distances.repetition_rise_m = Some(caught_m - fixture.view().below_string_m);
     distances.spring_m_s = Some(fastest_m_s);

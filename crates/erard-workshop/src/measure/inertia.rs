@@ -8,8 +8,9 @@
 use moreau::Settings;
 use moreau_linkage::three_lever::StrokePose;
 
-use super::{Interrupt, MeasureError, NotAnAction};
+use super::{MeasureError, NotAnAction};
 use crate::kinematics::{DeriveError, derive};
+use erard::Progress;
 use erard::grand::Parts;
 use erard::instrument::Instrument;
 use erard::mechanism::Mechanism;
@@ -58,16 +59,16 @@ impl Shares {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<InertiaCurve, MeasureError> {
+pub fn inertia(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>) -> Result<InertiaCurve, MeasureError> {
     let instrument = &instrument.locked();
     let parts = Parts::of(instrument)?;
     let levers = derive(instrument)?.levers;
     let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
     let (mut pedal_down_kg, mut dampers_down_kg) = (Vec::new(), Vec::new());
     let mut before_m = 0.0;
     for pose in &poses {
-        carry_on(&mut action, [before_m, pose.key], going)?;
+        carry_on(&mut action, [before_m, pose.key], progress)?;
         before_m = pose.key;
         let rates = Rates::new(instrument, &parts, pose);
         let m = action.mechanism();
@@ -76,8 +77,8 @@ pub fn inertia(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Res
     }
     // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
     let half = poses.get(POINTS / 2).ok_or(NotAnAction::ShortLevers)?;
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
-    carry_on(&mut action, [0.0, half.key], going)?;
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+    carry_on(&mut action, [0.0, half.key], progress)?;
     let rates = Rates::new(instrument, &parts, half);
     let share = |of: &dyn Fn(usize) -> bool| {
         let some: Vec<f64> = rates.all.iter().enumerate().map(|(b, rate)| if of(b) { *rate } else { 0.0 }).collect();
@@ -125,10 +126,10 @@ impl Rates {
 }
 
 /// Moves the finger on, from one depth to the next.
-fn carry_on(action: &mut Action, [from_m, to_m]: [f64; 2], going: Interrupt<'_>) -> Result<(), MeasureError> {
+fn carry_on(action: &mut Action, [from_m, to_m]: [f64; 2], progress: &mut Progress<'_>) -> Result<(), MeasureError> {
     let steps = (BETWEEN_S / STEP_S) as u64;
     let mut middles = (0..steps).map(|n| (n as f64 + 0.5) / steps as f64);
-    action.play(&mut || going(), &mut |_| {
+    action.play(progress, &mut |_| {
         let position_m = from_m + middles.next()? * (to_m - from_m);
         Some(Input::Motion { position_m, velocity_m_s: (to_m - from_m) / BETWEEN_S })
     })?;

@@ -17,7 +17,6 @@ pub mod timing;
 mod trial;
 pub mod weights;
 
-pub use crate::cores::Interrupt;
 pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure, measure_key, measure_some};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 

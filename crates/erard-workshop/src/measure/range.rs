@@ -2,7 +2,8 @@
 
 use moreau::Settings;
 
-use super::{Interrupt, MeasureError};
+use super::MeasureError;
+use erard::Progress;
 use erard::grand::{Parts, falling_moment_n_m};
 use erard::instrument::Instrument;
 use erard::player::force;
@@ -82,11 +83,14 @@ pub fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Loudness>, MeasureError> {
+pub fn speed_against_force(
+    instrument: &Instrument,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<Loudness>, MeasureError> {
     FORCES_N
         .into_iter()
         .map(|force_n| {
-            let run = press(instrument, force_n, true, going)?;
+            let run = press(instrument, force_n, true, progress)?;
             let hammer_speed_m_s = run.events.hammer_speed_m_s();
             let midi_velocity = hammer_speed_m_s.and_then(midi_velocity);
             Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity, warnings: run.warnings })
@@ -99,12 +103,12 @@ pub fn speed_against_force(instrument: &Instrument, going: Interrupt<'_>) -> Res
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn double_strike(instrument: &Instrument, going: Interrupt<'_>) -> Result<f64, MeasureError> {
+pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<f64, MeasureError> {
     let [from, to] = DOUBLE_STRIKE_N;
     let mut fastest = 0.0;
     for n in 0..=DOUBLE_STRIKES {
         let force_n = from + (to - from) * f64::from(n) / f64::from(DOUBLE_STRIKES);
-        let run = press(instrument, force_n, false, going)?;
+        let run = press(instrument, force_n, false, progress)?;
         fastest = run.events.impacts.iter().skip(1).map(|impact| impact.hammer_speed_m_s).fold(fastest, f64::max);
     }
     Ok(fastest)
@@ -114,16 +118,16 @@ pub fn double_strike(instrument: &Instrument, going: Interrupt<'_>) -> Result<f6
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<Softest>, MeasureError> {
+pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Option<Softest>, MeasureError> {
     let parts = Parts::of(instrument)?;
     let (mut low, mut high) = (0.0, LARGEST_SOFT_N);
-    let mut blow = press(instrument, high, false, going)?;
+    let mut blow = press(instrument, high, false, progress)?;
     if blow.events.hammer_contact_s().is_none() {
         return Ok(None);
     }
     while high - low > CLOSE_N {
         let middle = 0.5 * (low + high);
-        let run = press(instrument, middle, false, going)?;
+        let run = press(instrument, middle, false, progress)?;
         if run.events.hammer_contact_s().is_some() {
             (high, blow) = (middle, run);
         } else {
@@ -147,7 +151,12 @@ pub fn softest(instrument: &Instrument, going: Interrupt<'_>) -> Result<Option<S
     }))
 }
 
-fn press(instrument: &Instrument, force_n: f64, ledger: bool, going: Interrupt<'_>) -> Result<Run, MeasureError> {
+fn press(
+    instrument: &Instrument,
+    force_n: f64,
+    ledger: bool,
+    progress: &mut Progress<'_>,
+) -> Result<Run, MeasureError> {
     let setup = Setup {
         settings: Settings::new(STEP_S),
         start_s: 0.0,
@@ -157,5 +166,5 @@ fn press(instrument: &Instrument, force_n: f64, ledger: bool, going: Interrupt<'
         ledger,
         pedal: erard::strings::Pedal::default(),
     };
-    Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| going())?)
+    Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| progress(0.0))?)
 }

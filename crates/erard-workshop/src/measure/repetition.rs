@@ -12,7 +12,8 @@
 
 use moreau::Settings;
 
-use super::{Interrupt, MeasureError, NotAnAction};
+use super::{MeasureError, NotAnAction};
+use erard::Progress;
 use erard::events::EventDetector;
 use erard::instrument::Instrument;
 use erard::player::{Action, Input};
@@ -59,7 +60,7 @@ pub struct Repetition {
 pub fn repetition(
     instrument: &Instrument,
     up_m: f64,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
     let Some(bottom) = instrument.roles.key_bottom else {
         return Err(NotAnAction::NoKeyBottom.into());
@@ -69,7 +70,7 @@ pub fn repetition(
         let mut best: Option<Repetition> = None;
         for (wait, neighbours) in WAITS.iter().zip(&mut neighbours) {
             let Some(stay) = n.checked_sub(*wait) else { continue };
-            match held(instrument, bottom, up_m, [stay, *wait].map(|n| n as f64 * STAY_STEP_S), going)? {
+            match held(instrument, bottom, up_m, [stay, *wait].map(|n| n as f64 * STAY_STEP_S), progress)? {
                 Some(repetition) => neighbours.push(repetition),
                 None => neighbours.clear(),
             }
@@ -99,15 +100,15 @@ fn held(
     bottom: usize,
     up_m: f64,
     [stay_s, wait_s]: [f64; 2],
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
     let mut detector = EventDetector::new(instrument);
     let mut finger = Finger::Presses(0.0);
     // When the finger began to press, and how long the key took to come up.
     let (mut presses, mut returns) = (vec![0.0], Vec::new());
     let (mut step, mut stuck) = (0_u64, false);
-    action.play(&mut || going(), &mut |action| {
+    action.play(progress, &mut |action| {
         let now = step as f64 * STEP_S;
         if step > 0 {
             let travel_m = action.reading().key_m;

@@ -11,9 +11,10 @@ use super::timing::{Timing, timing};
 use super::weights::{
     FreeWay, HOME_M, KeyWeights, PartWeights, StrikeRatio, Touch, free_way, on_the_key, on_the_scale,
 };
-use super::{Interrupt, MeasureError, NotAnAction, range};
+use super::{MeasureError, NotAnAction, range};
 use crate::cores::{self, do_all, job};
 use crate::distances::{self, Distances, Protocol};
+use erard::Progress;
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::trust::Warning;
@@ -278,7 +279,7 @@ struct Results {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Sheet, MeasureError> {
+pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
     measure_key(instrument, MIDDLE_C, progress)
 }
 
@@ -286,19 +287,15 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn measure_key(
-    instrument: &Instrument,
-    key: usize,
-    progress: &mut dyn FnMut(f64) -> bool,
-) -> Result<Sheet, MeasureError> {
+pub fn measure_key(instrument: &Instrument, key: usize, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     // What everything else is measured against comes first: a tenth of the work.
     const FIRST: f64 = 0.1;
     let (mut way, mut distances) = (None, None);
     let first = vec![
-        job(&mut way, |going| free_way(&lifted, &parts, going)),
-        job(&mut distances, |going| Ok(distances::measure(instrument, &Protocol::default(), &mut || going())?)),
+        job(&mut way, |progress| free_way(&lifted, &parts, progress)),
+        job(&mut distances, |progress| Ok(distances::measure(instrument, &Protocol::default(), progress)?)),
     ];
     do_all(first, cores::count(), &mut |share| progress(FIRST * share))?;
     let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };
@@ -309,19 +306,19 @@ pub fn measure_key(
     let mut r = Results::default();
     let deep = dip + INTO_PUNCHING_M;
     let mut jobs = vec![
-        job(&mut r.touch, |going| on_the_key(&lifted, way.end_m, going)),
-        job(&mut r.softest, |going| softest(instrument, going)),
-        job(&mut r.double_strike, |going| double_strike(instrument, going)),
-        job(&mut r.loudness, |going| speed_against_force(instrument, going)),
-        job(&mut r.hysteresis, |going| slow_loop(&lifted, deep, going)),
-        job(&mut r.full, |going| repetition(instrument, HOME_M, going)),
-        job(&mut r.half, |going| repetition(instrument, 0.5 * dip, going)),
-        job(&mut r.timing, |going| timing(instrument, going)),
-        job(&mut r.inertia, |going| inertia(instrument, way.end_m, going)),
+        job(&mut r.touch, |progress| on_the_key(&lifted, way.end_m, progress)),
+        job(&mut r.softest, |progress| softest(instrument, progress)),
+        job(&mut r.double_strike, |progress| double_strike(instrument, progress)),
+        job(&mut r.loudness, |progress| speed_against_force(instrument, progress)),
+        job(&mut r.hysteresis, |progress| slow_loop(&lifted, deep, progress)),
+        job(&mut r.full, |progress| repetition(instrument, HOME_M, progress)),
+        job(&mut r.half, |progress| repetition(instrument, 0.5 * dip, progress)),
+        job(&mut r.timing, |progress| timing(instrument, progress)),
+        job(&mut r.inertia, |progress| inertia(instrument, way.end_m, progress)),
     ];
     if parts.damper.is_some() {
-        jobs.insert(1, job(&mut r.damped, |going| on_the_key(instrument, way.end_m, going)));
-        jobs.push(job(&mut r.hysteresis_damped, |going| slow_loop(instrument, deep, going)));
+        jobs.insert(1, job(&mut r.damped, |progress| on_the_key(instrument, way.end_m, progress)));
+        jobs.push(job(&mut r.hysteresis_damped, |progress| slow_loop(instrument, deep, progress)));
     }
     do_all(jobs, cores::count(), &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
     let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
@@ -380,50 +377,50 @@ impl Need {
 pub fn measure_some(
     instrument: &Instrument,
     lines: &[&Line],
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<Option<f64>>, MeasureError> {
     let needs = |need: Need| lines.iter().any(|line| Need::of(line.key).contains(&need));
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     let by_dip = needs(Need::Half) || needs(Need::Hysteresis);
     let distances = if needs(Need::Distances) || by_dip {
-        distances::measure(instrument, &Protocol::default(), &mut || going())?
+        distances::measure(instrument, &Protocol::default(), progress)?
     } else {
         Distances::default()
     };
     let by_way = [Need::Way, Need::Touch, Need::Damped, Need::Scale, Need::Inertia].into_iter().any(needs);
-    let way = if by_way { Some(free_way(&lifted, &parts, going)?) } else { None };
+    let way = if by_way { Some(free_way(&lifted, &parts, progress)?) } else { None };
     let mut r = Results::default();
     if let Some(way) = way {
         if needs(Need::Touch) || needs(Need::Scale) {
-            let touch = on_the_key(&lifted, way.end_m, going)?;
+            let touch = on_the_key(&lifted, way.end_m, progress)?;
             r.scale = Some(on_the_scale(instrument, way.end_m, touch.decided_m)?);
             r.touch = Some(touch);
         }
         if needs(Need::Damped) && parts.damper.is_some() {
-            r.damped = Some(on_the_key(instrument, way.end_m, going)?);
+            r.damped = Some(on_the_key(instrument, way.end_m, progress)?);
         }
         if needs(Need::Inertia) {
-            r.inertia = Some(inertia(instrument, way.end_m, going)?);
+            r.inertia = Some(inertia(instrument, way.end_m, progress)?);
         }
     }
     if by_dip {
         let Some(dip) = distances.dip_m else { return Err(NotAnAction::Bottomless.into()) };
         if needs(Need::Half) {
-            r.half = Some(repetition(instrument, 0.5 * dip, going)?);
+            r.half = Some(repetition(instrument, 0.5 * dip, progress)?);
         }
         if needs(Need::Hysteresis) {
-            r.hysteresis = Some(slow_loop(&lifted, dip + INTO_PUNCHING_M, going)?);
+            r.hysteresis = Some(slow_loop(&lifted, dip + INTO_PUNCHING_M, progress)?);
         }
     }
     if needs(Need::Full) {
-        r.full = Some(repetition(instrument, HOME_M, going)?);
+        r.full = Some(repetition(instrument, HOME_M, progress)?);
     }
     if needs(Need::Softest) {
-        r.softest = Some(softest(instrument, going)?);
+        r.softest = Some(softest(instrument, progress)?);
     }
     if needs(Need::DoubleStrike) {
-        r.double_strike = Some(double_strike(instrument, going)?);
+        r.double_strike = Some(double_strike(instrument, progress)?);
     }
     let sheet = r.sheet(instrument, MIDDLE_C, way, &distances);
     Ok(lines.iter().map(|line| (line.value)(&sheet).filter(|value| value.is_finite())).collect())

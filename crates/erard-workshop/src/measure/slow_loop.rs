@@ -3,7 +3,8 @@
 
 use moreau::Settings;
 
-use super::{Interrupt, MeasureError};
+use super::MeasureError;
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player::motion;
 use erard::run::least_jerk;
@@ -50,7 +51,7 @@ pub struct SlowWay {
 ///
 /// # Errors
 /// Of the simulation, and when interrupted.
-pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) -> Result<SlowLoop, MeasureError> {
+pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<'_>) -> Result<SlowLoop, MeasureError> {
     let finger = |t: f64| {
         let ([down, down_rate], [up, up_rate]) = (least_jerk(t / WAY_S), least_jerk((t - WAY_S - TURN_S) / WAY_S));
         [depth_m * (down - up), depth_m * (down_rate - up_rate) / WAY_S]
@@ -64,7 +65,7 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, going: Interrupt<'_>) ->
         ledger: false,
         pedal: erard::strings::Pedal::default(),
     };
-    let run = simulate(instrument, &motion(finger), &setup, &mut |_| going())?;
+    let run = simulate(instrument, &motion(finger), &setup, &mut |_| progress(0.0))?;
     let way = |from: f64, to: f64| {
         let rows = run.time_s.partition_point(|&t| t < from)..run.time_s.partition_point(|&t| t <= to);
         SlowWay {

@@ -2,7 +2,8 @@
 
 use moreau::Settings;
 
-use super::{Interrupt, MeasureError};
+use super::MeasureError;
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player;
 use erard::run::Events;
@@ -55,7 +56,7 @@ impl Timing {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timing>, MeasureError> {
+pub fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<Timing>, MeasureError> {
     let mut sheet = Vec::new();
     for touch in [Touch::Pressed, Touch::Struck] {
         for nuance in NUANCES {
@@ -71,7 +72,7 @@ pub fn timing(instrument: &Instrument, going: Interrupt<'_>) -> Result<Vec<Timin
                 ledger: true,
                 pedal: erard::strings::Pedal::default(),
             };
-            let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| going())?;
+            let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| progress(0.0))?;
             sheet.push(Timing {
                 nuance,
                 touch,

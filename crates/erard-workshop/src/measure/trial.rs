@@ -6,7 +6,8 @@
 
 use moreau::Settings;
 
-use super::{Interrupt, MeasureError};
+use super::MeasureError;
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player::{Action, Input};
 
@@ -40,9 +41,9 @@ pub(super) fn smallest_that_sinks(
     instrument: &Instrument,
     to_m: f64,
     guess_n: Option<f64>,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
-    boundary(guess_n, &mut |force| moves(instrument, force, 0.0, to_m, going))
+    boundary(guess_n, &mut |force| moves(instrument, force, 0.0, to_m, progress))
 }
 
 /// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried does.
@@ -54,10 +55,10 @@ pub(super) fn largest_that_is_lifted(
     from_m: f64,
     to_m: f64,
     guess_n: Option<f64>,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
     // Searched on the same axis: the smallest force that is no longer lifted.
-    boundary(guess_n, &mut |force| Ok(!moves(instrument, force, from_m, to_m, going)?))
+    boundary(guess_n, &mut |force| Ok(!moves(instrument, force, from_m, to_m, progress)?))
 }
 
 /// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the answers around
@@ -90,16 +91,16 @@ fn moves(
     force_n: f64,
     from_m: f64,
     to_m: f64,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<bool, MeasureError> {
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), &mut || going())?;
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
     if from_m > 0.0 {
-        hold_at(&mut action, instrument, from_m, going)?;
+        hold_at(&mut action, instrument, from_m, progress)?;
     }
     let way = (to_m - from_m).signum();
     let (mut still_s, mut before_m, mut arrived, mut moved) = (0.0, action.reading().key_m, false, false);
     let mut steps = 0..=(PATIENCE_S / STEP_S) as u64;
-    action.play(&mut || going(), &mut |action| {
+    action.play(progress, &mut |action| {
         if steps.next()? == 0 {
             return Some(Input::Force(force_n));
         }
@@ -129,16 +130,16 @@ fn hold_at(
     action: &mut Action,
     instrument: &Instrument,
     travel_m: f64,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<(), MeasureError> {
     let steps = (APPROACH_S / STEP_S) as u64;
     let mut middles = (0..steps).map(|n| (n as f64 + 0.5) / steps as f64);
-    action.play(&mut || going(), &mut |_| {
+    action.play(progress, &mut |_| {
         let s = middles.next()?;
         let position_m = travel_m * s * s * (3.0 - 2.0 * s);
         Some(Input::Motion { position_m, velocity_m_s: travel_m * 6.0 * s * (1.0 - s) / APPROACH_S })
     })?;
     let finger = Input::Motion { position_m: travel_m, velocity_m_s: 0.0 };
-    action.settle(instrument, finger, &mut || going())?;
+    action.settle(instrument, finger, progress)?;
     Ok(())
 }

@@ -12,8 +12,9 @@
 
 use super::slow_loop::{SlowLoop, slow_loop};
 use super::trial::{largest_that_is_lifted, smallest_that_sinks};
-use super::{Interrupt, MeasureError, NotAnAction};
+use super::{MeasureError, NotAnAction};
 use crate::kinematics::{DeriveError, derive};
+use erard::Progress;
 use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::Instrument;
 
@@ -136,15 +137,15 @@ impl PartWeights {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn weigh(instrument: &Instrument, going: Interrupt<'_>) -> Result<Weights, MeasureError> {
+pub fn weigh(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Weights, MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
-    let free_way = free_way(&lifted, &parts, going)?;
+    let free_way = free_way(&lifted, &parts, progress)?;
     let dampers_down = match parts.damper {
-        Some(_) => Some(on_the_key(instrument, free_way.end_m, going)?),
+        Some(_) => Some(on_the_key(instrument, free_way.end_m, progress)?),
         None => None,
     };
-    let pedal_down = on_the_key(&lifted, free_way.end_m, going)?;
+    let pedal_down = on_the_key(&lifted, free_way.end_m, progress)?;
     let (parts, strike_ratio) = on_the_scale(instrument, free_way.end_m, pedal_down.decided_m)?;
     Ok(Weights { free_way, pedal_down, dampers_down, parts, strike_ratio })
 }
@@ -163,8 +164,8 @@ pub struct FreeWay {
 ///
 /// # Errors
 /// When there is no such way, or the run fails.
-pub fn free_way(instrument: &Instrument, parts: &Parts, going: Interrupt<'_>) -> Result<FreeWay, MeasureError> {
-    let press = slow_loop(instrument, DEEP_M, going)?;
+pub fn free_way(instrument: &Instrument, parts: &Parts, progress: &mut Progress<'_>) -> Result<FreeWay, MeasureError> {
+    let press = slow_loop(instrument, DEEP_M, progress)?;
     let roles = &instrument.roles;
     let others: Vec<usize> = roles.string.into_iter().chain(roles.key_bottom).collect();
     let (let_off, other) = (press.first_touch_of(&parts.let_off_stops), press.first_touch_of(&others));
@@ -192,14 +193,14 @@ pub struct LoopWeights {
 ///
 /// # Errors
 /// Where there is no gravity, and those of the run.
-pub fn by_loop(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<LoopWeights, MeasureError> {
+pub fn by_loop(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>) -> Result<LoopWeights, MeasureError> {
     if instrument.gravity_m_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }
     let turn_m = way_m - BEFORE_LET_OFF_M;
     let grams = |force: f64| force / instrument.gravity_m_s2 * G_PER_KG;
     // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
-    let slow = slow_loop(instrument, way_m, going)?;
+    let slow = slow_loop(instrument, way_m, progress)?;
     let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
     let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
     let touch = Touch {
@@ -214,15 +215,19 @@ pub fn by_loop(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Res
 ///
 /// # Errors
 /// Where there is no gravity, and those of the runs.
-pub fn on_the_key(instrument: &Instrument, way_m: f64, going: Interrupt<'_>) -> Result<KeyWeights, MeasureError> {
-    let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(instrument, way_m, going)?;
+pub fn on_the_key(
+    instrument: &Instrument,
+    way_m: f64,
+    progress: &mut Progress<'_>,
+) -> Result<KeyWeights, MeasureError> {
+    let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(instrument, way_m, progress)?;
     let turn_m = way_m - BEFORE_LET_OFF_M;
     let gram_n = instrument.gravity_m_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
     let [down_n, up_n] = [by_loop.down_weight_g, by_loop.up_weight_g].map(|weight| weight.map(|g| g * gram_n));
     let by_weights = Touch {
-        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, going)?),
-        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, going)?),
+        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, progress)?),
+        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, progress)?),
     };
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }

@@ -48,7 +48,7 @@ impl<'a> Workshop<'a> {
             self.simulations += 1;
             let simulations = self.simulations;
             let go_on = &mut *self.go_on;
-            trial.run(&self.instrument, &self.protocol, &mut self.distances, &mut || go_on(simulations))?;
+            trial.run(&self.instrument, &self.protocol, &mut self.distances, &mut |_| go_on(simulations))?;
             self.fresh.push(trial);
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! Differences over windows that are wide against what one step resolves: what derivatives are held against, and what touch weights have instead.
 
+use erard::Progress;
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::player::Input;
@@ -93,7 +94,7 @@ impl<'a> Window<'a> {
         stroke: &(dyn Fn() -> Stroke<'s> + Sync),
         setup: &Setup,
         threads: usize,
-        progress: &mut dyn FnMut(f64) -> bool,
+        progress: &mut Progress<'_>,
     ) -> Result<Vec<JobResult>, SimulationError> {
         let mut force = vec![0.0; self.instruments.len()];
         for ((variable, places), half) in self.by.iter().zip(&self.places).zip(&self.half) {
@@ -118,11 +119,11 @@ impl<'a> Window<'a> {
     }
 
     /// Weighs all of them, by slow loops.
-    pub fn weigh(&self, threads: usize, progress: &mut dyn FnMut(f64) -> bool) -> Result<Vec<Touch>, SensitivityError> {
+    pub fn weigh(&self, threads: usize, progress: &mut Progress<'_>) -> Result<Vec<Touch>, SensitivityError> {
         let mut found: Vec<Option<Option<Touch>>> = vec![None; self.instruments.len()];
         let work = found.iter_mut().zip(&self.instruments).enumerate().map(|(k, (place, instrument))| {
-            job(place, move |going| -> Result<Option<Touch>, SensitivityError> {
-                match touch(instrument, going) {
+            job(place, move |progress| -> Result<Option<Touch>, SensitivityError> {
+                match touch(instrument, progress) {
                     Ok(touch) => Ok(Some(touch)),
                     // A variant that cannot be weighed has no differences; the instrument itself must be.
                     Err(error) if k == 0 || error.is_interruption() => Err(error.into()),
@@ -152,11 +153,11 @@ impl<'a> Window<'a> {
     }
 }
 
-fn touch(instrument: &Instrument, going: crate::cores::Interrupt<'_>) -> Result<Touch, crate::measure::MeasureError> {
+fn touch(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touch, crate::measure::MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
-    let way = free_way(&lifted, &parts, going)?;
-    Ok(by_loop(&lifted, way.end_m, going)?.touch)
+    let way = free_way(&lifted, &parts, progress)?;
+    Ok(by_loop(&lifted, way.end_m, progress)?.touch)
 }
 
 /// A weight by its key, g.

@@ -14,6 +14,7 @@ pub use error::SensitivityError;
 pub use passes::{Gradient, Sampled, ValueAndSlopes, gradient};
 pub use variable::{Variable, VariableError};
 
+use erard::Progress;
 use erard::gradient::{DIRECTIONS, Number, QUANTITIES};
 use erard::instrument::Instrument;
 use erard::run::Setup;
@@ -177,7 +178,7 @@ pub fn sensitivities<'a>(
     stroke: &(dyn Fn() -> Stroke<'a> + Sync),
     setup: &Setup,
     threads: usize,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Sensitivities, SensitivityError> {
     // Outlines are for drawings.
     let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use erard::Progress;
 use erard::gradient::{DIRECTIONS, Direction, Followed, Number, QUANTITIES, STACK_BYTES, follow};
 use erard::instrument::Instrument;
 use erard::run::{Setup, SimulationError};
@@ -10,7 +11,7 @@ use moreau::Settings;
 
 use super::Variable;
 use super::error::SensitivityError;
-use crate::cores::{Interrupt, do_all, job};
+use crate::cores::{do_all, job};
 use crate::study::Stroke;
 
 /// A press, and what it depends on.
@@ -55,7 +56,7 @@ pub fn gradient<'a>(
     setup: &Setup,
     sample_every: Option<u64>,
     threads: usize,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Gradient, SensitivityError> {
     let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
     let found = passes(instrument, &by, stroke, setup, &[1.0], sample_every, threads, progress)?;
@@ -107,7 +108,7 @@ pub(super) fn passes<'a>(
     shares: &[f64],
     sample_every: Option<u64>,
     threads: usize,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Passes, SensitivityError> {
     let directions: Vec<_> = by.iter().map(|one| one.direction.clone()).collect();
     // Without a number to differentiate by there is the press itself.
@@ -117,8 +118,8 @@ pub(super) fn passes<'a>(
     let work = found.iter_mut().enumerate().map(|(k, place)| {
         let (group, step) = (groups[k / shares.len()], setup.settings.step * shares[k % shares.len()]);
         let setup = Setup { settings: Settings { step, ..setup.settings }, ..*setup };
-        job(place, move |going| -> Result<Followed, SensitivityError> {
-            let followed = on_a_deep_stack(going, &|going| {
+        job(place, move |progress| -> Result<Followed, SensitivityError> {
+            let followed = on_a_deep_stack(progress, &|progress| {
                 let drive = stroke();
                 follow(
                     instrument,
@@ -127,7 +128,7 @@ pub(super) fn passes<'a>(
                     &setup,
                     erard::player::equilibrium::STEP_S,
                     sample_every,
-                    going,
+                    progress,
                 )
             });
             Ok(followed?)
@@ -149,20 +150,20 @@ pub(super) fn passes<'a>(
 const ASK_EVERY: Duration = Duration::from_millis(2);
 
 /// Does work on a thread with a deep stack; on the caller's own where no thread can be had. The caller's thread asks on whether to go on.
-fn on_a_deep_stack<T: Send>(going: Interrupt<'_>, work: &(dyn Fn(Interrupt<'_>) -> T + Sync)) -> T {
+fn on_a_deep_stack<T: Send>(progress: &mut Progress<'_>, work: &(dyn Fn(&mut Progress<'_>) -> T + Sync)) -> T {
     let stop = AtomicBool::new(false);
     let found = std::thread::scope(|scope| {
         let deep = std::thread::Builder::new()
             .stack_size(STACK_BYTES)
-            .spawn_scoped(scope, || work(&|| !stop.load(Ordering::Relaxed)))
+            .spawn_scoped(scope, || work(&mut |_| !stop.load(Ordering::Relaxed)))
             .ok()?;
         while !deep.is_finished() {
-            if !going() {
+            if !progress(0.0) {
                 stop.store(true, Ordering::Relaxed);
             }
             std::thread::park_timeout(ASK_EVERY);
         }
         Some(deep.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     });
-    found.unwrap_or_else(|| work(going))
+    found.unwrap_or_else(|| work(progress))
 }

@@ -5,7 +5,7 @@ use moreau_kernels::{EveryBody, LaneObserver, Lanes, OwnedDescription, SideBySid
 
 use super::sampling::{Sampled, Sampling};
 use super::{JobResult, Played, Stroke};
-use crate::cores::Interrupt;
+use erard::Progress;
 use erard::assembly::{describe, probes};
 use erard::events::EventDetector;
 use erard::instrument::Instrument;
@@ -79,12 +79,12 @@ pub(super) fn settle(
     instruments: &[&Instrument],
     settings: Settings<f64>,
     lanes: Lanes,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<Rested>, SimulationError> {
     let descriptions: Vec<OwnedDescription> = instruments.iter().map(|instrument| describe(instrument)).collect();
     let drawn: Vec<State> = descriptions.iter().map(|description| standing(&description.angles, &[])).collect();
     let free = vec![Input::Free; instruments.len()];
-    let states = match rests_of(&descriptions.iter().collect::<Vec<_>>(), &drawn, &free, lanes, going) {
+    let states = match rests_of(&descriptions.iter().collect::<Vec<_>>(), &drawn, &free, lanes, progress) {
         Ok(states) => states,
         Err(SimulationError::Interrupted) => return Err(SimulationError::Interrupted),
         // One that cannot be assembled: each says so for itself.
@@ -105,14 +105,14 @@ fn rests_of(
     from: &[State],
     inputs: &[Input<f64>],
     lanes: Lanes,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<Option<State>>, SimulationError> {
     let mut states: Vec<Option<State>> = vec![None; descriptions.len()];
     let mut together: Vec<usize> = (0..descriptions.len()).collect();
     while !together.is_empty() {
         let begin = together.iter().map(|&i| from[i]).collect();
         let driven: Vec<Input<f64>> = together.iter().map(|&i| inputs[i]).collect();
-        match come_to_rest(together.iter().map(|&i| descriptions[i]).collect(), begin, &driven, lanes, going)? {
+        match come_to_rest(together.iter().map(|&i| descriptions[i]).collect(), begin, &driven, lanes, progress)? {
             Together::Ended(rested) => {
                 together.iter().zip(rested).for_each(|(&i, state)| states[i] = state);
                 break;
@@ -137,7 +137,7 @@ fn come_to_rest(
     from: Vec<State>,
     own_inputs: &[Input<f64>],
     lanes: Lanes,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Together, SimulationError> {
     let count = descriptions.len();
     let bodies = descriptions.first().map_or(0, |d| d.bodies.len()).min(BODIES);
@@ -150,7 +150,7 @@ fn come_to_rest(
     let (mut settling, mut waited_for) = (vec![Settling::default(); count], vec![true; count]);
     let mut steps = 0_u64;
     while waited_for.contains(&true) {
-        if steps.is_multiple_of(ASK_EVERY) && !going() {
+        if steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
             return Err(SimulationError::Interrupted);
         }
         steps += 1;
@@ -182,7 +182,7 @@ fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> 
     let mut action = Action::with(instrument, settings)?;
     if begins_at_m > 0.0 {
         let finger = player::Input::Motion { position_m: begins_at_m, velocity_m_s: 0.0 };
-        action.settle(instrument, finger, &mut || true)?;
+        action.settle(instrument, finger, &mut |_| true)?;
     }
     // What the felts remember belongs to the pose.
     let memory = action.mechanism().save().state.memory;
@@ -337,13 +337,13 @@ pub(super) fn play(
     setup: &Setup,
     sampling: Option<&Sampling>,
     lanes: Lanes,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     let mut begun: Vec<Result<Lane, SimulationError>> =
         players.iter().map(|player| Lane::new(player, setup, sampling)).collect();
     let mut own: Vec<&mut Lane> = begun.iter_mut().flatten().collect();
     if !own.is_empty() {
-        step_all(&mut own, setup, lanes, going)?;
+        step_all(&mut own, setup, lanes, progress)?;
     }
     Ok(begun.into_iter().map(|lane| lane.and_then(Lane::finish)).collect())
 }
@@ -353,9 +353,9 @@ fn step_all(
     own: &mut [&mut Lane<'_>],
     setup: &Setup,
     lanes: Lanes,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<(), SimulationError> {
-    let states = first_states(own, setup, lanes, going)?;
+    let states = first_states(own, setup, lanes, progress)?;
     let descriptions = own.iter().map(|lane| &lane.at_rest.description).collect();
     let mut group = group(descriptions, states, &setup.settings, lanes)?;
     let (mut angles, mut velocities) = ([0.0; BODIES], [0.0; BODIES]);
@@ -373,7 +373,7 @@ fn step_all(
     }
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) {
-            if !going() {
+            if !progress(0.0) {
                 return Err(SimulationError::Interrupted);
             }
             if own.iter().all(|lane| lane.failed.is_some()) {
@@ -410,7 +410,7 @@ fn first_states(
     own: &mut [&mut Lane<'_>],
     setup: &Setup,
     lanes: Lanes,
-    going: Interrupt<'_>,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<State>, SimulationError> {
     let at_rest: Vec<State> = own.iter().map(|lane| lane.at_rest.state).collect();
     let begins_at_m: Vec<f64> =
@@ -422,7 +422,7 @@ fn first_states(
     let finger = |(lane, at): (&&mut Lane, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
     let inputs: Vec<Input<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
     let descriptions: Vec<&OwnedDescription> = own.iter().map(|lane| &lane.at_rest.description).collect();
-    let settled = rests_of(&descriptions, &at_rest, &inputs, lanes.in_doubles(), going)?;
+    let settled = rests_of(&descriptions, &at_rest, &inputs, lanes.in_doubles(), progress)?;
     let mut states = at_rest;
     for (((state, settled), lane), at) in states.iter_mut().zip(settled).zip(own).zip(begins_at_m) {
         match settled.map_or_else(|| alone(lane.player.instrument, setup.settings, at), Ok) {

@@ -18,6 +18,7 @@ pub use sampling::{Sampling, SamplingError};
 pub use moreau_kernels::Lanes;
 
 use crate::cores::{self, do_all, job};
+use erard::Progress;
 use erard::assembly::describe;
 use erard::instrument::Instrument;
 use erard::mechanism::Size;
@@ -110,7 +111,7 @@ pub fn play_all(
     jobs: Vec<Job<'_>>,
     setup: &Setup,
     workers: Workers,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     do_jobs(instruments, jobs, setup, workers, None, progress)
 }
@@ -128,7 +129,7 @@ pub fn sample_all(
     setup: &Setup,
     sampling: &Sampling,
     workers: Workers,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     do_jobs(instruments, jobs, setup, workers, Some(sampling), progress)
 }
@@ -139,7 +140,7 @@ fn do_jobs(
     setup: &Setup,
     workers: Workers,
     sampling: Option<&Sampling>,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
     let in_lanes: Vec<bool> =
@@ -167,14 +168,14 @@ fn play_alone(
     workers: Workers,
     sampling: Option<&Sampling>,
     results: &mut [Option<JobResult>],
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<(), SimulationError> {
     let setup = Setup { record_every: Some(1), ..*setup };
     let indices: Vec<usize> = jobs.iter().map(|(index, _)| *index).collect();
     let mut outcomes: Vec<_> = jobs.iter().map(|_| None).collect();
     let work = jobs.into_iter().zip(&mut outcomes).map(|((_, Job { instrument, stroke }), outcome)| {
         let instrument = &instruments[instrument];
-        job(outcome, move |going| match simulate(instrument, stroke.as_ref(), &setup, &mut |_| going()) {
+        job(outcome, move |progress| match simulate(instrument, stroke.as_ref(), &setup, progress) {
             Err(SimulationError::Interrupted) => Err(SimulationError::Interrupted),
             played => Ok(played.map(|run| Played {
                 samples: sampling.map(|sampling| sampling.of_run(&run)).unwrap_or_default(),
@@ -204,7 +205,7 @@ fn play_in_lanes(
     workers: Workers,
     sampling: Option<&Sampling>,
     results: &mut [Option<JobResult>],
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<(), SimulationError> {
     let Workers { threads, lanes } = workers;
     let settled_in = lanes.in_doubles();
@@ -220,7 +221,7 @@ fn play_in_lanes(
     let mut outcomes: Vec<_> = settled_together.iter().map(|_| None).collect();
     let work = settled_together.iter().zip(&mut outcomes).map(|(group, outcome)| {
         let group: Vec<&Instrument> = group.iter().map(|&place| &instruments[used[place]]).collect();
-        job(outcome, move |going| settle(&group, setup.settings, settled_in, going))
+        job(outcome, move |progress| settle(&group, setup.settings, settled_in, progress))
     });
     do_all(work.collect(), threads, &mut |share| progress(settling * share))?;
     let mut rested: Vec<Option<Rested>> = used.iter().map(|_| None).collect();
@@ -253,7 +254,7 @@ fn play_in_lanes(
                 Some(Player { instrument: &instruments[instrument], stroke, rest })
             })
             .collect();
-        work.push(job(outcome, move |going| play(&players, setup, sampling, lanes, going)));
+        work.push(job(outcome, move |progress| play(&players, setup, sampling, lanes, progress)));
     }
     do_all(work, threads, &mut |share| progress(settling + (1.0 - settling) * share))?;
     for (group, outcome) in played_together.iter().zip(outcomes) {

@@ -13,6 +13,7 @@
 //! bottom where the key is slowed down most, a millisecond or more later.
 
 use crate::measure::MeasureError;
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player::{self};
 use erard::run::Run;
@@ -126,11 +127,7 @@ pub struct ByHand {
 }
 
 /// One blow.
-fn blow(
-    instrument: &Instrument,
-    drive: Drive,
-    going: &mut dyn FnMut() -> bool,
-) -> Result<PressedBlow, SimulationError> {
+fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> Result<PressedBlow, SimulationError> {
     let setup = Setup {
         settings: Settings::new(STEP_S),
         start_s: 0.0,
@@ -140,11 +137,10 @@ fn blow(
         ledger: true,
         pedal: erard::strings::Pedal::default(),
     };
-    let going = &mut |_| going();
     let run = match drive {
-        Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, going)?,
-        Drive::Pressed(rate_n_s) => press_by_hand(instrument, &HandStroke::pressed(rate_n_s), &setup, going)?,
-        Drive::Led(duration_s) => press_by_hand(instrument, &HandStroke::led(duration_s), &setup, going)?,
+        Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, progress)?,
+        Drive::Pressed(rate_n_s) => press_by_hand(instrument, &HandStroke::pressed(rate_n_s), &setup, progress)?,
+        Drive::Led(duration_s) => press_by_hand(instrument, &HandStroke::led(duration_s), &setup, progress)?,
     };
     Ok(PressedBlow::of(instrument, &run, drive))
 }
@@ -199,16 +195,16 @@ fn smallest(
     instrument: &Instrument,
     family: &Family,
     holds: &dyn Fn(&PressedBlow) -> bool,
-    going: &mut dyn FnMut() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<PressedBlow>, SimulationError> {
     let [mut low, mut high] = family.ends;
-    let mut found = blow(instrument, (family.drive)(high), going)?;
+    let mut found = blow(instrument, (family.drive)(high), progress)?;
     if !holds(&found) {
         return Ok(None);
     }
     while high / low > 1.0 + CLOSE {
         let middle = (low * high).sqrt();
-        let tried = blow(instrument, (family.drive)(middle), going)?;
+        let tried = blow(instrument, (family.drive)(middle), progress)?;
         if holds(&tried) {
             (high, found) = (middle, tried);
         } else {
@@ -223,44 +219,43 @@ fn curve(
     instrument: &Instrument,
     family: &Family,
     from: f64,
-    going: &mut dyn FnMut() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<PressedBlow>, SimulationError> {
     let share = |n: usize| n as f64 / (POINTS - 1) as f64;
     (0..POINTS)
-        .map(|n| blow(instrument, (family.drive)(from * (family.ends[1] / from).powf(share(n))), going))
+        .map(|n| blow(instrument, (family.drive)(from * (family.ends[1] / from).powf(share(n))), progress))
         .collect()
 }
 
 /// All that the table asks about.
-pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Loudness, MeasureError> {
+pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Loudness, MeasureError> {
     // Counted in blows: ten searches of about 13, two curves and four more.
     const BLOWS: f64 = 10.0 * 13.0 + 2.0 * POINTS as f64 + 4.0;
     let mut done = 0.0;
-    let mut going = || {
+    let progress = &mut |_: f64| {
         done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
         progress((done / BLOWS).min(1.0))
     };
-    let going = &mut going;
     let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_s.is_some_and(|v| v >= at_least);
     let stroke = |at_most: f64| move |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= at_most);
-    let starting = smallest(instrument, &CONSTANT, &|b| b.deepest_m > STARTED_M, going)?;
-    let softest = smallest(instrument, &CONSTANT, &PressedBlow::whole, going)?;
-    let quick = smallest(instrument, &CONSTANT, &stroke(0.020), going)?;
-    let f_by_stroke = smallest(instrument, &CONSTANT, &stroke(F_STROKE_S), going)?;
-    let mf = smallest(instrument, &CONSTANT, &speed(MF_M_S), going)?;
-    let f = smallest(instrument, &CONSTANT, &speed(F_M_S), going)?;
+    let starting = smallest(instrument, &CONSTANT, &|b| b.deepest_m > STARTED_M, progress)?;
+    let softest = smallest(instrument, &CONSTANT, &PressedBlow::whole, progress)?;
+    let quick = smallest(instrument, &CONSTANT, &stroke(0.020), progress)?;
+    let f_by_stroke = smallest(instrument, &CONSTANT, &stroke(F_STROKE_S), progress)?;
+    let mf = smallest(instrument, &CONSTANT, &speed(MF_M_S), progress)?;
+    let f = smallest(instrument, &CONSTANT, &speed(F_M_S), progress)?;
     let force = |blow: &Option<PressedBlow>| match blow {
         Some(PressedBlow { drive: Drive::Constant(force_n), .. }) => Some(*force_n),
         _ => None,
     };
-    let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), going)?;
-    let pressed = curve(instrument, &PRESSED, RATES_N_S[0], going)?;
+    let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), progress)?;
+    let pressed = curve(instrument, &PRESSED, RATES_N_S[0], progress)?;
     let by_hand = ByHand {
-        softest: smallest(instrument, &LED, &PressedBlow::whole, going)?,
-        pp: smallest(instrument, &LED, &speed(PP_M_S), going)?,
-        f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), going)?,
-        ff: smallest(instrument, &PRESSED, &speed(FF_M_S), going)?,
-        loudest: blow(instrument, Drive::Pressed(RATES_N_S[1]), going)?,
+        softest: smallest(instrument, &LED, &PressedBlow::whole, progress)?,
+        pp: smallest(instrument, &LED, &speed(PP_M_S), progress)?,
+        f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), progress)?,
+        ff: smallest(instrument, &PRESSED, &speed(FF_M_S), progress)?,
+        loudest: blow(instrument, Drive::Pressed(RATES_N_S[1]), progress)?,
         crossover_m_s: crossover(&pressed),
         blows: pressed,
     };
@@ -268,9 +263,9 @@ pub fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -
         starting_force_n: force(&starting),
         force_of_a_20_ms_stroke_n: force(&quick),
         softest,
-        at_0_8_n: blow(instrument, Drive::Constant(0.8), going)?,
-        at_15_n: blow(instrument, Drive::Constant(15.0), going)?,
-        at_35_n: blow(instrument, Drive::Constant(FORCES_N[1]), going)?,
+        at_0_8_n: blow(instrument, Drive::Constant(0.8), progress)?,
+        at_15_n: blow(instrument, Drive::Constant(15.0), progress)?,
+        at_35_n: blow(instrument, Drive::Constant(FORCES_N[1]), progress)?,
         mf,
         f,
         f_by_stroke,

@@ -18,6 +18,7 @@ pub use values::names;
 
 use crate::measure::flex::{key_flex_m_per_n, shank_flex_m_per_n};
 use crate::measure::{MeasureError, measure};
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use strings::Strung;
@@ -80,7 +81,7 @@ pub fn validate(
     instrument: &Instrument,
     keyboard: Option<&Keyboard>,
     published: &Published,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Validation, MeasureError> {
     let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
     let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;

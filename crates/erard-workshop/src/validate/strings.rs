@@ -3,6 +3,7 @@
 use super::blows::{FF_M_S, MF_M_S, PP_M_S};
 use crate::measure::MeasureError;
 use crate::struck::{Blow, Stopped, blow_of_speed, rest};
+use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard::run::SimulationError;
@@ -82,11 +83,11 @@ impl Strung {
     pub fn measure(
         instrument: &Instrument,
         keyboard: Option<&Keyboard>,
-        progress: &mut dyn FnMut(f64) -> bool,
+        progress: &mut Progress<'_>,
     ) -> Result<Self, MeasureError> {
         let yields = instrument.has_yielding_strings();
         let mut done = 0.0;
-        let mut going = || {
+        let mut going = |_: f64| {
             done += 1.0 / (SEARCHES * TRIES);
             progress(f64::min(done, 1.0))
         };

@@ -9,6 +9,7 @@ use moreau::Settings;
 
 use super::blows::{Drive, PressedBlow};
 use crate::measure::MeasureError;
+use erard::Progress;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
 use erard::player::{self};
@@ -43,7 +44,7 @@ pub(super) struct Touches {
     pub release_to_damper_s: Option<f64>,
 }
 
-pub(super) fn measure(instrument: &Instrument, progress: &mut dyn FnMut(f64) -> bool) -> Result<Touches, MeasureError> {
+pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touches, MeasureError> {
     let mut done = 0.0;
     let mut play = |touch: Touch, scale: f64| -> Result<Run, SimulationError> {
         done += 1.0;

@@ -11,7 +11,7 @@ fn measured(turns_mm: &[(&str, f64)]) -> Distances {
         let screw = grand.screw(screw).unwrap();
         assert!(grand.turn(screw, by_mm * 1e-3));
     }
-    measure(&grand, &Protocol::default(), &mut || true).unwrap()
+    measure(&grand, &Protocol::default(), &mut |_| true).unwrap()
 }
 
 fn difference(a: Option<f64>, b: Option<f64>) -> f64 {
@@ -99,7 +99,7 @@ fn the_lever_rises_as_its_stop_is_lowered() {
 fn what_does_not_happen_is_none() {
     let mut grand = rigid_grand();
     let spring = grand.screw("repetition_spring").unwrap();
-    let speed = |grand: &Instrument| measure(grand, &Protocol::default(), &mut || true).unwrap().spring_m_s.unwrap();
+    let speed = |grand: &Instrument| measure(grand, &Protocol::default(), &mut |_| true).unwrap().spring_m_s.unwrap();
     let usual = speed(&grand);
     let torque = grand.springs[0].torque_n_m.abs();
     assert!(grand.turn(spring, 0.1 * torque));

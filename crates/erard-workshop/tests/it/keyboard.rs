@@ -117,8 +117,8 @@ fn touch_weights_follow_the_norms() {
         let instrument = &instruments[key - 1];
         let parts = Parts::of(instrument).expect("a grand action");
         let lifted = pedal_down(instrument, &parts);
-        let way = weights::free_way(&lifted, &parts, &|| true).expect("let off");
-        let touch = weights::on_the_key(&lifted, way.end_m, &|| true).expect("weighed");
+        let way = weights::free_way(&lifted, &parts, &mut |_| true).expect("let off");
+        let touch = weights::on_the_key(&lifted, way.end_m, &mut |_| true).expect("weighed");
         let (scale, _) = weights::on_the_scale(instrument, way.end_m, touch.decided_m).expect("weighed");
         let [down, up] = [touch.by_weights.down_weight_g, touch.by_weights.up_weight_g].map(|w| w.expect("moves"));
         println!(
@@ -154,7 +154,7 @@ fn every_register_is_in_regulation() {
 fn in_regulation(keys: &[usize]) {
     for &key in keys {
         let instrument = &concert_grand().1[key - 1];
-        let found = measure(instrument, &Protocol::default(), &mut || true).expect("measured");
+        let found = measure(instrument, &Protocol::default(), &mut |_| true).expect("measured");
         let distance = |what: &str, metres: Option<f64>, least: f64, most: f64| {
             let mm = 1e3 * metres.expect("happens");
             println!("key {key}: {what} {mm:.2} mm");
@@ -177,7 +177,7 @@ fn keys_with_strings_check_between_regulated_ones() {
     let keyboard = Keyboard::builtin("concert-grand-strings").expect("built in");
     for key in [8, 14, 34, 55, 61, 68, 69] {
         let instrument = keyboard.key(key).map_err(|error| error.to_string()).expect("sound");
-        let found = measure(&instrument, &Protocol::default(), &mut || true).expect("measured");
+        let found = measure(&instrument, &Protocol::default(), &mut |_| true).expect("measured");
         let mm = 1e3 * found.check_m.expect("is caught");
         println!("key {key}: check {mm:.2} mm");
         assert!((12.0..=15.0).contains(&mm), "key {key}: {mm} mm");

@@ -24,13 +24,13 @@ const SCALE_G: f64 = 0.1;
 /// What is left of the hammer's swing in the curve of a slow loop, whose largest and smallest force are read: a millinewton, g.
 const SWING_G: f64 = 0.1;
 
-fn go() -> bool {
+fn go(_: f64) -> bool {
     true
 }
 
 /// Weights with the pedal down: the damper taken away, which is the same and saves half of the runs.
 fn weighed(instrument: &Instrument) -> Weights {
-    weigh(&without_damper(instrument), &go).unwrap()
+    weigh(&without_damper(instrument), &mut go).unwrap()
 }
 
 fn without_damper(instrument: &Instrument) -> Instrument {
@@ -47,7 +47,7 @@ fn without_damper(instrument: &Instrument) -> Instrument {
 /// The shipped grand's weights, found once.
 fn grand_weighed() -> &'static Weights {
     static WEIGHED: OnceLock<Weights> = OnceLock::new();
-    WEIGHED.get_or_init(|| weigh(&rigid_grand(), &go).unwrap())
+    WEIGHED.get_or_init(|| weigh(&rigid_grand(), &mut go).unwrap())
 }
 
 fn down(w: &Weights) -> f64 {
@@ -112,7 +112,7 @@ fn keep_the_blow(instrument: &mut Instrument, model: &Instrument) {
 }
 
 fn effective_kg(instrument: &Instrument, w: &Weights) -> f64 {
-    inertia(instrument, w.free_way.end_m, &go).unwrap().half_way.total_kg()
+    inertia(instrument, w.free_way.end_m, &mut go).unwrap().half_way.total_kg()
 }
 
 /// Weights tried one by one and the force of a slow loop are two ways to the same down-weight and up-weight.
@@ -135,7 +135,7 @@ fn weights_and_loop_agree() {
 #[test]
 fn the_concert_grand_is_within_the_norms() {
     let grand = Instrument::builtin("concert-grand").unwrap();
-    let w = &weigh(&grand, &go).unwrap();
+    let w = &weigh(&grand, &mut go).unwrap();
     let touch = w.pedal_down.by_weights;
     let within = |what: &str, x: f64, low: f64, high: f64| assert!((low..=high).contains(&x), "{what}: {x}");
     within("down-weight", down(w), 45.0, 55.0);
@@ -304,7 +304,7 @@ fn dampers_down_are_heavier() {
 #[test]
 fn inertia_is_that_of_the_reduced_model() {
     let grand = rigid_grand();
-    let curve = inertia(&grand, 5e-3, &go).unwrap();
+    let curve = inertia(&grand, 5e-3, &mut go).unwrap();
     let reduced = one_dof::reduce(&grand).unwrap().inertia_kg_m2 / 0.265_f64.powi(2);
     near("at rest", curve.pedal_down_kg[0], reduced, 0.03 * reduced);
     let half = curve.pedal_down_kg[curve.pedal_down_kg.len() / 2];
@@ -328,8 +328,8 @@ fn inertia_is_what_a_force_accelerates() {
         spring.torque_n_m *= 20.0;
     }
     let lifted = pedal_down(&stiff, &Parts::of(&stiff).unwrap());
-    let slow = slow_loop(&lifted, 5e-3, &go).unwrap().down;
-    let curve = inertia(&stiff, 5e-3, &go).unwrap();
+    let slow = slow_loop(&lifted, 5e-3, &mut go).unwrap().down;
+    let curve = inertia(&stiff, 5e-3, &mut go).unwrap();
     let force = |t: f64| 1.0 - (50.0 * t.min(0.06)).cos();
     let setup = Setup {
         settings: Settings::new(10e-6),
@@ -368,7 +368,7 @@ fn lower_let_off(instrument: &mut Instrument, by_m: f64) {
 
 /// From how far below the string a slow press lets the hammer fall, m.
 fn let_off_distance(instrument: &Instrument) -> f64 {
-    let press = slow_loop(instrument, 10e-3, &go).unwrap();
+    let press = slow_loop(instrument, 10e-3, &mut go).unwrap();
     let string = instrument.roles.string.unwrap();
     -Action::new(instrument).unwrap().compression(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
@@ -390,7 +390,7 @@ fn twice_the_let_off_needs_a_faster_hammer() {
         by *= distance / (reached - distance);
     }
     near("let-off distance", reached, 2.0 * distance, 0.1 * distance);
-    let [a, b] = [&near_string, &far].map(|instrument| softest(instrument, &go).unwrap().unwrap());
+    let [a, b] = [&near_string, &far].map(|instrument| softest(instrument, &mut go).unwrap().unwrap());
     println!("let-off {:.2} mm: {a:?}\nlet-off {:.2} mm: {b:?}", distance * 1e3, reached * 1e3);
     for Softest { let_off_speed_m_s, fall_speed_m_s, .. } in [a, b] {
         near("speed at let-off", let_off_speed_m_s, fall_speed_m_s, 0.05 * fall_speed_m_s);
@@ -403,8 +403,8 @@ fn twice_the_let_off_needs_a_faster_hammer() {
 #[test]
 fn half_way_repeats_faster() {
     let grand = rigid_grand();
-    let full = repetition(&grand, HOME_M, &go).unwrap().unwrap();
-    let half = repetition(&grand, 4.8e-3, &go).unwrap().unwrap();
+    let full = repetition(&grand, HOME_M, &mut go).unwrap().unwrap();
+    let half = repetition(&grand, 4.8e-3, &mut go).unwrap().unwrap();
     println!("{full:?}\n{half:?}");
     assert!(half.rate_hz > full.rate_hz && full.rate_hz > 8.0, "{full:?} {half:?}");
     assert!(half.return_s < full.return_s);
@@ -416,7 +416,7 @@ fn half_way_repeats_faster() {
             spring.stiffness_n_m_per_rad *= 0.05;
         }
     }
-    let slack = repetition(&slack, 4.8e-3, &go).unwrap();
+    let slack = repetition(&slack, 4.8e-3, &mut go).unwrap();
     assert!(slack.is_none_or(|slack| slack.rate_hz < 0.8 * half.rate_hz), "{slack:?}");
 }
 

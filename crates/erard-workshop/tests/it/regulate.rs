@@ -53,12 +53,12 @@ fn blows_at_eight_hertz(instrument: &Instrument, dip_m: f64) -> usize {
 #[test]
 fn a_mis_set_action_is_put_right() {
     let wrong = mis_set();
-    let before = measure(&wrong, &Protocol::default(), &mut || true).unwrap();
+    let before = measure(&wrong, &Protocol::default(), &mut |_| true).unwrap();
     assert!(before.let_off_m.unwrap() > 5e-3 && before.drop_m.unwrap() < 0.3e-3, "{before:?}");
     assert!((before.dip_m.unwrap() - 8e-3).abs() < 0.1e-3, "{before:?}");
     let mut nearer = wrong.clone();
     turn_on(&mut nearer, &[("back_check", 2.5)]);
-    let weak = measure(&nearer, &Protocol::default(), &mut || true).unwrap();
+    let weak = measure(&nearer, &Protocol::default(), &mut |_| true).unwrap();
     assert!(before.check_m.is_none() && weak.spring_m_s.is_none_or(|speed| speed < 0.1), "{before:?} {weak:?}");
     assert_ne!(blows_at_eight_hertz(&wrong, before.dip_m.unwrap()), 16);
 
@@ -66,7 +66,7 @@ fn a_mis_set_action_is_put_right() {
     println!("{} simulations in {} rounds: {:?}", regulated.simulations, regulated.rounds, regulated.after);
     assert!(regulated.all_met(), "{:?}", regulated.achieved);
     // Measured anew, by nothing that the search has kept.
-    let after = measure(&regulated.instrument, &Protocol::default(), &mut || true).unwrap();
+    let after = measure(&regulated.instrument, &Protocol::default(), &mut |_| true).unwrap();
     for (goal, target) in Goal::norms() {
         let off = (goal.of(&after).unwrap() - target).abs();
         let allowed = match goal {

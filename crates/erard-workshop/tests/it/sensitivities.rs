@@ -164,13 +164,13 @@ fn refusals() {
     let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
     grand.bodies[0].dwell = Some(Dwell { ratio: 1.5, time_s: 0.1 });
     let setup = Setup { ledger: false, ..Setup::new(0.1) };
-    let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &|| true);
+    let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &mut |_| true);
     assert!(matches!(refused, Err(GradientError::Dwell)), "{refused:?}");
     let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
     grand.zones[0].felt.dry_loss = 0.2;
-    let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &|| true);
+    let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &mut |_| true);
     assert!(matches!(refused, Err(GradientError::SetValuedFelt)), "{refused:?}");
     let plain = Instrument::builtin("concert-grand-rigid").unwrap();
-    let stopped = follow(&plain, &[], &|_| Input::Force(5.0), &setup, 50e-6, None, &|| false);
+    let stopped = follow(&plain, &[], &|_| Input::Force(5.0), &setup, 50e-6, None, &mut |_| false);
     assert!(stopped.is_err_and(|error| error.is_interruption()));
 }

@@ -21,6 +21,7 @@ use crate::assembly::describe;
 use crate::instrument::Instrument;
 use crate::player::equilibrium::{self, Settling};
 use crate::player::{self, Drive};
+use crate::progress::Progress;
 use crate::run::{Setup, SimulationError};
 use watch::DualEventDetector;
 
@@ -159,7 +160,7 @@ pub fn follow(
     setup: &Setup,
     rest_step_s: f64,
     sample_every: Option<u64>,
-    going: &dyn Fn() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Followed, GradientError> {
     assert!(directions.len() <= DIRECTIONS, "at most {DIRECTIONS} directions");
     let steps = setup.check()?;
@@ -181,13 +182,13 @@ pub fn follow(
         force[d] = direction.force;
     }
     let mut mechanism = tangents(&description, &slopes)?;
-    let mut all = settle(mechanism.as_mut(), rest_step_s, &Input::Free, going)?;
+    let mut all = settle(mechanism.as_mut(), rest_step_s, &Input::Free, progress)?;
     let site = mechanism.site_position();
     let begins_at = drive(setup.start_s).position_m();
     let rest = Places { site, head, force };
     if begins_at > 0.0 {
         let finger = Input::Motion { position: site + Number::constant(begins_at), velocity: Number::ZERO };
-        all = all.and(settle(mechanism.as_mut(), rest_step_s, &finger, going)?);
+        all = all.and(settle(mechanism.as_mut(), rest_step_s, &finger, progress)?);
     }
     let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
     let h = settings.step;
@@ -200,7 +201,7 @@ pub fn follow(
     let first = sample_every.map(|_| sample(&watch, mechanism.as_ref(), setup.start_s));
     let mut samples: Vec<[Number; 3]> = first.into_iter().collect();
     for n in 0..steps {
-        if n.is_multiple_of(ASK_EVERY) && !going() {
+        if n.is_multiple_of(ASK_EVERY) && !progress(0.0) {
             return Err(SimulationError::Interrupted.into());
         }
         let t0 = setup.start_s + n as f64 * h;
@@ -279,12 +280,12 @@ fn settle(
     mechanism: &mut dyn Tangents,
     step_s: f64,
     input: &Input<Number>,
-    going: &dyn Fn() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<TangentReport, GradientError> {
     let settings = Settings { step: step_s, tolerance: TOLERANCE, ..equilibrium::settings() };
     let (mut all, mut settling, mut steps) = (TangentReport::default(), Settling::of_steps(step_s), 0_u64);
     loop {
-        if steps.is_multiple_of(ASK_EVERY) && !going() {
+        if steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
             return Err(SimulationError::Interrupted.into());
         }
         steps += 1;

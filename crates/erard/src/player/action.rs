@@ -10,6 +10,7 @@ use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finit
 use crate::identity::Identity;
 use crate::instrument::Instrument;
 use crate::mechanism::{Impact, Mechanism, StepOutput, Stepping, TellNumbers, mechanism};
+use crate::progress::Progress;
 use crate::strings::Strings;
 
 /// Why an action cannot be played.
@@ -132,20 +133,20 @@ impl Action {
     /// # Errors
     /// See [`ActionError`].
     pub fn with(instrument: &Instrument, settings: Settings<f64>) -> Result<Self, ActionError> {
-        Action::asking(instrument, settings, &mut || true)
+        Action::asking(instrument, settings, &mut |_| true)
     }
 
-    /// The same; `going` is asked now and then while the rest is sought, and ends the search by returning false.
+    /// The same; `progress` is asked now and then while the rest is sought, and ends the search by returning false.
     ///
     /// # Errors
     /// See [`ActionError`]; [`EquilibriumError::Interrupted`].
     pub fn asking(
         instrument: &Instrument,
         settings: Settings<f64>,
-        going: &mut dyn FnMut() -> bool,
+        progress: &mut Progress<'_>,
     ) -> Result<Self, ActionError> {
         let mut action = Action::as_drawn(instrument, settings)?;
-        action.settle(instrument, Input::Free, going)?;
+        action.settle(instrument, Input::Free, progress)?;
         action.rest_here(instrument);
         Ok(action)
     }
@@ -204,7 +205,7 @@ impl Action {
     }
 
     /// The loop over fixed steps: asks `next` for an input, takes a step, asks again, until there is no input. `next` sees the action
-    /// after every step; `going` is asked every 512 steps, and ends the loop by returning false.
+    /// after every step; `progress` is asked every 512 steps, and ends the loop by returning false.
     ///
     /// A step is [`Mechanism::step`], which solves the equations at the top of [`moreau::step()`].
     ///
@@ -212,10 +213,10 @@ impl Action {
     /// See [`PlayError`]. Steps that reach an iteration limit are no error: the reading reports them.
     pub fn play(
         &mut self,
-        going: &mut dyn FnMut() -> bool,
+        progress: &mut Progress<'_>,
         next: &mut dyn FnMut(&mut Self) -> Option<Input>,
     ) -> Result<(), PlayError> {
-        self.play_engine(going, &mut |action, _| {
+        self.play_engine(progress, &mut |action, _| {
             let input = next(action)?;
             Some(action.engine_input(input))
         })
@@ -224,12 +225,12 @@ impl Action {
     /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run takes its steps here.
     pub(crate) fn play_engine(
         &mut self,
-        going: &mut dyn FnMut() -> bool,
+        progress: &mut Progress<'_>,
         next: &mut NextInput<'_>,
     ) -> Result<(), PlayError> {
         let (mut steps, mut last) = (0_u64, None);
         while let Some(input) = next(self, last.as_ref()) {
-            if steps.is_multiple_of(ASK_EVERY) && !going() {
+            if steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
                 return Err(PlayError::Interrupted);
             }
             let before_s = self.time_s();
@@ -252,10 +253,10 @@ impl Action {
         &mut self,
         instrument: &Instrument,
         input: Input,
-        going: &mut dyn FnMut() -> bool,
+        progress: &mut Progress<'_>,
     ) -> Result<f64, EquilibriumError> {
         let (input, now_s) = (self.engine_input(input), self.time_s());
-        let took = equilibrium::settle(self, instrument, &input, going);
+        let took = equilibrium::settle(self, instrument, &input, progress);
         self.begin_at(now_s);
         took
     }

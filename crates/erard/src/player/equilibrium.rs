@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::{Action, PlayError};
 use crate::instrument::Instrument;
+use crate::progress::Progress;
 
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
 pub const STEP_S: f64 = 50e-6;
@@ -116,13 +117,13 @@ pub(crate) fn settle(
     action: &mut Action,
     instrument: &Instrument,
     input: &Input<f64>,
-    going: &mut dyn FnMut() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<f64, EquilibriumError> {
     let own = *action.settings();
     action.set_settings(settings());
     action.let_strings_follow(true);
     let (mut settling, mut energy, mut result) = (Settling::default(), 0.0_f64, None);
-    let played = action.play_engine(going, &mut |action, last| {
+    let played = action.play_engine(progress, &mut |action, last| {
         let Some(report) = last else { return Some(*input) };
         let velocities = action.velocities();
         if settling.rests(velocities) {

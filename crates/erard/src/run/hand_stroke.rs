@@ -18,6 +18,7 @@ use super::setup::{Setup, SimulationError};
 use super::simulation::simulate_hand;
 use crate::instrument::Instrument;
 use crate::player::{Hand, Input};
+use crate::progress::Progress;
 
 /// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key down at the end.
 const LED_DEPTH_M: f64 = 10.5e-3;
@@ -191,7 +192,7 @@ pub fn press_by_hand(
     instrument: &Instrument,
     gesture: &HandStroke,
     setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     simulate_hand(instrument, &gesture.hand, &|t| gesture.input(t), setup, progress)
 }

@@ -9,6 +9,7 @@ use crate::mechanism::{LARGEST_STEP_S, Mechanism, StepOutput};
 use crate::player::hand::MovingHand;
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
 use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
+use crate::progress::Progress;
 use crate::trust::{Extremes, assess};
 
 use super::Run;
@@ -17,8 +18,6 @@ use super::setup::{MOST_ROWS, Setup, SimulationError};
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
 /// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
 pub const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
-/// Called with the share done; ends the run by returning false.
-type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
 
 /// A run under way.
 pub(crate) struct RunLoop<'a> {
@@ -90,14 +89,14 @@ impl<'a> RunLoop<'a> {
     }
 
     /// Fixed steps: all of the same length.
-    pub fn fixed(&mut self, progress: &mut Progress) -> Result<(), SimulationError> {
+    pub fn fixed(&mut self, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let RunLoop { drive, setup, steps, every, rest, action, hand, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
         let (mut n, mut due, mut failed) = (0, every, None);
         let taken = std::cell::Cell::new(0_u64);
-        let mut going = || progress(taken.get() as f64 / steps as f64);
-        let played = action.play_engine(&mut going, &mut |action, last| {
+        let mut told = |_: f64| progress(taken.get() as f64 / steps as f64);
+        let played = action.play_engine(&mut told, &mut |action, last| {
             let t = start_s + n as f64 * h;
             if let Some(report) = last {
                 work.count(report, 1);
@@ -133,7 +132,7 @@ impl<'a> RunLoop<'a> {
     }
 
     /// Adaptive steps: from row to row, as long as their error allows.
-    pub fn adaptive(&mut self, tolerance: f64, progress: &mut Progress) -> Result<(), SimulationError> {
+    pub fn adaptive(&mut self, tolerance: f64, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let accuracy = Accuracy::new(tolerance, SMALLEST_CONTROLLED_STEP_S, LARGEST_STEP_S);
         let mut control = ControlWork::none();

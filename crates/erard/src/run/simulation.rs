@@ -6,6 +6,7 @@ use super::setup::{Setup, SimulationError};
 use crate::instrument::Instrument;
 use crate::player::hand::MovingHand;
 use crate::player::{Action, Drive, Hand, Input, Observer};
+use crate::progress::Progress;
 
 /// [`simulate`] without a progress callback.
 ///
@@ -26,7 +27,7 @@ pub fn simulate(
     instrument: &Instrument,
     drive: &Drive<'_>,
     setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     simulate_before(instrument, drive, setup, None, progress)
 }
@@ -40,7 +41,7 @@ pub fn simulate_observed(
     drive: &Drive<'_>,
     setup: &Setup,
     observer: &mut dyn Observer,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     simulate_before(instrument, drive, setup, Some(observer), progress)
 }
@@ -50,7 +51,7 @@ fn simulate_before<'a>(
     drive: &'a Drive<'a>,
     setup: &'a Setup,
     observer: Option<&'a mut (dyn Observer + 'a)>,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     let steps = setup.check()?;
     if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
@@ -59,13 +60,13 @@ fn simulate_before<'a>(
     if setup.tolerance.is_some() && instrument.has_yielding_strings() {
         return Err(SimulationError::StringsControlled);
     }
-    let mut action = Action::asking(instrument, setup.settings, &mut || progress(0.0))?;
-    put_pedal(&mut action, instrument, setup, &mut || progress(0.0))?;
+    let mut action = Action::asking(instrument, setup.settings, progress)?;
+    put_pedal(&mut action, instrument, setup, progress)?;
     if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)
         && position_m > 0.0
     {
         let finger = Input::Motion { position_m, velocity_m_s: 0.0 };
-        action.settle(instrument, finger, &mut || progress(0.0)).map_err(SimulationError::settling)?;
+        action.settle(instrument, finger, progress).map_err(SimulationError::settling)?;
     }
 
     let mut run = RunLoop::new(instrument, drive, setup, steps, action, observer);
@@ -82,7 +83,7 @@ fn put_pedal(
     action: &mut Action,
     instrument: &Instrument,
     setup: &Setup,
-    going: &mut dyn FnMut() -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<(), SimulationError> {
     if !setup.pedal.is_used() {
         return Ok(());
@@ -93,7 +94,7 @@ fn put_pedal(
     let lift_m = setup.pedal.lift_m(setup.start_s);
     if lift_m > 0.0 {
         action.set_pedal(lift_m);
-        action.settle(instrument, Input::Free, going).map_err(SimulationError::settling)?;
+        action.settle(instrument, Input::Free, progress).map_err(SimulationError::settling)?;
     }
     Ok(())
 }
@@ -107,7 +108,7 @@ pub fn simulate_hand(
     hand: &Hand,
     stroke: &Drive<'_>,
     setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     let steps = setup.check()?;
     if instrument.roles.key.is_none() {
@@ -118,8 +119,8 @@ pub fn simulate_hand(
     }
     let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
     let fitted = hand.fitted(instrument);
-    let mut action = Action::asking(&fitted, setup.settings, &mut || progress(0.0))?;
-    put_pedal(&mut action, &fitted, setup, &mut || progress(0.0))?;
+    let mut action = Action::asking(&fitted, setup.settings, progress)?;
+    put_pedal(&mut action, &fitted, setup, progress)?;
     let mut run = RunLoop::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
     run.fixed(progress)?;
     progress(1.0);

@@ -7,6 +7,7 @@ use super::simulation::simulate_observed;
 use crate::instrument::Instrument;
 use crate::mechanism::Mechanism;
 use crate::player::{Drive, Observer};
+use crate::progress::Progress;
 use crate::strings::Strings;
 
 /// Samples per second of a [`Sound`].
@@ -57,7 +58,7 @@ pub fn sound(
     instrument: &Instrument,
     drive: &Drive<'_>,
     setup: &Setup,
-    progress: &mut dyn FnMut(f64) -> bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Option<Sound>, SimulationError> {
     if !instrument.has_yielding_strings() {
         return Ok(None);

@@ -169,7 +169,7 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
     let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
-    match action.settle(instrument, Input::Free, &mut || true) {
+    match action.settle(instrument, Input::Free, &mut |_| true) {
         Ok(time) => fate.settling_s = time,
         Err(EquilibriumError::NoRest { .. } | EquilibriumError::Unsolved { .. }) => fate.restless = true,
         Err(_) => {

@@ -159,13 +159,14 @@ const RESTLESS: &str = "format = \"erard-instrument/1\"\nname = \"A mill\"\ngrav
 #[test]
 fn a_search_for_a_rest_that_does_not_end_well() {
     let mill = Instrument::parse(RESTLESS, "mill").unwrap();
-    let search = |going: &mut dyn FnMut() -> bool| match Action::asking(&mill, Settings::new(USUAL_STEP_S), going) {
+    let search = |progress: &mut erard::Progress<'_>| match Action::asking(&mill, Settings::new(USUAL_STEP_S), progress)
+    {
         Err(ActionError::Equilibrium(error)) => error,
         other => panic!("{:?}", other.map(|action| action.reading())),
     };
-    let (mut asked, error) = (0, search(&mut || true).to_string());
+    let (mut asked, error) = (0, search(&mut |_| true).to_string());
     assert!(error.starts_with("A mill: ") && error.contains("`wheel`") && !error.contains("post"), "{error}");
-    let error = search(&mut || {
+    let error = search(&mut |_| {
         asked += 1;
         asked < 3
     });
@@ -185,7 +186,7 @@ fn a_search_for_a_rest_that_does_not_end_well() {
         let mut explosive = Instrument::builtin(name).unwrap();
         explosive.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300);
         let mut asked = 0;
-        let error = Action::asking(&explosive, Settings::new(USUAL_STEP_S), &mut || {
+        let error = Action::asking(&explosive, Settings::new(USUAL_STEP_S), &mut |_| {
             asked += 1;
             true
         })

@@ -50,8 +50,7 @@ pub struct Subject {
     pub run: fn(&Instrument, &mut Progress) -> Result<Section, ReproduceError>,
 }
 
-/// Told the share done; ends the work by returning false.
-pub type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
+pub use erard::Progress;
 
 /// What came of a subject.
 #[derive(Debug, Clone, PartialEq, Default)]
