@@ -27,7 +27,7 @@ int main(void) {
         /* The encoder, and the velocity that can be had from it. */
         double seen = quantum_m * floor(x / quantum_m + 0.5), seen_m_s = (seen - before) / period_s;
         before = seen;
-        ErardInput input = {ERARD_MOTION, 0, 0.0, seen, seen_m_s};
+        ErardInput input = {.kind = ERARD_MOTION, .position_m = seen, .velocity_m_s = seen_m_s};
         if (erard_advance(action, period_s, &input, &reading) < 0) {
             return 1;
         }

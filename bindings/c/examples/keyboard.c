@@ -24,7 +24,7 @@ int main(void) {
     size_t next = 0;
     for (uint32_t n = 0; n < 16000; n++) {
         while (next < count && events[next].time_s <= n * step_s) {
-            ErardInput input = {events[next].force_n > 0 ? ERARD_FORCE : ERARD_FREE, 0, events[next].force_n, 0, 0};
+            ErardInput input = {.kind = events[next].force_n > 0 ? ERARD_FORCE : ERARD_FREE, .force_n = events[next].force_n};
             if (erard_keyboard_drive(keyboard, events[next].key, &input) < 0) {
                 return 1;
             }

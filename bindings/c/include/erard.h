@@ -67,6 +67,12 @@
 #define ERARD_RIGID 3
 
 /**
+ * ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the action's state; erard_place_hand
+ * sets them.
+ */
+#define ERARD_HAND 4
+
+/**
  * Most steps that erard_keyboard_step takes at once.
  */
 #define ERARD_MOST_STEPS 1000000
@@ -223,6 +229,14 @@ typedef struct ErardReading {
    * Of these, those of the call that made this reading.
    */
   uint32_t new_blows;
+  /**
+   * Place of the hand, m below the key front's rest; where none presses, where the last one was.
+   */
+  double hand_m;
+  /**
+   * Its speed, m/s.
+   */
+  double hand_m_s;
 } ErardReading;
 
 /**
@@ -230,7 +244,7 @@ typedef struct ErardReading {
  */
 typedef struct ErardInput {
   /**
-   * ERARD_FREE, ERARD_FORCE, ERARD_MOTION or ERARD_RIGID.
+   * ERARD_FREE, ERARD_FORCE, ERARD_MOTION, ERARD_RIGID or ERARD_HAND.
    */
   uint32_t kind;
   /**
@@ -238,17 +252,29 @@ typedef struct ErardInput {
    */
   uint32_t reserved;
   /**
-   * N, down positive.
+   * N, down positive; of a hand, its muscle's force.
    */
   double force_n;
   /**
-   * m below the key front's rest.
+   * m below the key front's rest; of a hand, where its muscle holds it.
    */
   double position_m;
   /**
-   * m/s, down positive.
+   * m/s, down positive; of a hand, the velocity toward which its muscle damps it.
    */
   double velocity_m_s;
+  /**
+   * Of a hand: effective mass at the fingertip, kg, 0.001 to 100.
+   */
+  double hand_mass_kg;
+  /**
+   * Of a hand: stiffness with which muscle holds it at position_m, N/m, 0 to 1e7; 0 where it does not.
+   */
+  double muscle_n_per_m;
+  /**
+   * Of a hand: damping of the muscle, N s/m, 0 to 1e5.
+   */
+  double muscle_n_s_per_m;
 } ErardInput;
 
 /**
@@ -414,6 +440,21 @@ ErardStatus erard_step_rigid(struct ErardAction *action,
 ErardStatus erard_step_free(struct ErardAction *action, struct ErardReading *reading);
 
 /**
+ * One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+ */
+ErardStatus erard_step_input(struct ErardAction *action,
+                             const struct ErardInput *input,
+                             struct ErardReading *reading);
+
+/**
+ * Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it at the key front's rest; it moves in
+ * steps that a hand drives only. Real time: yes.
+ */
+ErardStatus erard_place_hand(struct ErardAction *action,
+                             double position_m,
+                             double velocity_m_s);
+
+/**
  * As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S); what is left over counts for the
  * next call, so that times of any length do not drift. The input holds at the beginning of `dt_s`: a force is held, a position goes on at its
  * velocity. The reading's finger_mean_n is what to render: the device that holds it gives back the same impulse. If a step fails none has been
@@ -549,6 +590,14 @@ uint32_t erard_keyboard_awake(const struct ErardKeyboard *keyboard);
 ErardStatus erard_keyboard_drive(struct ErardKeyboard *keyboard,
                                  uint32_t key,
                                  const struct ErardInput *input);
+
+/**
+ * Places the hand (ERARD_HAND) on a key, from 1, as erard_place_hand does. Real time: yes.
+ */
+ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
+                                      uint32_t key,
+                                      double position_m,
+                                      double velocity_m_s);
 
 /**
  * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their order, as many as `capacity`

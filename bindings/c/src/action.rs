@@ -106,7 +106,7 @@ unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, read
 
 /// Where something is and how fast, if an action takes it.
 #[inline(always)]
-fn moving(position_m: f64, velocity_m_s: f64) -> Result<[f64; 2], ErardStatus> {
+pub(crate) fn moving(position_m: f64, velocity_m_s: f64) -> Result<[f64; 2], ErardStatus> {
     Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?])
 }
 
@@ -156,6 +156,35 @@ pub unsafe extern "C" fn erard_step_rigid(
 pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: passed on.
     unsafe { step(action, Ok(Input::Free), reading) }
+}
+
+/// One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_step_input(
+    action: *mut ErardAction,
+    input: *const ErardInput,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an input.
+    let Some(input) = (unsafe { input.as_ref() }) else { return ErardStatus::Null };
+    // SAFETY: passed on.
+    unsafe { step(action, input.checked(), reading) }
+}
+
+/// Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it at the key front's rest; it moves in
+/// steps that a hand drives only. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_place_hand(action: *mut ErardAction, position_m: f64, velocity_m_s: f64) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or an action.
+    let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
+    let [position_m, velocity_m_s] = match moving(position_m, velocity_m_s) {
+        Ok(place) => place,
+        Err(status) => return status,
+    };
+    quick(|| {
+        action.play.place_hand(position_m, velocity_m_s);
+        ErardStatus::Ok
+    })
 }
 
 /// As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S); what is left over counts for the

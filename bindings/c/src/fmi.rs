@@ -154,7 +154,7 @@ impl Component {
             other => return Err(format!("`drive` is {other}; expected 0, 1 or 2")),
         };
         let [force_n, position_m, velocity_m_s] = self.inputs;
-        Ok(ErardInput { kind, reserved: 0, force_n, position_m, velocity_m_s })
+        Ok(ErardInput { kind, force_n, position_m, velocity_m_s, ..ErardInput::default() })
     }
 
     /// The instrument with its parameters, at rest.

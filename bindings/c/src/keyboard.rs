@@ -10,6 +10,7 @@ use erard::mechanism::TellNumbers;
 use erard::player::MechanismState;
 use erard::saved::{Lists, Writer};
 
+use crate::action::moving;
 use crate::instrument::file_fault;
 use crate::play::{settings, status_of};
 use crate::reading::{ErardBlow, ErardInput, ErardReading};
@@ -114,6 +115,29 @@ pub unsafe extern "C" fn erard_keyboard_drive(
     }
 }
 
+/// Places the hand (ERARD_HAND) on a key, from 1, as erard_place_hand does. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_place_hand(
+    keyboard: *mut ErardKeyboard,
+    key: u32,
+    position_m: f64,
+    velocity_m_s: f64,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or a keyboard.
+    let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
+    if key == 0 || key as usize > keyboard.inputs.len() {
+        return ErardStatus::NoSuch;
+    }
+    let [position_m, velocity_m_s] = match moving(position_m, velocity_m_s) {
+        Ok(place) => place,
+        Err(status) => return status,
+    };
+    quick(|| {
+        keyboard.keys.place_hand(key as usize, position_m, velocity_m_s);
+        ErardStatus::Ok
+    })
+}
+
 /// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their order, as many as `capacity`
 /// says; `count` (which may be NULL) is told how many there were: those beyond are lost. A key whose numbers became infinite stays where it was, and
 /// the status says so; the others have gone on. Real time: yes.
@@ -190,6 +214,8 @@ pub unsafe extern "C" fn erard_keyboard_read(
             hammer_m: now.hammer_m,
             hammer_m_s: now.hammer_m_s,
             string_n: now.string_n,
+            hand_m: now.hand_m,
+            hand_m_s: now.hand_m_s,
             blow_time_s,
             blow_m_s,
             blows,
@@ -267,6 +293,9 @@ fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
             out.number("input_force_N", input.force_n);
             out.number("input_position_m", input.position_m);
             out.number("input_velocity_m_s", input.velocity_m_s);
+            out.number("input_hand_mass_kg", input.hand_mass_kg);
+            out.number("input_muscle_N_per_m", input.muscle_n_per_m);
+            out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
             out.number("blow_time_s", *time_s);
             out.number("blow_m_s", *speed_m_s);
             out.number("blows", f64::from(*blows));
@@ -314,6 +343,9 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
                 force_n: number("input_force_N"),
                 position_m: number("input_position_m"),
                 velocity_m_s: number("input_velocity_m_s"),
+                hand_mass_kg: number("input_hand_mass_kg"),
+                muscle_n_per_m: number("input_muscle_N_per_m"),
+                muscle_n_s_per_m: number("input_muscle_N_s_per_m"),
             };
             let Ok(checked) = input.checked() else { return ErardStatus::Saved };
             let (state, strings) =

@@ -1,6 +1,6 @@
 //! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the system or uses a clock.
 
-use erard::player::{MechanismState, SNAPSHOT_MARK};
+use erard::player::{HandInput, MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Writer};
 use erard::{Action, Input, Outcome, Settings, SnapshotError};
 
@@ -42,8 +42,16 @@ impl Play {
             key_m_s: now.key_m_s,
             hammer_m: now.hammer_m,
             hammer_m_s: now.hammer_m_s,
+            hand_m: now.hand_m,
+            hand_m_s: now.hand_m_s,
             ..self.reading
         };
+    }
+
+    /// Places the hand.
+    pub fn place_hand(&mut self, position_m: f64, velocity_m_s: f64) {
+        self.action.place_hand(position_m, velocity_m_s);
+        self.look();
     }
 
     /// One step. The input has been checked.
@@ -133,6 +141,7 @@ impl Play {
         (reading.key_m, reading.key_m_s) = (now.key_m, now.key_m_s);
         (reading.hammer_m, reading.hammer_m_s) = (now.hammer_m, now.hammer_m_s);
         (reading.finger_n, reading.string_n) = (now.finger_n, now.string_n);
+        (reading.hand_m, reading.hand_m_s) = (now.hand_m, now.hand_m_s);
         status
     }
 
@@ -233,6 +242,8 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
         hammer_m,
         hammer_m_s,
         string_n,
+        hand_m,
+        hand_m_s,
         blow_time_s,
         blow_m_s,
         blows,
@@ -246,6 +257,8 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
     number("read_hammer_m", hammer_m);
     number("read_hammer_m_s", hammer_m_s);
     number("read_string_N", string_n);
+    number("read_hand_m", hand_m);
+    number("read_hand_m_s", hand_m_s);
     number("read_blow_time_s", blow_time_s);
     number("read_blow_m_s", blow_m_s);
     for (name, count) in [("read_blows", blows), ("read_new_blows", new_blows)] {
@@ -263,6 +276,9 @@ fn later(input: Input, t: f64, h: f64) -> Input {
         }
         Input::Rigid { position_m, velocity_m_s } => {
             Input::Rigid { position_m: position_m + velocity_m_s * (t + h), velocity_m_s }
+        }
+        Input::Hand(hand) => {
+            Input::Hand(HandInput { position_m: hand.position_m + hand.velocity_m_s * (t + 0.5 * h), ..hand })
         }
         held => held,
     }

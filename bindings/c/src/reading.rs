@@ -1,6 +1,7 @@
 //! What goes in and what comes out: plain numbers, SI units; key and finger positive downward, the hammer upward.
 
 use erard::Input;
+use erard::player::{Hand, HandInput};
 
 use crate::status::ErardStatus;
 
@@ -25,21 +26,30 @@ pub const ERARD_FORCE: u32 = 1;
 pub const ERARD_MOTION: u32 = 2;
 /// ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed loop" in the README.
 pub const ERARD_RIGID: u32 = 3;
+/// ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the action's state; erard_place_hand
+/// sets them.
+pub const ERARD_HAND: u32 = 4;
 
 /// What drives a key. Fields that its kind does not use are not looked at.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardInput {
-    /// ERARD_FREE, ERARD_FORCE, ERARD_MOTION or ERARD_RIGID.
+    /// ERARD_FREE, ERARD_FORCE, ERARD_MOTION, ERARD_RIGID or ERARD_HAND.
     pub kind: u32,
     /// 0.
     pub reserved: u32,
-    /// N, down positive.
+    /// N, down positive; of a hand, its muscle's force.
     pub force_n: f64,
-    /// m below the key front's rest.
+    /// m below the key front's rest; of a hand, where its muscle holds it.
     pub position_m: f64,
-    /// m/s, down positive.
+    /// m/s, down positive; of a hand, the velocity toward which its muscle damps it.
     pub velocity_m_s: f64,
+    /// Of a hand: effective mass at the fingertip, kg, 0.001 to 100.
+    pub hand_mass_kg: f64,
+    /// Of a hand: stiffness with which muscle holds it at position_m, N/m, 0 to 1e7; 0 where it does not.
+    pub muscle_n_per_m: f64,
+    /// Of a hand: damping of the muscle, N s/m, 0 to 1e5.
+    pub muscle_n_s_per_m: f64,
 }
 
 impl ErardInput {
@@ -57,6 +67,27 @@ impl ErardInput {
                 } else {
                     Input::Rigid { position_m, velocity_m_s }
                 })
+            }
+            ERARD_HAND => {
+                let hand = Hand {
+                    mass_kg: self.hand_mass_kg,
+                    stiffness_n_per_m: self.muscle_n_per_m,
+                    damping_n_s_per_m: self.muscle_n_s_per_m,
+                    ..Hand::default()
+                };
+                let numbers = [hand.mass_kg, hand.stiffness_n_per_m, hand.damping_n_s_per_m];
+                if !numbers.iter().all(|number| number.is_finite()) {
+                    return Err(ErardStatus::NotFinite);
+                }
+                hand.check().map_err(|_| ErardStatus::Range)?;
+                Ok(Input::Hand(HandInput {
+                    mass_kg: hand.mass_kg,
+                    force_n: within(force_n, ERARD_LARGEST_FORCE_N)?,
+                    stiffness_n_per_m: hand.stiffness_n_per_m,
+                    damping_n_s_per_m: hand.damping_n_s_per_m,
+                    position_m: within(position_m, ERARD_LARGEST_POSITION_M)?,
+                    velocity_m_s: within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?,
+                }))
             }
             _ => Err(ErardStatus::Argument),
         }
@@ -103,6 +134,10 @@ pub struct ErardReading {
     pub blows: u32,
     /// Of these, those of the call that made this reading.
     pub new_blows: u32,
+    /// Place of the hand, m below the key front's rest; where none presses, where the last one was.
+    pub hand_m: f64,
+    /// Its speed, m/s.
+    pub hand_m_s: f64,
 }
 
 /// A hammer has met its string.

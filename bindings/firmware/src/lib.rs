@@ -13,7 +13,7 @@ mod play;
 pub use grand::{BODIES, ZONES};
 pub use play::{Note, STEP_S, STEPS, Work, digest, play};
 
-use moreau::{Description, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step};
+use moreau::{Description, Hand, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step};
 
 #[cfg(feature = "alone")]
 #[panic_handler]
@@ -49,9 +49,10 @@ impl<T: Scalar> Grand<T> {
             gravity: T::from_f64(grand::GRAVITY),
         };
         let model: Model<T, BODIES, ZONES> = description.compile()?;
-        let state = State::at_rest(grand::REST.map(T::from_f64));
+        let mut state = State::at_rest(grand::REST.map(T::from_f64));
         let workspace = Workspace::for_model(&model)?;
         let rest_m = model.site_position(&state.angle);
+        state.hand = [rest_m, T::ZERO];
         Ok(Grand { settings: Settings::new(step_s), rest_m, model, state, workspace })
     }
 
@@ -66,6 +67,18 @@ impl<T: Scalar> Grand<T> {
         step(&self.model, &self.settings, &input, &mut self.state, &mut self.workspace)
     }
 
+    /// One step under a hand whose muscle has this force, N, down positive. A number that is not finite leaves it where it was.
+    pub fn step_hand(&mut self, mass_kg: T, force_n: T) -> StepReport {
+        let z = T::ZERO;
+        let hand = Hand { mass: mass_kg, force: force_n, stiffness: z, damping: z, position: z, velocity: z };
+        step(&self.model, &self.settings, &Input::Hand(hand), &mut self.state, &mut self.workspace)
+    }
+
+    /// Places the hand, m below the key's rest, with a velocity, m/s, down positive; a new grand has it at the key's rest.
+    pub fn place_hand(&mut self, position_m: T, velocity_m_s: T) {
+        self.state.hand = [self.rest_m + position_m, velocity_m_s];
+    }
+
     /// Travel of the key front, m.
     pub fn key_m(&self) -> T {
         self.model.site_position(&self.state.angle) - self.rest_m
@@ -74,6 +87,11 @@ impl<T: Scalar> Grand<T> {
     /// Force of the finger in the last step, N.
     pub fn finger_n(&self) -> T {
         self.workspace.drive_force()
+    }
+
+    /// Place of the hand, m below the key's rest.
+    pub fn hand_m(&self) -> T {
+        self.state.hand[0] - self.rest_m
     }
 
     /// Angular velocity of the hammer, rad/s.

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use erard::instrument::Instrument as Inner;
-use erard::player::{Action as Player, Input, Snapshot};
+use erard::player::{Action as Player, Hand, Input, Snapshot};
 use erard::{Outcome, SimulationError};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -20,6 +20,7 @@ use crate::setup::Steps;
 pub struct Action {
     player: Mutex<Player>,
     instrument: Arc<Inner>,
+    hand: Option<Hand>,
 }
 
 /// What there is to be read after a step.
@@ -33,13 +34,15 @@ pub struct Reading {
     hammer_m: f64,
     hammer_m_per_s: f64,
     string_n: f64,
+    hand_m: f64,
+    hand_m_per_s: f64,
     converged: bool,
     /// The speed of the blow whose hammer met the string in this step, and when.
     blow: Option<(f64, f64)>,
 }
 
 /// What a reading is made of, in its order.
-type Parts = (f64, f64, f64, f64, f64, f64, f64, bool, Option<(f64, f64)>);
+type Parts = (f64, f64, f64, f64, f64, f64, f64, f64, f64, bool, Option<(f64, f64)>);
 
 #[pymethods]
 impl Reading {
@@ -53,17 +56,31 @@ impl Reading {
         hammer_m: f64,
         hammer_m_per_s: f64,
         string_n: f64,
+        hand_m: f64,
+        hand_m_per_s: f64,
         converged: bool,
         blow: Option<(f64, f64)>,
     ) -> Self {
-        Reading { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, converged, blow }
+        Reading { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, hand_m, hand_m_per_s, converged, blow }
     }
 
     /// So that it pickles.
     fn __getnewargs__(&self) -> Parts {
-        let Reading { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, converged, blow } =
-            *self;
-        (time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, converged, blow)
+        let Self { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *self;
+        let Self { hand_m, hand_m_per_s, converged, blow, .. } = *self;
+        (
+            time_s,
+            key_m,
+            key_m_per_s,
+            finger_n,
+            hammer_m,
+            hammer_m_per_s,
+            string_n,
+            hand_m,
+            hand_m_per_s,
+            converged,
+            blow,
+        )
     }
 
     fn __repr__(&self) -> String {
@@ -84,6 +101,8 @@ fn reading(player: &Player) -> Reading {
         hammer_m: reading.hammer_m,
         hammer_m_per_s: reading.hammer_m_s,
         string_n: reading.string_n,
+        hand_m: reading.hand_m,
+        hand_m_per_s: reading.hand_m_s,
         converged: reading.outcome == Outcome::Converged,
         blow: player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_s)),
     }
@@ -113,6 +132,13 @@ fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64
     }
 }
 
+impl Action {
+    /// What drives the key: the input, or the hand that it moves.
+    fn driven(&self, input: Input) -> PyResult<Input> {
+        self.hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))
+    }
+}
+
 #[pymethods]
 impl Action {
     #[new]
@@ -120,8 +146,12 @@ impl Action {
         let settings = steps.settings()?;
         let inner = instrument.inner.clone();
         steps.setup(0.0, 1.0)?.check().map_err(|error: SimulationError| fault::simulation(&error))?;
-        let player = py.detach(|| Player::with(&inner, settings)).map_err(|error| fault::action(&error))?;
-        Ok(Action { player: Mutex::new(player), instrument: inner })
+        let hand = steps.hand()?;
+        let mut player = py.detach(|| Player::with(&inner, settings)).map_err(|error| fault::action(&error))?;
+        if let Some(hand) = &hand {
+            player.place_hand(hand.start_m, hand.start_m_s);
+        }
+        Ok(Action { player: Mutex::new(player), instrument: inner, hand })
     }
 
     #[pyo3(signature = (force, motion, rigid))]
@@ -132,13 +162,22 @@ impl Action {
         motion: Option<(f64, f64)>,
         rigid: Option<(f64, f64)>,
     ) -> PyResult<Reading> {
-        let input = input(force, motion, rigid)?;
+        let input = self.driven(input(force, motion, rigid)?)?;
         let mut player = self.lock(py);
         player.step(input);
         if player.reading().outcome == Outcome::NonFinite {
             return Err(failed("a number became infinite; the action is where it was before the step"));
         }
         Ok(reading(&player))
+    }
+
+    /// Places the hand, m below the key front's rest, with a velocity, m/s.
+    fn place_hand(&self, py: Python<'_>, position_m: f64, velocity_m_s: f64) -> PyResult<()> {
+        if self.hand.is_none() {
+            return Err(wrong("this action has no hand; expected one that was made with `hand=erard.Hand()`"));
+        }
+        self.lock(py).place_hand(position_m, velocity_m_s);
+        Ok(())
     }
 
     /// One step for each force, N.
@@ -153,7 +192,7 @@ impl Action {
             py.check_signals()?;
             let mut player = self.lock(py);
             for force in portion {
-                let now = player.step(Input::Force(*force));
+                let now = player.step(self.driven(Input::Force(*force))?);
                 let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_s, now.string_n];
                 columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
             }

@@ -1,5 +1,6 @@
 //! How to step, from keyword arguments.
 
+use erard::player::Hand;
 use erard::run::Setup;
 use moreau::{FrictionLaw, Settings, Solver};
 use pyo3::prelude::*;
@@ -19,6 +20,9 @@ pub struct Steps {
     friction: String,
     #[pyo3(item)]
     friction_width: f64,
+    /// Mass, kg; stiffness, N/m, and damping, N s/m, of the muscle; where it is at first, m, and how fast, m/s.
+    #[pyo3(item)]
+    hand: Option<(f64, f64, f64, f64, f64)>,
 }
 
 impl Steps {
@@ -49,6 +53,16 @@ impl Steps {
         Ok(Settings { theta: self.theta, solver, friction, ..Settings::new(self.step) })
     }
 
+    /// The hand between stroke and key.
+    pub fn hand(&self) -> PyResult<Option<Hand>> {
+        let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_s)) = self.hand else {
+            return Ok(None);
+        };
+        let hand = Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_s };
+        hand.check().map_err(|error| wrong_argument("hand", error.to_string()))?;
+        Ok(Some(hand))
+    }
+
     /// Whether derivatives can be had so.
     pub fn for_derivatives(&self) -> PyResult<()> {
         if self.friction == "set-valued" {
@@ -63,6 +77,6 @@ impl Steps {
 
     /// A run from an instant on.
     pub fn setup(&self, start_s: f64, duration_s: f64) -> PyResult<Setup> {
-        Ok(Setup { settings: self.settings()?, start_s, ..Setup::new(duration_s) })
+        Ok(Setup { settings: self.settings()?, start_s, hand: self.hand()?, ..Setup::new(duration_s) })
     }
 }

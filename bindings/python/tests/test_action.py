@@ -61,3 +61,31 @@ def test_two_threads_on_one_action(grand: erard.Instrument) -> None:
     assert not any(thread.is_alive() for thread in threads)
     alone.play(np.full(10000, 5.0))
     assert action.save() == alone.save()
+
+
+def test_a_hand_plays(grand: erard.Instrument) -> None:
+    """An action with a hand steps as a press by that hand; it pickles with its hand, and a hand is placed anywhere."""
+    hand = erard.Hand(mass_kg=0.15, start_m_per_s=0.3)
+    run = grand.press(force=5.0, duration=0.05, hand=hand)
+    action = erard.Action(grand, hand=hand)
+    readings = [action.step(force=5.0) for _ in range(1000)]
+    assert np.array_equal([0.0] + [now.key_m for now in readings], run["key_m"][:1001])
+    assert readings[-1].hand_m > 0.0 and run.hammer_speed > 0.5
+    assert pickle.loads(pickle.dumps(action)).step(force=5.0) == action.step(force=5.0)
+    action.place_hand(-0.01)
+    assert action.reading.hand_m == pytest.approx(-0.01, abs=1e-12)
+    with pytest.raises(erard.InputError, match="has no hand"):
+        erard.Action(grand).place_hand(0.0)
+    with pytest.raises(erard.InputError, match="mass"):
+        erard.Action(grand, hand=erard.Hand(mass_kg=0.0))
+    with pytest.raises(erard.InputError, match="Hand"):
+        grand.press(force=5.0, hand=0.2)
+    with pytest.raises(erard.InputError):
+        action.step(rigid=(0.0, 0.0))
+
+
+def test_a_hand_plays_many_and_is_differentiated(grand: erard.Instrument) -> None:
+    hand = erard.Hand()
+    study = erard.study(grand, {"let_off": [-0.1, 0.0, 0.1]}, force=6.0, duration=0.1, hand=hand)
+    alone = [grand.vary(let_off=turned).press(force=6.0, duration=0.1, hand=hand).hammer_speed for turned in (-0.1, 0.0, 0.1)]
+    assert np.allclose(study["hammer_speed_m_per_s"], alone, rtol=1e-6)

@@ -212,6 +212,7 @@ fn played(instrument: &Instrument) -> Run {
         tolerance: None,
         ledger: false,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let force = stroke.force.as_ref().unwrap().drive();
     simulate(instrument, &|t| erard::player::Input::Force(force(t)), &setup, &mut |_| true).unwrap()

@@ -45,7 +45,7 @@ pub use mechanism::Impact;
 pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
 pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
 pub use progress::Progress;
-pub use run::{Events, Run, Setup, SimulationError, press, simulate, simulate_hand, simulate_observed};
+pub use run::{Events, Run, Setup, SimulationError, press, simulate, simulate_observed};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

@@ -1,8 +1,8 @@
 //! An instrument's mechanism, of any size, behind one interface: what [`crate::Action`] plays.
 
 pub use moreau_kernels::{
-    Impact, InputDuring, Mechanism, Observation, Readout, Saved, Size, StepOutput, Stepping, Surfaces, TellNumbers,
-    open_ledger, take_stock,
+    Impact, InputDuring, Mechanism, Observation, Part, Readout, Saved, Size, StepOutput, Stepping, Surfaces,
+    TellNumbers, open_ledger, take_stock,
 };
 
 use moreau::{ModelError, Settings};

@@ -39,6 +39,8 @@ pub trait Bank: Send {
     fn is_awake(&self, index: usize) -> bool;
     /// What drives one from the next step on. Wakes it if that is anything new.
     fn drive(&mut self, index: usize, input: &Input<f64>);
+    /// Places one's hand: world coordinate along the drive's direction, m, and velocity, m/s. Wakes it.
+    fn place_hand(&mut self, index: usize, hand: [f64; 2]);
     /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same results.
     fn let_sleep(&mut self, sleep: bool);
     /// Steps all that are awake; `impact` is called with every one whose marked point has met its zone.
@@ -149,6 +151,13 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
             self.members[index].input = *input;
             self.wake(index);
         }
+    }
+
+    fn place_hand(&mut self, index: usize, hand: [f64; 2]) {
+        self.wake(index);
+        let core = &mut self.members[index].core;
+        core.sleep.wake();
+        core.state.hand = hand;
     }
 
     fn let_sleep(&mut self, sleep: bool) {

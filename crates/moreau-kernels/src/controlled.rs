@@ -1,9 +1,11 @@
 //! Adaptive steps of an engine: what is kept while the error is controlled.
 
 use moreau::{
-    Accuracy, ControlledStep, Controller, Input, Model, Outcome, Settings, State, StepDoubling, Workspace,
+    Accuracy, ControlledStep, Controller, Hand, Input, Model, Outcome, Settings, State, StepDoubling, Workspace,
     controlled_step,
 };
+
+use crate::engine::hand_of;
 
 /// What drives an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument says where the
 /// driven point is then, as [`crate::Observation::site_position`] does.
@@ -14,11 +16,18 @@ pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
     halves: StepDoubling<f64, B, Z, N>,
     /// The half that was last.
     half: usize,
+    /// The hands that drove the last step's halves, and their places and velocities before them.
+    pub hands: [Option<(Hand<f64>, [f64; 2])>; 2],
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
     pub fn new(settings: &Settings<f64>) -> Self {
-        Control { controller: Controller::new(settings.step), halves: StepDoubling::new(settings), half: 1 }
+        Control {
+            controller: Controller::new(settings.step),
+            halves: StepDoubling::new(settings),
+            half: 1,
+            hands: [None; 2],
+        }
     }
 
     /// Settings and workspace of the half that was last.
@@ -40,8 +49,13 @@ impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
         limit: f64,
         input: &mut InputDuring,
     ) -> (ControlledStep<f64>, Option<State<f64, B, Z>>) {
-        let Control { controller, halves, half } = self;
-        let input = |from: f64, h: f64, state: &State<f64, B, Z>| input(from, h, &|| model.site_position(&state.angle));
+        let Control { controller, halves, half, hands } = self;
+        let input = |from: f64, h: f64, state: &State<f64, B, Z>| {
+            let input = input(from, h, &|| model.site_position(&state.angle));
+            // The last two of an attempt drive its halves.
+            *hands = [hands[1], hand_of(&input, state)];
+            input
+        };
         let report = controlled_step(model, settings, accuracy, controller, limit, input, state, halves);
         if report.outcome == Outcome::NonFinite {
             return (report, None);

@@ -3,14 +3,14 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, GROUND, Input, Ledger, LossIn, Model, ModelError, Outcome, Pose,
+    Accuracy, Contact, ControlledStep, Energies, GROUND, Hand, Input, Ledger, LossIn, Model, ModelError, Outcome, Pose,
     SavedState, Settings, Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
 };
 
 use crate::controlled::Control;
 use crate::controlled::InputDuring;
 use crate::impact::ImpactPredictor;
-use crate::mechanism::{Mechanism, Readout, Saved, StepOutput, Stepping};
+use crate::mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping};
 use crate::observation::{Observation, site_position};
 use crate::surfaces::{Over, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes};
@@ -28,6 +28,8 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub bodies: usize,
     /// Absolute angular velocities before the last step, rad/s.
     pub velocity_before: [f64; B],
+    /// The hand that drove the last step, and its place and velocity before it.
+    pub hand: Option<(Hand<f64>, [f64; 2])>,
     /// Whether steps that change nothing may be left out.
     pub may_rest: bool,
     /// Of the last step.
@@ -78,6 +80,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         Ok(Stepped {
             bodies: description.bodies.len(),
             velocity_before: state.velocity,
+            hand: None,
             model,
             state,
             sleep: Sleep::awake(),
@@ -143,6 +146,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             report
         } else {
             self.velocity_before = self.state.velocity;
+            self.hand = hand_of(input, &self.state);
             // A mechanism that moves is not copied: it does not fall asleep in this step.
             let before = (self.may_rest && self.state.stands()).then(|| self.state.clone());
             let report = step_out_of_line(&self.model, settings, input, &mut self.state, workspace);
@@ -190,11 +194,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     /// Output now; with the forces of drive and marked zone in the last step, N.
     #[inline(always)]
     pub fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
-        let SavedState { angle, velocity, .. } = &*self.state;
+        let SavedState { angle, velocity, hand, .. } = &*self.state;
         let (site, [dx, dy]) = &self.site;
         let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.predictor.point()], angle, velocity);
         let [site_m, site_m_s] = [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]];
-        StepOutput { site_m, site_m_s, drive_n, point_m, point_m_s, zone_n, impact: self.impact(), report }
+        let (hand, impact) = (*hand, self.impact());
+        StepOutput { site_m, site_m_s, drive_n, hand, point_m, point_m_s, zone_n, impact, report }
     }
 
     /// All that the steps from the present instant on depend on.
@@ -226,6 +231,15 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.predictor.resume(saved.flight);
         self.report = NO_STEP;
     }
+}
+
+/// The hand that drives a step, and its place and velocity before it.
+#[inline(always)]
+pub(crate) fn hand_of<const B: usize, const Z: usize>(
+    input: &Input<f64>,
+    state: &State<f64, B, Z>,
+) -> Option<(Hand<f64>, [f64; 2])> {
+    if let Input::Hand(hand) = input { Some((*hand, state.hand)) } else { None }
 }
 
 /// A mechanism with its own working memory.
@@ -347,6 +361,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         let (report, middle) = control.step(&core.model, &mut core.state, &stepping.settings, accuracy, limit, input);
         let Some(middle) = middle else { return report };
         core.report = StepReport { outcome: report.outcome, newton: report.newton, solver: report.solver };
+        core.hand = control.hands[0];
         let end = core::mem::replace(&mut core.state, middle);
         self.arrive(before, ends(0.5 * report.step));
         observe(self);
@@ -354,6 +369,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.core.state = end;
         if let Some(control) = &mut self.control {
             control.enter_second_half();
+            self.core.hand = control.hands[1];
         }
         self.arrive(before, ends(report.step));
         observe(self);
@@ -397,16 +413,19 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         }
     }
 
-    fn begin_at(&mut self, now_s: f64) {
-        self.core.begin_at(now_s);
-        let report = self.core.report;
-        self.update_output(report);
-    }
-
-    fn stop(&mut self) {
-        self.control = None;
-        self.core.sleep.wake();
-        self.core.state.velocity = [0.0; B];
+    fn set(&mut self, part: Part) {
+        match part {
+            Part::Instant(now_s) => self.core.begin_at(now_s),
+            Part::Standstill => {
+                self.control = None;
+                self.core.sleep.wake();
+                self.core.state.velocity = [0.0; B];
+            }
+            Part::Hand(hand) => {
+                self.core.sleep.wake();
+                self.core.state.hand = hand;
+            }
+        }
         let report = self.core.report;
         self.update_output(report);
     }
@@ -427,6 +446,9 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         let Stepped { model, state, velocity_before, under, .. } = &self.core;
         if let Some(contacts) = &self.contacts {
             ledger.record_contacts(model, settings, velocity_before, state, workspace, contacts);
+            if let Some((hand, before)) = &self.core.hand {
+                ledger.hand.record(model, settings, hand, before, velocity_before, state, workspace);
+            }
         }
         if let Some(under) = under {
             ledger.record_surfaces(under.surfaces.lost(), under.surfaces.given());

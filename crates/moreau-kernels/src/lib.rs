@@ -29,7 +29,7 @@ pub use controlled::InputDuring;
 pub use description::{OwnedDescription, Probes};
 pub use impact::{Impact, impact_in_flight};
 pub use lanes::{Group, Lanes};
-pub use mechanism::{Mechanism, Readout, Saved, StepOutput, Stepping, mechanism, open_ledger, take_stock};
+pub use mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping, mechanism, open_ledger, take_stock};
 pub use observation::{LaneObserver, Observation, lane_observer};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use size::{EveryBody, Size};

@@ -20,6 +20,8 @@ pub struct StepOutput {
     pub site_m_s: f64,
     /// Force of the drive on the mechanism, N.
     pub drive_n: f64,
+    /// World coordinate of the hand along the drive's direction, m, and its velocity, m/s.
+    pub hand: [f64; 2],
     /// The marked point in the world, m.
     pub point_m: [f64; 2],
     /// Its velocity, m/s.
@@ -41,6 +43,17 @@ pub struct Stepping {
     pub may_rest: bool,
     /// Whether [`Readout::contacts`] is kept after every step, as a ledger needs it; not at first.
     pub keeps_contacts: bool,
+}
+
+/// A part of a mechanism's state, to be set from outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    /// The present instant, s; the flight of the marked point so far is forgotten.
+    Instant(f64),
+    /// All velocities of bodies, to zero.
+    Standstill,
+    /// The hand: world coordinate along the drive's direction, m, and velocity, m/s.
+    Hand([f64; 2]),
 }
 
 /// The present state of a mechanism and what acted in its last step, whatever its size. Slices follow the description's bodies and zones.
@@ -105,10 +118,8 @@ pub trait Mechanism: Observation + Send {
     fn readout(&self) -> Readout<'_>;
     /// Changes how steps are taken, from the next one on. Allocates when contacts begin to be kept.
     fn configure(&mut self, stepping: Stepping);
-    /// Sets the present instant, s; the flight of the marked point so far is forgotten.
-    fn begin_at(&mut self, now_s: f64);
-    /// Sets all velocities to zero.
-    fn stop(&mut self);
+    /// Sets a part of the state from outside, for the next step on.
+    fn set(&mut self, part: Part);
     /// Normal force of a zone in the last step, N.
     fn normal_force(&self, zone: usize) -> f64;
     /// Stored energies if the mechanism moved at the given velocities from where it is, J.

@@ -95,6 +95,9 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
         let workspace = self.workspace.get_or_insert_default();
         workspace.retrace(&self.model, settings, input, &before, &after);
         ledger.record(&self.model, settings, &before, &after, workspace);
+        if let Input::Hand(hand) = input {
+            ledger.hand.record(&self.model, settings, hand, &before.hand, &before.velocity, &after, workspace);
+        }
     }
 }
 

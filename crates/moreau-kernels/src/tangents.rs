@@ -15,6 +15,10 @@ pub trait Tangents: Send {
     fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> TangentReport;
     /// Stands still from now on.
     fn stop(&mut self);
+    /// Places the hand: world coordinate along the drive's direction, m, and velocity, m/s.
+    fn place_hand(&mut self, hand: [Number; 2]);
+    /// Where the hand is, and how fast, likewise.
+    fn hand(&self) -> [Number; 2];
     /// World coordinate of the driven point along the drive's direction, m.
     fn site_position(&self) -> Number;
     /// Force of an elastic drive whose driver is at this position (m, as [`Self::site_position`]) and has this velocity, m/s; N, and 0 where it does not touch.
@@ -68,6 +72,14 @@ impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated
 
     fn stop(&mut self) {
         self.tangent.stop();
+    }
+
+    fn place_hand(&mut self, hand: [Number; 2]) {
+        self.tangent.state.hand = hand;
+    }
+
+    fn hand(&self) -> [Number; 2] {
+        self.tangent.state.hand
     }
 
     fn site_position(&self) -> Number {

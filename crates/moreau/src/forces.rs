@@ -1,9 +1,10 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
+use crate::hand::Hand;
+use crate::input::Input;
 use crate::linear::Symmetric;
 use crate::model::Model;
 use crate::real::{Mask, Real};
-use crate::state::Input;
 use crate::timing::Timing;
 use crate::tree::Tree;
 use crate::vector::{cross, dot};
@@ -102,6 +103,7 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
     input: &Input<T>,
+    hand: &[T; 2],
     w: &[T; B],
     joint_angle: &[T; B],
     workspace: &mut Workspace<T, B, Z, N>,
@@ -109,7 +111,7 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     let (h, h_theta) = (timing.step, timing.h_theta);
     let Workspace { kinematics, inertia: at_start, drive, problem, .. } = workspace;
     let weights = gravity_and_centrifugal(model, kinematics);
-    let driven = drive_force(model, input, h_theta, kinematics, drive);
+    let driven = drive_force(model, input, hand, timing, kinematics, drive);
     let Inertia { coupling, deep_coupling, momentum } = at_start;
     let (a, b) = (&mut problem.system.a, &mut problem.system.b);
     let mut carried = [T::ZERO; B];
@@ -206,25 +208,45 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize>(
 pub(crate) fn drive_force<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     input: &Input<T>,
-    h_theta: T,
+    hand: &[T; 2],
+    timing: &Timing<T>,
     kinematics: &Kinematics<T, B>,
     drive: &mut Drive<T, B>,
 ) -> Option<(T, T)> {
     (drive.force, drive.pull, drive.tangent) = (T::ZERO, T::ZERO, T::ZERO);
     let site = model.site.as_ref()?;
-    match *input {
-        Input::Free | Input::Rigid { .. } => None,
-        Input::Force(force) => Some((force, T::ZERO)),
-        Input::Motion { position, velocity } => {
-            let at = dot(site.direction, kinematics.pose.point(site.body, site.point));
-            let speed = model.site_support.product(&drive.site_row, &kinematics.joint_velocity);
-            let force = site.stiffness * (position - at) + site.damping * (velocity - speed);
-            drive.pull = force;
-            drive.tangent = h_theta * (site.damping + h_theta * site.stiffness);
-            // What is not a number must not pass for a finger that does not touch.
-            let pushes = T::ZERO.lt(force).or(force.finite().not());
-            let only = |x: T| T::only(pushes, x);
-            pushes.any().then_some((only(force), only(drive.tangent)))
+    let (driver, stiffness, damping) = match *input {
+        Input::Free | Input::Rigid { .. } => return None,
+        Input::Force(force) => return Some((force, T::ZERO)),
+        Input::Motion { position, velocity } => ([position, velocity], site.stiffness, site.damping),
+        Input::Hand(by) => {
+            let flight = by.flight(*hand, timing);
+            let share = flight.share(site.stiffness, site.damping, timing);
+            (flight.free, share * site.stiffness, share * site.damping)
         }
+    };
+    let at = dot(site.direction, kinematics.pose.point(site.body, site.point));
+    let speed = model.site_support.product(&drive.site_row, &kinematics.joint_velocity);
+    let force = stiffness * (driver[0] - at) + damping * (driver[1] - speed);
+    drive.pull = force;
+    drive.tangent = timing.h_theta * (damping + timing.h_theta * stiffness);
+    // What is not a number must not pass for a finger that does not touch.
+    let pushes = T::ZERO.lt(force).or(force.finite().not());
+    let only = |x: T| T::only(pushes, x);
+    pushes.any().then_some((only(force), only(drive.tangent)))
+}
+
+/// Moves a hand through the step, in the lanes in which it ends, by the fingertip's force that the last iteration has found.
+#[inline(never)]
+pub(crate) fn move_hand<T: Real, const B: usize>(
+    timing: &Timing<T>,
+    by: &Hand<T>,
+    lanes: T::Mask,
+    hand: &[T; 2],
+    drive: &mut Drive<T, B>,
+) {
+    let end = by.flight(*hand, timing).end(*hand, drive.force, timing);
+    for k in 0..2 {
+        drive.hand[k] = T::select(lanes, end[k], drive.hand[k]);
     }
 }

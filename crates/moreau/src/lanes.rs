@@ -7,7 +7,7 @@ use crate::felt::Felt;
 use crate::model::{Dwelling, Model};
 use crate::real::{Real, Scalar, cast, join, join_all};
 use crate::settings::{FrictionLaw, Settings};
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::support::Support;
 use crate::tree::Tree;
 use crate::vector::Vector;
@@ -142,35 +142,6 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     /// One lane's state.
     pub fn lane<S: Scalar>(&self, lane: usize) -> State<S, B, Z> {
         State::from(self.numbers.map(|x| cast(x.lane(lane))))
-    }
-}
-
-/// The numbers of an input of one kind.
-type Numbers<T> = fn(&Input<T>) -> Option<[T; 2]>;
-
-impl<T: Real> Input<T> {
-    /// One input per lane; `None` where they are not of one kind.
-    #[inline(always)]
-    pub fn of_lanes<S: Scalar>(inputs: &[Input<S>]) -> Option<Self> {
-        let pair = |f: Numbers<S>| {
-            let all = inputs.len() == T::LANES && inputs.iter().all(|i| f(i).is_some());
-            all.then(|| join_all::<S, T, 2>(|lane| f(&inputs[lane]).unwrap_or([S::ZERO; 2])))
-        };
-        match inputs.first()? {
-            Input::Free => inputs.iter().all(|i| matches!(i, Input::Free)).then_some(Input::Free),
-            Input::Force(_) => {
-                pair(|i| if let Input::Force(f) = i { Some([*f, S::ZERO]) } else { None }).map(|[f, _]| Input::Force(f))
-            }
-            Input::Motion { .. } => pair(|i| match i {
-                Input::Motion { position, velocity } => Some([*position, *velocity]),
-                _ => None,
-            })
-            .map(|[position, velocity]| Input::Motion { position, velocity }),
-            Input::Rigid { .. } => {
-                pair(|i| if let Input::Rigid { velocity } = i { Some([*velocity, S::ZERO]) } else { None })
-                    .map(|[velocity, _]| Input::Rigid { velocity })
-            }
-        }
     }
 }
 

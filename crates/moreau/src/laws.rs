@@ -1,10 +1,11 @@
 //! The set-valued part of a step: which laws are in force, and what became of them.
 
+use crate::input::Input;
 use crate::model::Model;
 use crate::osnsp::Solver;
 use crate::real::{Mask, Real};
 use crate::settings::Settings;
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::timing::Timing;
 use crate::workspace::{Forces, LawSource, Problem, Turning, Workspace};
 use crate::{dry_felts, dwell};

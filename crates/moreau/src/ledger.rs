@@ -3,6 +3,7 @@
 //! Separate from the step, so that a step that nobody audits does not pay for it.
 
 use crate::contact::Contact;
+use crate::hand_energy::HandEnergy;
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::real::Scalar;
@@ -110,6 +111,8 @@ pub struct Ledger {
     pub surface_given_before: f64,
     /// The smallest single dissipation term of any step: friction never gives energy, so this is not negative.
     pub smallest_term: f64,
+    /// Of the hand that drove; zero where none did. Beside the other accounts, which are the mechanism's alone.
+    pub hand: HandEnergy,
 }
 
 impl Ledger {
@@ -133,6 +136,7 @@ impl Ledger {
             surface_lost_before,
             surface_given_before,
             smallest_term: 0.0,
+            hand: HandEnergy::default(),
         }
     }
 

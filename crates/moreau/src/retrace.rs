@@ -3,11 +3,12 @@
 use crate::curvature::Margins;
 use crate::felt::ONSET;
 use crate::forces::drive_force;
+use crate::input::Input;
 use crate::laws::recall_memories;
 use crate::model::Model;
 use crate::real::Scalar;
 use crate::settings::Settings;
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::timing::Timing;
 use crate::workspace::Workspace;
 
@@ -39,18 +40,24 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, 
                 self.dry.force[z] = after.memory[z];
             }
         }
-        self.retrace_drive(model, &timing, input, after);
+        self.retrace_drive(model, &timing, input, [before, after]);
         for z in 0..model.zone_count {
             self.retrace_zone(model, &timing, z);
         }
     }
 
-    fn retrace_drive(&mut self, model: &Model<T, B, Z>, timing: &Timing<T>, input: &Input<T>, after: &State<T, B, Z>) {
+    fn retrace_drive(
+        &mut self,
+        model: &Model<T, B, Z>,
+        timing: &Timing<T>,
+        input: &Input<T>,
+        [before, after]: [&State<T, B, Z>; 2],
+    ) {
         let Workspace { kinematics, drive, .. } = self;
         let Some(site) = &model.site else { return };
         let x = kinematics.pose.point(site.body, site.point);
         kinematics.pose.turning_row(&model.site_support, x, site.direction, &mut drive.site_row);
-        let driven = drive_force(model, input, timing.h_theta, kinematics, drive);
+        let driven = drive_force(model, input, &before.hand, timing, kinematics, drive);
         drive.force = match input {
             Input::Rigid { .. } => after.rigid_force,
             _ => driven.map_or(T::ZERO, |(force, _)| force),

@@ -18,6 +18,9 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub tangential: [T; Z],
     /// Force of a rigid drive over the last step, N.
     pub rigid_force: T,
+    /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). It moves in steps that a hand
+    /// drives, and stands still in others.
+    pub hand: [T; 2],
     /// What the felts remember ([`Loss`](crate::Loss)): the stretch of an elastoplastic one's spring, m^((r+1)/2); k z/(1 - eps) of a hereditary
     /// one, N; the dry part of a set-valued one's force over the last step, N. Zero for the others.
     pub memory: [T; Z],
@@ -30,13 +33,13 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub side: [T; Z],
 }
 
-/// Makes, from the fields with a number for every body, for every zone and alone, what is done with all of them.
+/// Makes, from the fields with a number for every body, for every zone, with two and alone, what is done with all of them.
 macro_rules! each_field {
-    (bodies: $($body:ident)*; zones: $($zone:ident)*; alone: $($alone:ident)*) => {
+    (bodies: $($body:ident)*; zones: $($zone:ident)*; pairs: $($pair:ident)*; alone: $($alone:ident)*) => {
         impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
             /// All zero.
             fn zero() -> Self {
-                SavedState { $($body: [T::ZERO; B],)* $($zone: [T::ZERO; Z],)* $($alone: T::ZERO,)* }
+                SavedState { $($body: [T::ZERO; B],)* $($zone: [T::ZERO; Z],)* $($pair: [T::ZERO; 2],)* $($alone: T::ZERO,)* }
             }
 
             /// The same in other arrays.
@@ -48,6 +51,7 @@ macro_rules! each_field {
                 SavedState {
                     $($body: bodies(&self.$body),)*
                     $($zone: zones(&self.$zone),)*
+                    $($pair: self.$pair,)*
                     $($alone: self.$alone,)*
                 }
             }
@@ -62,6 +66,7 @@ macro_rules! each_field {
                 SavedState {
                     $($body: core::array::from_fn(|i| f(self.$body[i], other.$body[i])),)*
                     $($zone: core::array::from_fn(|z| f(self.$zone[z], other.$zone[z])),)*
+                    $($pair: core::array::from_fn(|k| f(self.$pair[k], other.$pair[k])),)*
                     $($alone: f(self.$alone, other.$alone),)*
                 }
             }
@@ -72,6 +77,7 @@ macro_rules! each_field {
 each_field!(
     bodies: velocity angle increment pivot_friction pivot_rested;
     zones: tangential side memory rested;
+    pairs: hand;
     alone: rigid_force
 );
 

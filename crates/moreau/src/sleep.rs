@@ -5,10 +5,11 @@
 //! no threshold and no drift: with sleep or without, the bits are the same. A mechanism comes to sleep only where dry friction truly
 //! sticks.
 
+use crate::input::Input;
 use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::step::{StepReport, step_out_of_line};
 use crate::workspace::Workspace;
 
@@ -94,22 +95,7 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     }
 }
 
-impl<T: Real> Input<T> {
-    /// Whether two inputs are the same to the bit. What is not a number is identical to itself.
-    pub fn identical(&self, other: &Self) -> bool {
-        match (*self, *other) {
-            (Input::Free, Input::Free) => true,
-            (Input::Force(a), Input::Force(b)) => same_bits(a, b),
-            (Input::Motion { position: a, velocity: v }, Input::Motion { position: b, velocity: w }) => {
-                same_bits(a, b) && same_bits(v, w)
-            }
-            (Input::Rigid { velocity: a }, Input::Rigid { velocity: b }) => same_bits(a, b),
-            _ => false,
-        }
-    }
-}
-
 /// Widening to f64 keeps every bit's meaning.
-fn same_bits<T: Real>(a: T, b: T) -> bool {
+pub(crate) fn same_bits<T: Real>(a: T, b: T) -> bool {
     (0..T::LANES).all(|lane| a.lane(lane).to_f64().to_bits() == b.lane(lane).to_f64().to_bits())
 }

@@ -1,4 +1,4 @@
-//! Where a mechanism is now, and what drives it in a step.
+//! Where a mechanism is now.
 
 use core::ops::{Deref, DerefMut};
 
@@ -60,26 +60,4 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
             }
         }
     }
-}
-
-/// What drives the mechanism at the model's [`Site`](crate::Site) during one step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Input<T> {
-    /// Nothing.
-    Free,
-    /// A force, N, along the site's direction, at time t0 + theta h.
-    Force(T),
-    /// The driver's position (m, world coordinate along the site's direction) and velocity at t0 + theta h; the force comes
-    /// from the site's spring and damper, which only push.
-    Motion {
-        /// m.
-        position: T,
-        /// m/s.
-        velocity: T,
-    },
-    /// Velocity of the site along its direction at the step's end, m/s, imposed.
-    Rigid {
-        /// m/s.
-        velocity: T,
-    },
 }

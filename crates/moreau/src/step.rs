@@ -48,7 +48,8 @@
 
 use crate::acceptance::linearisation_holds;
 use crate::dry_felts;
-use crate::forces::{joint_momentum, linearise, regularised_friction};
+use crate::forces::{joint_momentum, linearise, move_hand, regularised_friction};
+use crate::input::Input;
 use crate::laws::{
     assemble_laws, keep_forces, keep_memories, recall_memories, store_forces, unsettled, warm_start_pivots,
 };
@@ -56,7 +57,7 @@ use crate::model::Model;
 use crate::narrow_phase::{add_felts, narrow_phase};
 use crate::real::{Mask, Real, Scalar, opaque};
 use crate::settings::{FrictionLaw, Settings};
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::timing::Timing;
 use crate::workspace::{Problem, Workspace};
 
@@ -190,6 +191,13 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     if model.remembers {
         keep_memories(model, settings, done.not().and(report.finite), &w, state, workspace);
     }
+    if let Input::Hand(hand) = input {
+        let timing = Timing::new(settings.step, settings.theta);
+        move_hand(&timing, hand, done.not().and(report.finite), &state.hand, &mut workspace.drive);
+        for (place, end) in state.hand.iter_mut().zip(&workspace.drive.hand) {
+            *place = T::select(report.finite, *end, *place);
+        }
+    }
     integrate(model, settings, &w, report.finite, state);
     report
 }
@@ -288,7 +296,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
         // The first iterate is a prediction, so this is the predicted pose q_* at which M and D are taken.
         joint_momentum(model, &state.velocity, w0, workspace);
     }
-    linearise(model, &timing, input, w, &joint_angle, workspace);
+    linearise(model, &timing, input, &state.hand, w, &joint_angle, workspace);
     add_felts(model, &timing, near, w, workspace);
     if let FrictionLaw::Regularised { pivot_width, sliding_width } = settings.friction {
         regularised_friction(model, &timing, near, [pivot_width, sliding_width], w, workspace);
@@ -323,6 +331,9 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
         keep_forces(settings, settled, state, workspace);
         if model.remembers {
             keep_memories(model, settings, settled, &next, state, workspace);
+        }
+        if let Input::Hand(hand) = input {
+            move_hand(&timing, hand, settled, &state.hand, &mut workspace.drive);
         }
     }
     if settled.all() {

@@ -96,7 +96,7 @@ pub(crate) struct Inertia<T, const B: usize> {
 
 /// The drive.
 ///
-/// `joint_momentum` writes the row once per step, `linearise` the force and tangent, `store_forces` the force of a rigid drive.
+/// `joint_momentum` writes the row once per step, `linearise` the force and tangent, `store_forces` the force of a rigid drive, `move_hand` a hand.
 /// `linearisation_holds` reads an elastic drive's force and carries it along with the correction.
 #[derive(Debug, Clone)]
 pub(crate) struct Drive<T, const B: usize> {
@@ -106,6 +106,8 @@ pub(crate) struct Drive<T, const B: usize> {
     /// Force of an elastic drive before its clamp at zero, N, and h dF/d(site velocity).
     pub pull: T,
     pub tangent: T,
+    /// Place, m, and velocity, m/s, of a hand at the step's end, in the lanes that have ended.
+    pub hand: [T; 2],
 }
 
 /// The one-step non-smooth problem and its solution.
@@ -207,7 +209,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
                 coupled: Coupled::nothing(),
             },
             inertia: Inertia { coupling: [z; B], deep_coupling: [[z; B]; B], momentum: [z; B] },
-            drive: Drive { site_row: [z; B], force: z, pull: z, tangent: z },
+            drive: Drive { site_row: [z; B], force: z, pull: z, tangent: z, hand: [z; 2] },
             problem: Problem {
                 system: System::new(),
                 impulses: Impulses::new(),

@@ -52,7 +52,7 @@ fn numbers_that_no_action_takes() {
         unchanged(&action, &before, &bad.to_string());
         assert_eq!(r, action.read(), "the reading is the one before");
     }
-    let unknown = ErardInput { kind: 4, ..ErardInput::default() };
+    let unknown = ErardInput { kind: 5, ..ErardInput::default() };
     assert_eq!(unsafe { erard_advance(action.0, 1e-3, &raw const unknown, null_mut()) }, ErardStatus::Argument);
     assert_eq!(unsafe { erard_advance(action.0, -1e-3, &pushed(1.0), null_mut()) }, ErardStatus::Range);
     unchanged(&action, &before, "kind and time");

@@ -381,3 +381,37 @@ fn columns_are_found() {
         assert!((status as i32) < 0 && last_error().contains(said), "{}", last_error());
     }
 }
+
+/// A hand in C plays as in Rust, alone and on a keyboard; it is placed, read and saved; what is no hand is refused and changes nothing.
+#[test]
+fn a_hand_plays_as_in_rust() {
+    let mut action = erard::Action::new(&erard::Instrument::builtin("concert-grand").unwrap()).unwrap();
+    let hand = erard::player::Hand { mass_kg: 0.15, ..erard::player::Hand::default() };
+    let pressed =
+        |force_n: f64| ErardInput { kind: ERARD_HAND, force_n, hand_mass_kg: hand.mass_kg, ..ErardInput::default() };
+    let own = Action::grand();
+    let mut reading = ErardReading::default();
+    action.place_hand(-1e-3, 0.4);
+    assert_eq!(unsafe { erard_place_hand(own.0, -1e-3, 0.4) }, ErardStatus::Ok);
+    for n in 0..1200 {
+        let force_n = if n < 800 { 5.0 } else { -1.0 };
+        let there = action.step(hand.input(&erard::Input::Force(force_n)).unwrap());
+        assert_eq!(unsafe { erard_step_input(own.0, &pressed(force_n), &mut reading) }, ErardStatus::Ok);
+        assert_eq!(
+            (reading.key_m, reading.hand_m, reading.finger_n),
+            (there.key_m, there.hand_m, there.finger_n),
+            "{n}"
+        );
+    }
+    assert!(reading.blows == 1 && reading.hand_m_s < 0.0, "{reading:?}");
+    let before = reading;
+    for wrong in [
+        pressed(f64::NAN),
+        ErardInput { hand_mass_kg: 0.0, ..pressed(1.0) },
+        ErardInput { muscle_n_per_m: -1.0, ..pressed(1.0) },
+    ] {
+        assert!((unsafe { erard_step_input(own.0, &wrong, &mut reading) } as i32) < 0, "{wrong:?}");
+    }
+    assert!((unsafe { erard_place_hand(own.0, f64::INFINITY, 0.0) } as i32) < 0);
+    assert_eq!(reading, before);
+}

@@ -206,7 +206,9 @@ int main() {
         std::puts(e.what());
     }
     erard::Keyboard keyboard;
-    ErardInput press{ERARD_FORCE, 0, 8.0, 0, 0};
+    ErardInput press{};
+    press.kind = ERARD_FORCE;
+    press.force_n = 8.0;
     if (keyboard.drive(40, press) < 0) return 7;
     ErardBlow blows[4];
     std::size_t count = 0;

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._action import Action
-from ._common import unit_of
+from ._common import Hand, unit_of
 from ._errors import InputError, MissingFileError, SimulationError
 from ._gradient import Gradient, gradient
 from ._instrument import (
@@ -50,6 +50,7 @@ __all__ = [
     "Drawing",
     "Fit",
     "Gradient",
+    "Hand",
     "InputError",
     "Instrument",
     "Keyboard",

@@ -25,7 +25,8 @@ class Action:
     ----------
     instrument : Instrument
     **how
-        How to step: `step` (s, default 50e-6), `theta`, `solver`, `friction`, `friction_width`.
+        How to step: `step` (s, default 50e-6), `theta`, `solver`, `friction`, `friction_width`; and `hand`, a `Hand`: force and motion are
+        then what its muscle does.
 
     Examples
     --------
@@ -75,9 +76,26 @@ class Action:
         -------
         Reading
             `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s` (up positive), `string_n`,
-            `converged`, and `blow`: instant and speed of the blow whose hammer met the string in this step, else `None`.
+            `hand_m` and `hand_m_per_s` (the hand, where there is one), `converged`, and `blow`: instant and speed of the blow whose hammer met the string in this step, else `None`.
         """
         return self._inner.step(force, motion, rigid)
+
+    def place_hand(self, position_m: float, velocity_m_per_s: float = 0.0) -> None:
+        """Places the hand of an action that was made with one.
+
+        Parameters
+        ----------
+        position_m : float
+            m below the key front's rest; negative in the air.
+        velocity_m_per_s : float
+            m/s, down positive.
+
+        Raises
+        ------
+        InputError
+            Where the action has no hand, or a number is not finite.
+        """
+        self._inner.place_hand(number("position_m", position_m), number("velocity_m_per_s", velocity_m_per_s))
 
     def play(self, force: ArrayLike) -> Table:
         """Takes a step for each force.

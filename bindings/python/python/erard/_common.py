@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 import numpy as np
 
@@ -16,6 +16,28 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from ._types import Floats, Progress, Steps
+
+
+class Hand(NamedTuple):
+    """A hand between stroke and key: a mass that muscle moves, behind the instrument's soft fingertip.
+
+    The stroke's force is then the muscle's, or the muscle follows the stroke's motion. All numbers are estimates.
+
+    Parameters
+    ----------
+    mass_kg : float
+        Effective mass at the fingertip, kg.
+    stiffness_n_per_m, damping_n_s_per_m : float
+        With which muscle follows a motion, N/m and N s/m. Without effect under a force.
+    start_m, start_m_per_s : float
+        Where the hand is at first, m below the key front's rest, and how fast, m/s, down positive.
+    """
+
+    mass_kg: float = 0.2
+    stiffness_n_per_m: float = 1500.0
+    damping_n_s_per_m: float = 14.0
+    start_m: float = 0.0
+    start_m_per_s: float = 0.0
 
 
 class Stepping(TypedDict, total=False):
@@ -31,6 +53,8 @@ class Stepping(TypedDict, total=False):
         "set-valued" (default: true dry friction) or "tanh" (regularised, kept for comparison).
     friction_width : float
         Width of the regularised law, rad/s (default 0.1).
+    hand : Hand
+        The hand between stroke and key; default none: the stroke drives the key.
     """
 
     step: float
@@ -38,6 +62,7 @@ class Stepping(TypedDict, total=False):
     solver: str
     friction: str
     friction_width: float
+    hand: Hand | None
 
 
 def steps(given: Mapping[str, Any]) -> Steps:
@@ -48,10 +73,16 @@ def steps(given: Mapping[str, Any]) -> Steps:
         "solver": "active-set",
         "friction": "set-valued",
         "friction_width": 0.1,
+        "hand": None,
     }
     for key, value in given.items():
         if key not in own:
             raise TypeError(f"unexpected argument {key!r}; how to step is said by {', '.join(own)}")
+        if key == "hand":
+            if not (value is None or isinstance(value, Hand)):
+                raise InputError(f"hand: found {value!r}, expected an erard.Hand", key="hand", found=repr(value))
+            own[key] = None if value is None else Hand(*(number(f"hand.{name}", x) for name, x in value._asdict().items()))
+            continue
         own[key] = value if isinstance(own[key], str) else number(key, value)
     return own  # type: ignore[return-value]
 

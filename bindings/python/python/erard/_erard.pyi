@@ -108,10 +108,14 @@ class Reading:
         hammer_m: float,
         hammer_m_per_s: float,
         string_n: float,
+        hand_m: float,
+        hand_m_per_s: float,
         converged: bool,
         blow: tuple[float, float] | None,
     ) -> Reading: ...
-    def __getnewargs__(self) -> tuple[float, float, float, float, float, float, float, bool, tuple[float, float] | None]: ...
+    def __getnewargs__(
+        self,
+    ) -> tuple[float, float, float, float, float, float, float, float, float, bool, tuple[float, float] | None]: ...
     time_s: float
     key_m: float
     key_m_per_s: float
@@ -119,6 +123,8 @@ class Reading:
     hammer_m: float
     hammer_m_per_s: float
     string_n: float
+    hand_m: float
+    hand_m_per_s: float
     converged: bool
     blow: tuple[float, float] | None
 
@@ -128,6 +134,7 @@ class Action:
     def step(
         self, force: float | None, motion: tuple[float, float] | None, rigid: tuple[float, float] | None
     ) -> Reading: ...
+    def place_hand(self, position_m: float, velocity_m_s: float) -> None: ...
     def play(self, forces: Floats) -> dict[str, Floats]: ...
     def reading(self) -> Reading: ...
     def angles(self) -> Floats: ...

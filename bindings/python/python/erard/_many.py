@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike, NDArray
 
+    from ._common import Hand
     from ._recording import RecordingLike
     from ._types import Steps, Work
 
@@ -323,6 +324,7 @@ def study(
     progress: bool | None = None,
     step: float = 50e-6,
     theta: float = 0.5,
+    hand: Hand | None = None,
     **more: Axis,
 ) -> Study:
     """Plays a stroke on many variants of an instrument: every combination of what is varied.
@@ -343,6 +345,8 @@ def study(
         As in `rollout`.
     step, theta : float
         How to step.
+    hand : Hand, optional
+        The hand between stroke and key.
 
     Returns
     -------
@@ -356,7 +360,7 @@ def study(
     >>> s.shape, s.columns[:2], s.to_xarray()["hammer_speed_m_per_s"].dims
     ((5, 2), ['let_off', 'force_N'], ('let_off', 'force_N'))
     """
-    own, instrument, measure = steps({"step": step, "theta": theta}), instrument_of(instrument), names_of("measure", measure)
+    own, instrument, measure = steps({"step": step, "theta": theta, "hand": hand}), instrument_of(instrument), names_of("measure", measure)
     axes = {str(name): axis(instrument, str(name), values) for name, values in {**(vary or {}), **more}.items()}
     forces = None
     if force is not None:

@@ -26,6 +26,7 @@ class Steps(TypedDict):
     solver: str
     friction: str
     friction_width: float
+    hand: tuple[float, float, float, float, float] | None
 
 
 class Work(TypedDict):

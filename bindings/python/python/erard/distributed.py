@@ -165,7 +165,7 @@ def _study_chunk(index: int, shared: tuple[Any, ...], names: list[str], rows: np
 
     instrument, folder, options = shared
     made = None if forces is not None else stroke_of(stroke=options["stroke"], touch=options["touch"])
-    own = steps({"step": options["step"], "theta": options["theta"]})
+    own = steps({"step": options["step"], "theta": options["theta"], "hand": options.get("hand")})
     found = _erard.study(
         instrument._inner, names, np.ascontiguousarray(rows), made, forces, options["duration"], own,
         work(options["threads"], options["single"], True), None,

@@ -104,6 +104,7 @@ fn study(strokes: usize) {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let job = |i: usize| Job { instrument: i, stroke: Box::new(move |_| Input::Force(4.0 + 0.01 * i as f64)) };
     // Four: whatever more the processor has, so that counts can be compared.

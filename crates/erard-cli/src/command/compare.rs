@@ -64,6 +64,7 @@ impl Compare {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         check(&setup)?;
         let choice = Choice { position_of, ..self.choice() }.limited_by(&prepared.report);

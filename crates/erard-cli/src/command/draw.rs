@@ -113,6 +113,7 @@ impl Draw {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
         let reactions = self.reactions.then(|| ReactionRecorder::new(&instrument));

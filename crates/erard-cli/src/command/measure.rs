@@ -287,6 +287,7 @@ fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {

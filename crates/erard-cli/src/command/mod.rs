@@ -6,6 +6,7 @@ mod compare;
 mod draw;
 mod fit;
 mod fmu;
+mod hand;
 mod keyboard;
 mod kinematics;
 mod list;

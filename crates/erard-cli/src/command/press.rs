@@ -4,13 +4,14 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::player::{Hand, Inside, LossRecorder, Observer, ReactionRecorder};
+use erard::player::{Inside, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::run::{RATE_HZ, Sound, sound};
-use erard::run::{Setup, simulate_hand, simulate_observed};
+use erard::run::{Setup, simulate_observed};
 use erard::strings::Pedal;
-use erard::stroke::{Columns, Prescribed};
+use erard::stroke::Columns;
 
+use super::hand::HandOptions;
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
@@ -67,20 +68,8 @@ pub struct Press {
     /// (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
     pedal: Pedal,
-    /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle leads it along
-    /// the stroke's motion; the force at the key is then what comes of it [default: 200]
-    #[arg(
-        long,
-        value_name = "GRAMS",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "200",
-        conflicts_with_all = ["tolerance", "reactions", "losses", "wav"]
-    )]
-    hand: Option<f64>,
-    /// How fast the hand arrives at the key, m/s: 0 presses, more strikes
-    #[arg(long, value_name = "M/S", requires = "hand", default_value_t = 0.0, allow_negative_numbers = true)]
-    hand_speed: f64,
+    #[command(flatten)]
+    hand: HandOptions,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -107,8 +96,8 @@ impl Press {
         let settings = self.step.settings()?;
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
         let stroke = against.as_ref().map_or_else(|| self.stroke.load(), |other| self.stroke.beside(other).load())?;
-        let hand = self.hand()?;
         let instruments = self.instrument.load()?;
+        let hand = self.hand.hand()?;
         let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
@@ -117,9 +106,10 @@ impl Press {
             tolerance: self.tolerance,
             ledger: true,
             pedal: self.pedal,
+            hand,
         };
         if self.against.is_some() || instruments.len() == 2 {
-            return self.pair(&instruments, stroke, against, hand.as_ref(), setup);
+            return self.pair(&instruments, stroke, against, setup);
         }
         let [Noted { instrument, changed }] = &instruments[..] else {
             return Err(Failure::Internal("no instrument".into()));
@@ -138,9 +128,9 @@ impl Press {
             reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
             losses: self.losses.then(|| LossRecorder::new(instrument)),
         };
-        let run = by_hand_or_not(instrument, &stroke, hand.as_ref(), &setup, &mut inside)?;
+        let run = play_observed(instrument, &stroke, &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
-        let drive = drive_name(&stroke, hand.as_ref());
+        let drive = drive_name(&stroke, &setup);
         let names = [self.instrument.model.name(), drive, self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
@@ -202,21 +192,12 @@ impl Press {
         Ok(())
     }
 
-    /// The hand that was asked for.
-    fn hand(&self) -> Result<Option<Hand>, Failure> {
-        let Some(grams) = self.hand else { return Ok(None) };
-        let hand = Hand { mass_kg: grams * 1e-3, start_m_s: self.hand_speed, ..Hand::default() };
-        hand.check().map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(Some(hand))
-    }
-
     /// Two instruments under one stroke, or one under two.
     fn pair(
         &self,
         instruments: &[Noted],
         stroke: Stroke,
         against: Option<StrokeOptions>,
-        hand: Option<&Hand>,
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
         let strokes = match (against, instruments) {
@@ -243,8 +224,8 @@ impl Press {
             let (Noted { instrument, changed }, stroke, setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
-            let run = by_hand_or_not(instrument, stroke, hand, setup, &mut Inside::default())?;
-            let names = [self.instrument.model.name(), drive_name(stroke, hand), self.step.solver_name()];
+            let run = play_observed(instrument, stroke, setup, &mut Inside::default())?;
+            let names = [self.instrument.model.name(), drive_name(stroke, setup), self.step.solver_name()];
             let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
@@ -277,21 +258,10 @@ fn listen(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Opt
     Ok(sound(instrument, stroke.inputs(&instrument.finger)?.as_ref(), setup, &mut |share| progress.tell(share))?)
 }
 
-/// A stroke simulated with something else that looks on.
+/// A stroke simulated before an observer.
 pub fn play_observed(
     instrument: &Instrument,
     stroke: &Stroke,
-    setup: &Setup,
-    observer: &mut dyn Observer,
-) -> Result<Run, Failure> {
-    by_hand_or_not(instrument, stroke, None, setup, observer)
-}
-
-/// A stroke simulated, played by a hand where there is one (nothing looks on then).
-fn by_hand_or_not(
-    instrument: &Instrument,
-    stroke: &Stroke,
-    hand: Option<&Hand>,
     setup: &Setup,
     observer: &mut dyn Observer,
 ) -> Result<Run, Failure> {
@@ -301,16 +271,10 @@ fn by_hand_or_not(
         progress.tell(share)
     };
     let inputs = stroke.inputs(&instrument.finger)?;
-    Ok(match hand {
-        Some(hand) => {
-            let hand = if stroke.drive == Prescribed::Force { hand.undamped() } else { *hand };
-            simulate_hand(instrument, &hand, inputs.as_ref(), setup, &mut tell)?
-        }
-        None => simulate_observed(instrument, inputs.as_ref(), setup, observer, &mut tell)?,
-    })
+    Ok(simulate_observed(instrument, inputs.as_ref(), setup, observer, &mut tell)?)
 }
 
 /// What drives, by its name.
-fn drive_name(stroke: &Stroke, hand: Option<&Hand>) -> &'static str {
-    if hand.is_some() { "hand" } else { stroke.drive.name() }
+fn drive_name(stroke: &Stroke, setup: &Setup) -> &'static str {
+    if setup.hand.is_some() { "hand" } else { stroke.drive.name() }
 }

@@ -9,6 +9,7 @@ use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
 use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
 
+use super::hand::HandOptions;
 use super::options::{
     InstrumentOption, KeyboardKey, Model, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text,
     load_keyboard, measured_lines,
@@ -80,6 +81,8 @@ pub struct Study {
     instrument: InstrumentOption,
     #[command(flatten)]
     step: StepOptions,
+    #[command(flatten)]
+    hand: HandOptions,
     /// Simulated time of every stroke, s [default: the stroke's, and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
@@ -122,6 +125,7 @@ impl Study {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: self.hand.hand()?,
         };
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
@@ -179,6 +183,7 @@ impl Study {
             tolerance: None,
             ledger: false,
             pedal: erard::strings::Pedal::default(),
+            hand: self.hand.hand()?,
         };
         check(&setup)?;
         let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];

@@ -107,6 +107,7 @@ fn at_rest() -> Run {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let mut run = simulate(&grand, &|_| player::Input::Free, &setup, &mut |_| true).unwrap();
     run.events = erard::run::Events::default();

@@ -167,6 +167,7 @@ fn strokes(count: usize, effort: &Effort, progress: &mut Progress<'_>) -> Option
         tolerance: None,
         ledger: false,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let job = |i: usize| {
         let force = MF_N * (0.8 + 0.4 * i as f64 / count as f64);

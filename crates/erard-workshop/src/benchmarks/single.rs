@@ -56,6 +56,7 @@ impl Single {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         let drive = player::force(series.force.as_ref().expect("has a force").drive());
         let levers = ThreeLever::c7f_like().assemble().expect("built in");

@@ -66,6 +66,7 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
         tolerance: None,
         ledger: false,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     // The levers that it is compared with are rigid.
     let instrument = &instrument.locked();

@@ -165,6 +165,7 @@ fn press(
         tolerance: None,
         ledger,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| progress(0.0))?)
 }

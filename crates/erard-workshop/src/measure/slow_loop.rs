@@ -64,6 +64,7 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
         tolerance: None,
         ledger: false,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let run = simulate(instrument, &motion(finger), &setup, &mut |_| progress(0.0))?;
     let way = |from: f64, to: f64| {

@@ -71,6 +71,7 @@ pub fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Ve
                 tolerance: None,
                 ledger: true,
                 pedal: erard::strings::Pedal::default(),
+                hand: None,
             };
             let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| progress(0.0))?;
             sheet.push(Timing {

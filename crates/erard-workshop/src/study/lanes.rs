@@ -192,6 +192,7 @@ fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> 
 /// One lane while it is played.
 struct Lane<'a> {
     player: &'a Player<'a>,
+    drive: Box<player::Drive<'a>>,
     at_rest: &'a AtRest,
     observer: Box<dyn LaneObserver>,
     rest: Rest,
@@ -209,7 +210,8 @@ struct Lane<'a> {
 impl<'a> Lane<'a> {
     fn new(player: &'a Player<'a>, setup: &Setup, sampling: Option<&'a Sampling>) -> Result<Self, SimulationError> {
         let at_rest = player.rest.as_ref().map_err(Clone::clone)?;
-        if player.instrument.roles.key.is_none() && (player.stroke)(setup.start_s) != player::Input::Free {
+        let drive = setup.driven(player.stroke.as_ref())?;
+        if player.instrument.roles.key.is_none() && drive(setup.start_s) != player::Input::Free {
             return Err(SimulationError::NoKey);
         }
         let mut observer = lane_observer(&at_rest.description, &probes(player.instrument))?;
@@ -217,6 +219,7 @@ impl<'a> Lane<'a> {
         let rest = Rest::of(player.instrument, observer.as_ref());
         Ok(Lane {
             player,
+            drive: Box::new(drive),
             at_rest,
             observer: lane_observer(&at_rest.description, &probes(player.instrument))?,
             rest,
@@ -264,7 +267,7 @@ impl<'a> Lane<'a> {
     /// The input of the step from t0; of a mechanism that has failed, one of the same kind that does no harm.
     fn input(&self, t0: f64, settings: &Settings<f64>) -> Input<f64> {
         let Settings { step: h, theta, .. } = *settings;
-        let input = self.rest.input(&self.player.stroke, t0, h, theta, h, &|| self.observer.site_position());
+        let input = self.rest.input(&self.drive, t0, h, theta, h, &|| self.observer.site_position());
         if self.failed.is_none() {
             return input;
         }
@@ -273,6 +276,9 @@ impl<'a> Lane<'a> {
             Input::Force(_) => Input::Force(0.0),
             Input::Motion { .. } => Input::Motion { position: self.rest.site_m, velocity: 0.0 },
             Input::Rigid { .. } => Input::Rigid { velocity: 0.0 },
+            Input::Hand(hand) => {
+                Input::Hand(moreau::Hand { position: self.rest.site_m, velocity: 0.0, force: 0.0, ..hand })
+            }
         }
     }
 
@@ -412,7 +418,13 @@ fn first_states(
     lanes: Lanes,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<State>, SimulationError> {
-    let at_rest: Vec<State> = own.iter().map(|lane| lane.at_rest.state).collect();
+    let mut at_rest: Vec<State> = own.iter().map(|lane| lane.at_rest.state).collect();
+    if let Some(hand) = setup.hand {
+        for (state, lane) in at_rest.iter_mut().zip(own.iter()) {
+            state.hand = [lane.rest.site_m + hand.start_m, hand.start_m_s];
+        }
+        return Ok(at_rest);
+    }
     let begins_at_m: Vec<f64> =
         own.iter().map(|lane| (lane.player.stroke)(setup.start_s).position_m().max(0.0)).collect();
     // They are grouped so that all begin at rest or none does.

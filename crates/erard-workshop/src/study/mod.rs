@@ -271,6 +271,7 @@ fn kind(input: &Input) -> u8 {
         Input::Free => 0,
         Input::Force(_) => 1,
         Input::Motion { .. } => 2,
+        Input::Hand(_) => 4,
         _ => 3,
     }
 }

@@ -136,6 +136,7 @@ fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> R
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let run = match drive {
         Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, progress)?,

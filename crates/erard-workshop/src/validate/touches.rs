@@ -85,6 +85,7 @@ fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, Simulat
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     simulate(instrument, &player::force(&force), &setup, &mut |_| true)
 }

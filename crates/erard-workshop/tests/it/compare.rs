@@ -27,6 +27,7 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let run = simulate(grand, &player::force(&force), &setup, &mut |_| true).unwrap();
     let mut x = 1u64;
@@ -52,6 +53,7 @@ fn setup() -> Setup {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     }
 }
 

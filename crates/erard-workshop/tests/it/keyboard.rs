@@ -83,6 +83,7 @@ fn every_key_escapes_checks_and_repeats() {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let mut before = 0.0;
     for instrument in &concert_grand().1 {
@@ -201,6 +202,7 @@ fn the_top_keys_have_no_damper() {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         let run = simulate(instrument, &player::force(|_| 5.0), &setup, &mut |_| true).expect("runs");
         let moved =

@@ -4,6 +4,7 @@
 mod common;
 
 mod bends;
+mod combinations;
 mod compare;
 mod distances;
 mod fit;

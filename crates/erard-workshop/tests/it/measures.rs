@@ -339,6 +339,7 @@ fn inertia_is_what_a_force_accelerates() {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let run = simulate(&lifted, &player::force(&force), &setup, &mut |_| true).unwrap();
     let work = |key: &[f64], force: &[f64], to: f64| -> f64 {

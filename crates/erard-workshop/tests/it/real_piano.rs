@@ -35,6 +35,7 @@ fn led(instrument: &Instrument, stroke: &str, low_pass_hz: f64) -> Comparison {
         tolerance: None,
         ledger: false,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let choice = Choice { drives: vec![Driven::Rigidly], models: vec![Which::Action], ..Choice::default() };
     compare_chosen(instrument, &series, &choice, &setup, &mut |_| true).unwrap()

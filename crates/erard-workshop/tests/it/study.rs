@@ -68,6 +68,7 @@ const SETUP: fn() -> Setup = || Setup {
     tolerance: None,
     ledger: true,
     pedal: erard::strings::Pedal::default(),
+    hand: None,
 };
 
 fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {

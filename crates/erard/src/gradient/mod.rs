@@ -167,6 +167,8 @@ pub fn follow(
     if setup.tolerance.is_some() {
         return Err(GradientError::Controlled);
     }
+    let by_hand = setup.driven(drive).map_err(SimulationError::from)?;
+    let drive: &Drive<'_> = &by_hand;
     if instrument.roles.key.is_none() && drive(setup.start_s) != player::Input::Free {
         return Err(SimulationError::NoKey.into());
     }
@@ -189,6 +191,9 @@ pub fn follow(
     if begins_at > 0.0 {
         let finger = Input::Motion { position: site + Number::constant(begins_at), velocity: Number::ZERO };
         all = all.and(settle(mechanism.as_mut(), rest_step_s, &finger, progress)?);
+    }
+    if let Some(hand) = &setup.hand {
+        mechanism.place_hand([site + Number::constant(hand.start_m), Number::constant(hand.start_m_s)]);
     }
     let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
     let h = settings.step;
@@ -250,6 +255,10 @@ impl Places {
                 mechanism.push(self.site + Number::constant(position_m), Number::constant(velocity_m_s))
             }
             player::Input::Rigid { .. } => Number::constant(f64::NAN),
+            player::Input::Hand(_) => {
+                let [position, velocity] = mechanism.hand();
+                mechanism.push(position, velocity)
+            }
         }
     }
 
@@ -271,6 +280,14 @@ impl Places {
                 let back = Number::constant(player::rest::RIGID_CORRECTION / correction_s);
                 Input::Rigid { velocity: Number::constant(velocity) + back * behind }
             }
+            player::Input::Hand(hand) => Input::Hand(moreau::Hand {
+                mass: Number::constant(hand.mass_kg),
+                force: Number { value: hand.force_n, slope: self.force },
+                stiffness: Number::constant(hand.stiffness_n_per_m),
+                damping: Number::constant(hand.damping_n_s_per_m),
+                position: self.site + Number::constant(hand.position_m),
+                velocity: Number::constant(hand.velocity_m_s),
+            }),
         }
     }
 }

@@ -81,6 +81,9 @@ impl Keys {
         }
         let impacts = Vec::with_capacity(instruments.len());
         let mut keys = Keys { bank, own, impacts };
+        for key in 1..=keys.count() {
+            keys.place_hand(key, 0.0, 0.0);
+        }
         let mut steps = (SETTLING_S / settings.step) as u64;
         while keys.awake() > 0 && steps > 0 {
             keys.step();
@@ -128,6 +131,15 @@ impl Keys {
         let imposed = || if let Input::Rigid { velocity_m_s, .. } = input { velocity_m_s } else { 0.0 };
         let input = self.own[key - 1].rest.engine_input(&input, imposed);
         self.bank.drive(key - 1, &input);
+    }
+
+    /// Places the hand on a key: [`Action::place_hand`]. Wakes the key.
+    ///
+    /// # Panics
+    /// If there is no such key.
+    pub fn place_hand(&mut self, key: usize, position_m: f64, velocity_m_s: f64) {
+        let site_m = self.own[key - 1].rest.site_m;
+        self.bank.place_hand(key - 1, [site_m + position_m, velocity_m_s]);
     }
 
     /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes them if that is anything new.

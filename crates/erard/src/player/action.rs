@@ -9,7 +9,7 @@ use super::rest::{RIGID_CORRECTION, Rest};
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finite};
 use crate::identity::Identity;
 use crate::instrument::Instrument;
-use crate::mechanism::{Impact, Mechanism, StepOutput, Stepping, TellNumbers, mechanism};
+use crate::mechanism::{Impact, Mechanism, Part, StepOutput, Stepping, TellNumbers, mechanism};
 use crate::progress::Progress;
 use crate::strings::Strings;
 
@@ -66,6 +66,10 @@ pub struct Reading {
     pub hammer_m: f64,
     /// How fast it rises, m/s.
     pub hammer_m_s: f64,
+    /// Place of the hand ([`Input::Hand`]), m below the key front's rest; where none presses, where the last one was.
+    pub hand_m: f64,
+    /// Its speed, m/s.
+    pub hand_m_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
     /// The impact of the hammer on the string in the step, if there was one.
@@ -84,6 +88,8 @@ impl Reading {
             finger_n: output.drive_n,
             hammer_m: output.point_m[1] - rest.head_m,
             hammer_m_s: output.point_m_s[1],
+            hand_m: output.hand[0] - rest.site_m,
+            hand_m_s: output.hand[1],
             string_n: output.zone_n,
             impact: output.impact,
             outcome: output.report.outcome,
@@ -174,7 +180,14 @@ impl Action {
     /// From now on travels are measured from here, and this instant is 0 s.
     pub fn rest_here(&mut self, instrument: &Instrument) {
         self.rest = Rest::of(instrument, self.mechanism.as_ref());
+        self.place_hand(0.0, 0.0);
         self.begin_at(0.0);
+    }
+
+    /// Places the hand ([`Input::Hand`]), m below the key front's rest, with a velocity, m/s, down positive; a new action has it at the key front's rest. It moves
+    /// in steps that a hand drives only.
+    pub fn place_hand(&mut self, position_m: f64, velocity_m_s: f64) {
+        self.mechanism.set(Part::Hand([self.rest.site_m + position_m, velocity_m_s]));
     }
 
     /// One step of the settings' length under an input. A number that is not finite leaves the action as it was; the reading's outcome reports it.
@@ -263,7 +276,7 @@ impl Action {
 
     /// Calls the present instant so, s, and forgets the flight of the hammer so far.
     pub fn begin_at(&mut self, now_s: f64) {
-        self.mechanism.begin_at(now_s);
+        self.mechanism.set(Part::Instant(now_s));
         self.aimed_m = None;
     }
 
@@ -296,7 +309,7 @@ impl Action {
 
     /// Catches everything: sets all velocities to zero.
     pub fn stop(&mut self) {
-        self.mechanism.stop();
+        self.mechanism.set(Part::Standstill);
     }
 
     /// The strings, where they yield: where they are, and what they do to the bridge.

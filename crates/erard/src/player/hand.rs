@@ -2,27 +2,9 @@
 //!
 //! A prescribed force is there whatever the key does, and a prescribed motion stops for nothing. A hand has inertia: it arrives with speed, its
 //! force rises above its muscle's when the key stops it, and it may lift off. That is the coupled pianist that \[T13\] names as future work.
-//!
-//! ```text
-//! m dv/dt = K (x_t - x) + C (v_t - v) + F_m - F        muscle toward a target, or with a force; F is the fingertip's
-//! F = max(0, k (x - y) + d (v - w))                    y, w: the key front
-//! ```
-//!
-//! x is positive downward, from where the unpressed key's front is. Over a step of the theta method the first line is linear, so that the hand's
-//! displacement can be taken out of it, exactly: with D = v1 - v0, M = m/h + theta C + theta^2 h K and the load G without the finger,
-//!
-//! ```text
-//! D = (G - F) / M,  x_theta = x_f - (theta^2 h / M) F,  v_theta = v_f - (theta / M) F
-//! F = max(0, k (x_f - y) + d (v_f - w)) / (1 + (theta^2 h k + theta d) / M)
-//! ```
-//!
-//! So the key feels a softer fingertip that follows the hand as it would fly free (x_f, v_f): the engine solves both at once, and nothing is passed to
-//! and fro between two simulators.
-
-use moreau::Settings;
+//! The engine solves hand and key in one step; [`moreau::Hand`] has the equations.
 
 use super::Input;
-use crate::instrument::{Finger, Instrument};
 
 /// A hand, as the fingertip feels it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +13,7 @@ pub struct Hand {
     pub mass_kg: f64,
     /// Stiffness with which muscle holds the hand on its way, N/m. Only where the stroke is a motion. An estimate.
     pub stiffness_n_per_m: f64,
-    /// Damping of the muscle, N s/m: toward the stroke's velocity, or toward standing still where the stroke is a force. An estimate.
+    /// Damping of the muscle toward the stroke's velocity, N s/m. Only where the stroke is a motion. An estimate.
     pub damping_n_s_per_m: f64,
     /// Where the fingertip is at first, m below the key front's rest; negative in the air.
     pub start_m: f64,
@@ -47,10 +29,22 @@ impl Default for Hand {
 }
 
 impl Hand {
-    /// The same without the muscle's own damping: under a force there is no motion that it could damp toward.
-    #[must_use]
-    pub fn undamped(self) -> Self {
-        Hand { damping_n_s_per_m: 0.0, ..self }
+    /// The input of a step in which muscle does this: a force, a motion that stiffness and damping follow, or nothing.
+    /// Numbers belong to the step's theta point.
+    ///
+    /// # Errors
+    /// [`HandError::Stroke`]: the muscle cannot impose a motion on the key.
+    pub fn input(&self, muscle: &Input) -> Result<Input, HandError> {
+        let Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, .. } = *self;
+        let free = HandInput { mass_kg, ..HandInput::default() };
+        Ok(Input::Hand(match *muscle {
+            Input::Free => free,
+            Input::Force(force_n) => HandInput { force_n, ..free },
+            Input::Motion { position_m, velocity_m_s } => {
+                HandInput { stiffness_n_per_m, damping_n_s_per_m, position_m, velocity_m_s, ..free }
+            }
+            Input::Rigid { .. } | Input::Hand(_) => return Err(HandError::Stroke),
+        }))
     }
 
     /// What is wrong with its numbers, if anything: the number, what was found and what is expected.
@@ -90,83 +84,49 @@ pub enum HandError {
         /// The largest.
         to: f64,
     },
-    /// The stroke is neither a force nor a motion throughout.
-    #[error("a hand follows a force or a motion, one of them throughout the stroke")]
+    /// What the muscle is told is neither a force nor a motion.
+    #[error("a hand follows a force or a motion; found a motion imposed on the key")]
     Stroke,
 }
 
-/// A hand under way.
-#[derive(Debug, Clone)]
-pub(crate) struct MovingHand {
-    hand: Hand,
-    follows_motion: bool,
-    /// Place, m, and speed, m/s.
-    at: [f64; 2],
-    /// The load G of the step under way, N.
-    load_n: f64,
-    h: f64,
-    theta: f64,
-    /// M.
-    inertia: f64,
+/// What a hand is and what its muscle does in one step. Positions in m below the key front's rest; forces and velocities positive downward. The
+/// numbers of the muscle belong to the step's theta point. [`Hand::input`] makes it of a hand and what its muscle is told.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HandInput {
+    /// Effective mass at the fingertip, kg; above zero.
+    pub mass_kg: f64,
+    /// Force of the muscle, N.
+    pub force_n: f64,
+    /// Stiffness with which muscle holds the hand at `position_m`, N/m; 0 where it does not.
+    pub stiffness_n_per_m: f64,
+    /// Damping of the muscle toward `velocity_m_s`, N s/m.
+    pub damping_n_s_per_m: f64,
+    /// Where muscle holds the hand, m.
+    pub position_m: f64,
+    /// The velocity that goes with it, m/s.
+    pub velocity_m_s: f64,
 }
 
-impl MovingHand {
-    /// At its start, for steps of these settings; `first`: the stroke's first input.
-    pub fn new(hand: Hand, settings: &Settings<f64>, first: &Input) -> Result<Self, HandError> {
-        hand.check()?;
-        let follows_motion = match first {
-            Input::Motion { .. } => true,
-            Input::Free | Input::Force(_) => false,
-            Input::Rigid { .. } => return Err(HandError::Stroke),
-        };
-        let Settings { step: h, theta, .. } = *settings;
-        let stiffness = if follows_motion { hand.stiffness_n_per_m } else { 0.0 };
-        let inertia = hand.mass_kg / h + theta * (hand.damping_n_s_per_m + theta * h * stiffness);
-        Ok(MovingHand { hand, follows_motion, at: [hand.start_m, hand.start_m_s], load_n: 0.0, h, theta, inertia })
-    }
-
-    /// The instrument with the fingertip that the key feels.
-    pub fn fitted(&self, instrument: &Instrument) -> Instrument {
-        let Finger { stiffness_n_per_m: k, damping_n_s_per_m: d } = instrument.finger;
-        let share = 1.0 / (1.0 + self.theta * (self.theta * self.h * k + d) / self.inertia);
-        let finger = Finger { stiffness_n_per_m: share * k, damping_n_s_per_m: share * d };
-        Instrument { finger, ..instrument.clone() }
-    }
-
-    /// The hand as it would fly free in the step; `stroke` is what the muscle is told at the step's theta point.
-    pub fn input(&mut self, stroke: &Input) -> Result<Input, HandError> {
-        let ([x, v], Hand { stiffness_n_per_m, damping_n_s_per_m, .. }) = (self.at, self.hand);
-        let (h, theta) = (self.h, self.theta);
-        self.load_n = match *stroke {
-            Input::Motion { position_m, velocity_m_s } if self.follows_motion => {
-                stiffness_n_per_m * (position_m - x - theta * h * v) + damping_n_s_per_m * (velocity_m_s - v)
-            }
-            Input::Force(force_n) if !self.follows_motion => force_n - damping_n_s_per_m * v,
-            Input::Free if !self.follows_motion => -damping_n_s_per_m * v,
-            _ => return Err(HandError::Stroke),
-        };
-        let change = theta * self.load_n / self.inertia;
-        Ok(Input::Motion { position_m: x + theta * h * (v + change), velocity_m_s: v + change })
-    }
-
-    /// The step has been taken, and this was the fingertip's force, N.
-    pub fn advance(&mut self, finger_n: f64) {
-        let [x, v] = self.at;
-        let change = (self.load_n - finger_n) / self.inertia;
-        self.at = [x + self.h * (v + self.theta * change), v + change];
-    }
-
-    /// Place, m, and speed, m/s.
-    #[cfg(test)]
-    pub fn at(&self) -> [f64; 2] {
-        self.at
+impl HandInput {
+    /// The engine's, where positions count from a place of the world, m.
+    #[inline]
+    pub(crate) fn engine_input(&self, rest_m: f64) -> moreau::Input<f64> {
+        moreau::Input::Hand(moreau::Hand {
+            mass: self.mass_kg,
+            force: self.force_n,
+            stiffness: self.stiffness_n_per_m,
+            damping: self.damping_n_s_per_m,
+            position: rest_m + self.position_m,
+            velocity: self.velocity_m_s,
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Action;
+    use crate::{Action, Instrument};
+    use moreau::Settings;
 
     const H_S: f64 = 25e-6;
 
@@ -221,24 +181,22 @@ mod tests {
         h: f64,
     ) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
         let key = Instrument::parse(KEY, "key").unwrap();
-        let settings = Settings::new(h);
-        let mut moving = MovingHand::new(hand, &settings, &stroke(0.0)).unwrap();
-        let mut action = Action::as_drawn(&moving.fitted(&key), settings).unwrap();
+        let mut action = Action::as_drawn(&key, Settings::new(h)).unwrap();
+        action.place_hand(hand.start_m, hand.start_m_s);
         let (mut key_m, mut finger_n) = (Vec::new(), Vec::new());
         for n in 0..(seconds / h).round() as usize {
-            let free = moving.input(&stroke((n as f64 + 0.5) * h)).unwrap();
-            let reading = action.step(free);
-            moving.advance(reading.finger_n);
+            let reading = action.step(hand.input(&stroke((n as f64 + 0.5) * h)).unwrap());
             key_m.push(reading.key_m);
             finger_n.push(reading.finger_n);
         }
-        (key_m, finger_n, moving.at())
+        let reading = action.reading();
+        (key_m, finger_n, [reading.hand_m, reading.hand_m_s])
     }
 
-    /// The hand that is taken out of the equations moves the key as one does that is a body of the mechanism.
+    /// The hand that the step eliminates moves the key as one does that is a body of the mechanism.
     #[test]
     fn it_is_a_body_of_its_own() {
-        let hand = Hand { damping_n_s_per_m: 0.0, ..Hand::default() };
+        let hand = Hand::default();
         let (key_m, finger_n, _) = pressed(hand, |_| Input::Force(0.6), 0.03);
         let both = Instrument::parse(&format!("{KEY}{WITH_A_BODY}"), "both").unwrap();
         let mut action = Action::as_drawn(&both, Settings::new(H_S)).unwrap();
@@ -257,7 +215,7 @@ mod tests {
     /// A hand that has not met the key yet falls as its muscle says: m v' = F, exactly, and toward a target as a damped oscillator, to h^2.
     #[test]
     fn in_the_air_it_is_a_mass_on_muscle() {
-        let hand = Hand { damping_n_s_per_m: 0.0, start_m: -0.5, start_m_s: 0.3, ..Hand::default() };
+        let hand = Hand { start_m: -0.5, start_m_s: 0.3, ..Hand::default() };
         let (_, finger_n, [x, v]) = pressed(hand, |_| Input::Force(1.5), 0.1);
         let (t, a) = (0.1, 1.5 / 0.2);
         assert!(finger_n.iter().all(|n| *n == 0.0));
@@ -289,13 +247,10 @@ mod tests {
 
     #[test]
     fn what_a_hand_cannot_do_is_said() {
-        let settings = Settings::new(H_S);
         let hand = Hand::default();
         let rigid = Input::Rigid { position_m: 0.0, velocity_m_s: 0.0 };
-        assert_eq!(MovingHand::new(hand, &settings, &rigid).unwrap_err(), HandError::Stroke);
-        let mut moving = MovingHand::new(hand, &settings, &Input::Force(1.0)).unwrap();
-        let motion = Input::Motion { position_m: 0.0, velocity_m_s: 0.0 };
-        assert_eq!(moving.input(&motion).unwrap_err(), HandError::Stroke);
+        assert_eq!(hand.input(&rigid).unwrap_err(), HandError::Stroke);
+        assert_eq!(hand.input(&hand.input(&Input::Free).unwrap()).unwrap_err(), HandError::Stroke);
         let nothing = Hand { mass_kg: f64::NAN, ..hand };
         assert!(nothing.check().unwrap_err().to_string().contains("mass"));
     }

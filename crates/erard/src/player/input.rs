@@ -1,5 +1,7 @@
 //! What drives an action: owned values, one for each step.
 
+use super::hand::HandInput;
+
 /// What drives the key in a step. Forces in N, positions in m from the key front's rest, both positive downward (pushing).
 ///
 /// The numbers of a force or of a soft finger belong to the step's theta point (with the usual theta of 1/2: its middle), those of an imposed
@@ -25,6 +27,9 @@ pub enum Input {
         /// m/s.
         velocity_m_s: f64,
     },
+    /// A hand ([`super::Hand::input`]): a mass that muscle moves, whose fingertip is the instrument's `[finger]`. Its place and speed are part of the
+    /// action's state; [`crate::Action::place_hand`] sets them.
+    Hand(HandInput),
 }
 
 impl Input {
@@ -36,7 +41,7 @@ impl Input {
     /// The position that a motion has, m; 0 for what has none.
     pub fn position_m(&self) -> f64 {
         match *self {
-            Input::Free | Input::Force(_) => 0.0,
+            Input::Free | Input::Force(_) | Input::Hand(_) => 0.0,
             Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } => position_m,
         }
     }

@@ -2,7 +2,7 @@
 
 mod action;
 pub mod equilibrium;
-pub(crate) mod hand;
+mod hand;
 mod input;
 mod inside;
 mod ledger;
@@ -17,7 +17,7 @@ pub(crate) mod snapshot;
 mod work;
 
 pub use action::{Action, ActionError, PlayError, Reading};
-pub use hand::{Hand, HandError};
+pub use hand::{Hand, HandError, HandInput};
 pub use input::{Drive, Input, force, motion, rigid};
 pub use inside::Inside;
 pub use ledger::LedgerBook;

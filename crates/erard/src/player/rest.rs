@@ -59,6 +59,7 @@ impl Rest {
                 Input::Motion { position: self.site_m + position_m, velocity: velocity_m_s }
             }
             input::Input::Rigid { .. } => Input::Rigid { velocity: imposed() },
+            input::Input::Hand(ref hand) => hand.engine_input(self.site_m),
         }
     }
 }

@@ -141,6 +141,7 @@ impl MechanismState {
             tangential,
             side,
             rigid_force,
+            hand,
             memory,
             pivot_rested,
             rested,
@@ -152,6 +153,7 @@ impl MechanismState {
         list("tangential_N", tangential);
         list("side", side);
         list("rigid_force_N", std::slice::from_mut(rigid_force));
+        list("hand_m_and_m_s", hand);
         list("felt_memory", memory);
         list("pivot_rested", pivot_rested);
         list("zone_rested", rested);
@@ -347,7 +349,7 @@ mod tests {
                 counted += 1.0;
             }
         });
-        assert_eq!(counted, 1.0 + f64::from(5 * 12 + 4 * 32 + 4 + 2 + 2 * 4));
+        assert_eq!(counted, 1.0 + f64::from(5 * 12 + 4 * 32 + 4 + 2 + 2 + 2 * 4));
         assert_eq!(Snapshot::from_bytes(&all.to_vec()), Ok(all));
         let mut broken = snapshot;
         broken.mechanism.saved.state.rigid_force = f64::NAN;

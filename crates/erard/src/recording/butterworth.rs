@@ -35,7 +35,7 @@ impl Butterworth {
         if !(ORDERS.contains(&order) && is_sound) {
             return None;
         }
-        let k = (PI * cutoff_hz / rate_hz).tan();
+        let k = libm::tan(PI * cutoff_hz / rate_hz);
         let mut sections = Vec::new();
         if order % 2 == 1 {
             let b = k / (1.0 + k);
@@ -43,7 +43,7 @@ impl Butterworth {
         }
         for pair in 0..order / 2 {
             // Half of the pair's 1/Q: the cosine of the pole's angle to the negative real axis.
-            let zeta = (PI * (2 * pair + 1) as f64 / (2 * order) as f64).sin();
+            let zeta = libm::sin(PI * (2 * pair + 1) as f64 / (2 * order) as f64);
             let all = 1.0 + 2.0 * zeta * k + k * k;
             let b = k * k / all;
             sections.push(Section {

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use super::Run;
 use super::setup::{Setup, SimulationError};
-use super::simulation::simulate_hand;
+use super::simulation::simulate;
 use crate::instrument::Instrument;
 use crate::player::{Hand, Input};
 use crate::progress::Progress;
@@ -74,10 +74,10 @@ pub struct HandStroke {
 
 impl HandStroke {
     /// The loud pressed touch: the finger rests on the key, and its muscle's force rises at this rate, N/s, without end. The hand is
-    /// [`Hand::default`] without the muscle's own damping.
+    /// [`Hand::default`].
     #[must_use]
     pub fn pressed(rate_n_s: f64) -> Self {
-        let hand = Hand::default().undamped();
+        let hand = Hand::default();
         HandStroke { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, relaxes: None, leaves: None }
     }
 
@@ -92,7 +92,7 @@ impl HandStroke {
     /// m/s: both estimates.
     #[must_use]
     pub fn struck(speed_m_s: f64) -> Self {
-        let hand = Hand { mass_kg: STRUCK_KG, start_m_s: speed_m_s, ..Hand::default() }.undamped();
+        let hand = Hand { mass_kg: STRUCK_KG, start_m_s: speed_m_s, ..Hand::default() };
         HandStroke { hand, muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_s }, relaxes: None, leaves: None }
     }
 
@@ -173,7 +173,7 @@ impl HandStroke {
 
 /// From 0 to 1 over a share of its time, smoothly.
 fn half_a_cosine(share: f64) -> f64 {
-    0.5 - 0.5 * (PI * share.clamp(0.0, 1.0)).cos()
+    0.5 - 0.5 * libm::cos(PI * share.clamp(0.0, 1.0))
 }
 
 /// The path of least jerk from 0 to 1 and its slope at a share of its time, which is held between 0 and 1: velocity and acceleration begin and end at
@@ -184,7 +184,7 @@ pub fn least_jerk(s: f64) -> [f64; 2] {
     [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) * (1.0 - s)]
 }
 
-/// Simulates a touch: [`simulate_hand`] with what the muscle does.
+/// Simulates a touch: [`simulate`] with the hand and what its muscle does.
 ///
 /// # Errors
 /// See [`SimulationError`].
@@ -194,7 +194,8 @@ pub fn press_by_hand(
     setup: &Setup,
     progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
-    simulate_hand(instrument, &gesture.hand, &|t| gesture.input(t), setup, progress)
+    let setup = Setup { hand: Some(gesture.hand), ..*setup };
+    simulate(instrument, &|t| gesture.input(t), &setup, progress)
 }
 
 #[cfg(test)]

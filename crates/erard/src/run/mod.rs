@@ -11,7 +11,7 @@ mod sound;
 pub use hand_stroke::{HandStroke, Muscle, least_jerk, press_by_hand};
 pub use run_loop::SMALLEST_CONTROLLED_STEP_S;
 pub use setup::{MOST_ROWS, MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
-pub use simulation::{press, simulate, simulate_hand, simulate_observed};
+pub use simulation::{press, simulate, simulate_observed};
 pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
 
 pub use crate::events::Events;

@@ -6,7 +6,6 @@ use moreau::{Accuracy, Outcome, Settings, StepReport};
 use crate::events::EventDetector;
 use crate::instrument::Instrument;
 use crate::mechanism::{LARGEST_STEP_S, Mechanism, StepOutput};
-use crate::player::hand::MovingHand;
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
 use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
 use crate::progress::Progress;
@@ -28,8 +27,6 @@ pub(crate) struct RunLoop<'a> {
     every: u64,
     rest: Rest,
     action: Action,
-    /// Between stroke and key, where there is one.
-    hand: Option<MovingHand>,
     observers: Observers<'a>,
     work: Work,
 }
@@ -75,12 +72,7 @@ impl<'a> RunLoop<'a> {
             record_every: every,
             control: None,
         };
-        RunLoop { drive, setup, steps, every, rest, action, hand: None, observers, work }
-    }
-
-    /// The same, with a hand that the stroke moves, and that the action has been fitted to.
-    pub fn by_hand(self, hand: MovingHand) -> Self {
-        RunLoop { hand: Some(hand), ..self }
+        RunLoop { drive, setup, steps, every, rest, action, observers, work }
     }
 
     /// The instant after so many steps of the setup's length, s.
@@ -91,18 +83,15 @@ impl<'a> RunLoop<'a> {
     /// Fixed steps: all of the same length.
     pub fn fixed(&mut self, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
-        let RunLoop { drive, setup, steps, every, rest, action, hand, observers, work } = self;
+        let RunLoop { drive, setup, steps, every, rest, action, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
-        let (mut n, mut due, mut failed) = (0, every, None);
+        let (mut n, mut due) = (0, every);
         let taken = std::cell::Cell::new(0_u64);
         let mut told = |_: f64| progress(taken.get() as f64 / steps as f64);
         let played = action.play_engine(&mut told, &mut |action, last| {
             let t = start_s + n as f64 * h;
             if let Some(report) = last {
                 work.count(report, 1);
-                if let Some(hand) = hand {
-                    hand.advance(action.output().drive_n);
-                }
                 let row = n == due || n == steps;
                 due += if n == due { every } else { 0 };
                 observers.step(&rest, t, row, action.output(), action.mechanism());
@@ -113,22 +102,9 @@ impl<'a> RunLoop<'a> {
             }
             n += 1;
             action.set_pedal(setup.pedal.lift_m(t + h));
-            if let Some(hand) = hand {
-                let free = hand.input(&drive(t + theta * h));
-                return match free {
-                    Ok(free) => Some(rest.engine_input(&free, || 0.0)),
-                    Err(error) => {
-                        failed = Some(error);
-                        None
-                    }
-                };
-            }
             Some(rest.input(drive, t, h, theta, h, &|| action.mechanism().site_position()))
         });
-        match failed {
-            Some(error) => Err(error.into()),
-            None => played.map_err(SimulationError::from),
-        }
+        played.map_err(SimulationError::from)
     }
 
     /// Adaptive steps: from row to row, as long as their error allows.

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::mechanism::{LARGEST_STEP_S, SMALLEST_STEP_S};
 use crate::player::equilibrium::{self, EquilibriumError, UNSOLVED_STEPS};
-use crate::player::{ActionError, HandError, PlayError};
+use crate::player::{ActionError, Drive, Hand, HandError, Input, PlayError};
 use crate::strings::Pedal;
 use crate::trust::{Kind, Warning};
 
@@ -33,6 +33,8 @@ pub struct Setup {
     pub ledger: bool,
     /// How the sustain pedal is moved, on the stroke's own clock.
     pub pedal: Pedal,
+    /// The hand between stroke and key: the stroke's force is its muscle's, or its muscle follows the stroke's motion. `None`: the stroke drives the key.
+    pub hand: Option<Hand>,
 }
 
 /// Why a run could not be made.
@@ -106,9 +108,6 @@ pub enum SimulationError {
         "the instrument has no rail for a pedal to lift (`roles.pedal`), or its strings are rigid (`concert-grand-strings` has both)"
     )]
     NoPedal,
-    /// A hand takes steps of one length.
-    #[error("a hand presses in steps of one length; expected no tolerance")]
-    HandControlled,
     /// No rest to start from.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
@@ -153,7 +152,24 @@ impl Setup {
             tolerance: None,
             ledger: true,
             pedal: Pedal::default(),
+            hand: None,
         }
+    }
+
+    /// What drives the key under a stroke: the stroke, or the hand that it moves. A run ends as from a number that is not finite where the stroke later imposes the
+    /// key's motion, which no hand can.
+    ///
+    /// # Errors
+    /// [`HandError::Stroke`] if it begins so.
+    pub fn driven<'a>(&self, stroke: &'a Drive<'a>) -> Result<impl Fn(f64) -> Input + 'a, HandError> {
+        let hand = self.hand;
+        if let Some(hand) = hand {
+            hand.input(&stroke(self.start_s))?;
+        }
+        Ok(move |t: f64| {
+            let input = stroke(t);
+            hand.map_or(input, |hand| hand.input(&input).unwrap_or(Input::Force(f64::NAN)))
+        })
     }
 
     /// Checks the numbers, and says how many steps they make.
@@ -175,6 +191,9 @@ impl Setup {
         }
         if !(-1e9..=1e9).contains(&self.start_s) {
             return Err(SimulationError::Start { found: self.start_s });
+        }
+        if let Some(hand) = &self.hand {
+            hand.check()?;
         }
         let longest = step * (1u64 << 40) as f64;
         if !(self.duration_s > 0.0 && self.duration_s <= longest) {

@@ -4,8 +4,7 @@ use super::Run;
 use super::run_loop::RunLoop;
 use super::setup::{Setup, SimulationError};
 use crate::instrument::Instrument;
-use crate::player::hand::MovingHand;
-use crate::player::{Action, Drive, Hand, Input, Observer};
+use crate::player::{Action, Drive, Input, Observer};
 use crate::progress::Progress;
 
 /// [`simulate`] without a progress callback.
@@ -18,8 +17,8 @@ pub fn press(instrument: &Instrument, drive: &Drive<'_>, setup: &Setup) -> Resul
 
 /// Simulates one press. `progress` is told the share done now and then, and ends the run by returning false.
 ///
-/// The mechanism starts in equilibrium, friction included: undriven for a force, under the finger's first position for a
-/// motion.
+/// The mechanism starts in equilibrium, friction included: undriven for a force or under a hand ([`Setup::hand`]), under the finger's first
+/// position for a motion.
 ///
 /// # Errors
 /// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`crate::run::Work`].
@@ -46,15 +45,17 @@ pub fn simulate_observed(
     simulate_before(instrument, drive, setup, Some(observer), progress)
 }
 
-fn simulate_before<'a>(
+fn simulate_before(
     instrument: &Instrument,
-    drive: &'a Drive<'a>,
-    setup: &'a Setup,
-    observer: Option<&'a mut (dyn Observer + 'a)>,
+    drive: &Drive<'_>,
+    setup: &Setup,
+    observer: Option<&mut dyn Observer>,
     progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     let steps = setup.check()?;
-    if instrument.roles.key.is_none() && drive(setup.start_s) != Input::Free {
+    let drive = setup.driven(drive)?;
+    let first = drive(setup.start_s);
+    if instrument.roles.key.is_none() && first != Input::Free {
         return Err(SimulationError::NoKey);
     }
     if setup.tolerance.is_some() && instrument.has_yielding_strings() {
@@ -62,14 +63,17 @@ fn simulate_before<'a>(
     }
     let mut action = Action::asking(instrument, setup.settings, progress)?;
     put_pedal(&mut action, instrument, setup, progress)?;
-    if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = drive(setup.start_s)
+    if let Some(hand) = &setup.hand {
+        action.place_hand(hand.start_m, hand.start_m_s);
+    } else if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = first
         && position_m > 0.0
     {
         let finger = Input::Motion { position_m, velocity_m_s: 0.0 };
         action.settle(instrument, finger, progress).map_err(SimulationError::settling)?;
     }
 
-    let mut run = RunLoop::new(instrument, drive, setup, steps, action, observer);
+    let observer = observer.map(|observer| -> &mut dyn Observer { observer });
+    let mut run = RunLoop::new(instrument, &drive, setup, steps, action, observer);
     match setup.tolerance {
         None => run.fixed(progress)?,
         Some(tolerance) => run.adaptive(tolerance, progress)?,
@@ -97,32 +101,4 @@ fn put_pedal(
         action.settle(instrument, Input::Free, progress).map_err(SimulationError::settling)?;
     }
     Ok(())
-}
-
-/// [`simulate`] with a hand between stroke and key: the stroke's force is its muscle's, or its motion is where muscle drives it.
-///
-/// # Errors
-/// See [`SimulationError`].
-pub fn simulate_hand(
-    instrument: &Instrument,
-    hand: &Hand,
-    stroke: &Drive<'_>,
-    setup: &Setup,
-    progress: &mut Progress<'_>,
-) -> Result<Run, SimulationError> {
-    let steps = setup.check()?;
-    if instrument.roles.key.is_none() {
-        return Err(SimulationError::NoKey);
-    }
-    if setup.tolerance.is_some() {
-        return Err(SimulationError::HandControlled);
-    }
-    let hand = MovingHand::new(*hand, &setup.settings, &stroke(setup.start_s))?;
-    let fitted = hand.fitted(instrument);
-    let mut action = Action::asking(&fitted, setup.settings, progress)?;
-    put_pedal(&mut action, &fitted, setup, progress)?;
-    let mut run = RunLoop::new(&fitted, stroke, setup, steps, action, None).by_hand(hand);
-    run.fixed(progress)?;
-    progress(1.0);
-    Ok(run.finish(&fitted))
 }

@@ -2,9 +2,10 @@
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
-use erard::run::Run;
+use erard::run::{HandStroke, Run};
 use erard::saved::{FNV1A, fnv1a};
 use erard::stroke::Touch;
+use erard::{Setup, press};
 use moreau::Settings;
 
 use super::{Play, USUAL_STEP_S, grand, rigid_grand};
@@ -48,6 +49,25 @@ pub fn long_bending_run() -> u64 {
     let plays = Play::strokes().chain([Play::ForceStep(12.0, 0.6), Play::Rigid("mf", Touch::Pressed)]);
     notes(&grand(), plays)
 }
+
+/// The rigid grand under three hands, pressed, led and struck, that leave the key.
+pub fn long_hand_run() -> u64 {
+    let touches = [
+        HandStroke::pressed(120.0).relaxing(0.1, 3.0).leaving(0.2, 0.03),
+        HandStroke::led(0.15).leaving(0.3, 0.03),
+        HandStroke::struck(0.6).relaxing(0.05, 2.0).leaving(0.2, 0.03),
+    ];
+    touches.iter().fold(0, |all: u64, touch| {
+        let setup = Setup { record_every: Some(100), hand: Some(touch.hand), ..Setup::new(0.5) };
+        let run = press(&rigid_grand(), &|t| touch.input(t), &setup).expect("the rigid grand runs");
+        let hand = run.ledger.as_ref().expect("it is kept").hand;
+        let energies = [hand.muscle_work, hand.kinetic_gain, hand.fingertip_loss];
+        all.rotate_left(5) ^ fnv1a(digest(&run), energies.iter().flat_map(|x| x.to_bits().to_le_bytes()))
+    })
+}
+
+/// The digest of [`long_hand_run`]. It changes with every change to the arithmetic of the engine, of hands and of their strokes, and to the rigid grand.
+pub const HANDS: u64 = 0x6022_a360_d3a3_7b85;
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert grand and to the built-in
 /// strokes.

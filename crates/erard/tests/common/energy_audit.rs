@@ -23,6 +23,8 @@ struct Moment {
     memory: Vec<f64>,
     /// The driven point along its direction, m, and its speed, m/s.
     site: [f64; 2],
+    /// The hand, m and m/s.
+    hand: [f64; 2],
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -131,6 +133,7 @@ impl<'a> EnergyAudit<'a> {
     fn book(&mut self, h: f64, theta: f64, input: &Input<f64>, after: &State) {
         std::mem::swap(&mut self.before, &mut self.now);
         self.place(&after.angle, &after.velocity, &after.memory);
+        self.now.hand = after.hand;
         let at_theta = |before: f64, after: f64| (1.0 - theta) * before + theta * after;
         let [place, speed] = [0, 1].map(|k| at_theta(self.before.site[k], self.now.site[k]));
         let finger = &self.instrument.finger;
@@ -142,6 +145,13 @@ impl<'a> EnergyAudit<'a> {
                 (push + finger.damping_n_s_per_m * (velocity - speed)).max(0.0)
             }
             Input::Rigid { .. } => after.rigid_force,
+            // What the muscle does and the hand does not take is the fingertip's.
+            Input::Hand(hand) => {
+                let [[x0, v0], [x1, v1]] = [self.before.hand, self.now.hand];
+                let (x, v) = (at_theta(x0, x1), at_theta(v0, v1));
+                hand.force + hand.stiffness * (hand.position - x) + hand.damping * (hand.velocity - v)
+                    - hand.mass * (v1 - v0) / h
+            }
         };
         let work = force * speed * h;
         self.work_j += work;

@@ -126,6 +126,7 @@ impl Play {
             tolerance,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         self.with_drive(|drive| {
             simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))

@@ -1,6 +1,8 @@
 //! The same input gives the same bits, and the same amount of work.
 
-use crate::common::digests::{BENDING, GOLDEN, LOADED, digest, loaded, long_bending_run, long_run};
+use crate::common::digests::{
+    BENDING, GOLDEN, HANDS, LOADED, digest, loaded, long_bending_run, long_hand_run, long_run,
+};
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::stroke::Touch;
 use moreau::Settings;
@@ -24,6 +26,13 @@ fn the_long_run_has_its_digest() {
 fn the_long_run_of_what_bends_has_its_digest() {
     let found = long_bending_run();
     assert_eq!(found, BENDING, "the bits have changed; if they were meant to: BENDING = {found:#018x}");
+}
+
+/// Likewise for hands that press, lead and strike.
+#[test]
+fn the_long_run_of_hands_has_its_digest() {
+    let found = long_hand_run();
+    assert_eq!(found, HANDS, "the bits have changed; if they were meant to: HANDS = {found:#018x}");
 }
 
 /// The same run twice in one process, and in another thread.

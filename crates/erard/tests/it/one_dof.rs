@@ -22,6 +22,7 @@ fn force_of(instrument: &Instrument, motion: &dyn Fn(f64) -> [f64; 2], duration_
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let run = simulate(instrument, &player::rigid(motion), &setup, &mut |_| true).unwrap();
     (run.time_s, run.force_n)

@@ -199,6 +199,7 @@ fn a_second_press_from_half_way_sounds() {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         let run = simulate(&grand, &player::motion(&motion), &setup, &mut |_| true).unwrap();
         let blows = &run.events.impacts;

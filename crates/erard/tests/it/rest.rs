@@ -180,6 +180,7 @@ fn a_search_for_a_rest_that_does_not_end_well() {
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     // Stiffnesses that no step resolves end the search soon, with strings or without: it asks every 512 steps, 20 s are 400 000.
     for name in ["concert-grand", "concert-grand-strings"] {

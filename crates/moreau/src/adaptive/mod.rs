@@ -4,10 +4,11 @@
 
 mod changes;
 
+use crate::input::Input;
 use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::step::{Outcome, step_out_of_line};
 use crate::workspace::Workspace;
 use changes::Changes;
@@ -280,6 +281,14 @@ fn error<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         // A sum is not a number if a part is not, a maximum may be.
         error = if (velocity + angle).finite() { error.max(velocity).max(angle) } else { velocity + angle };
     }
+    if end.hand != whole.hand {
+        // What counts for a joint at the driven point's lever counts for the hand.
+        let lever = halves.workspace[1].drive.site_row.iter().fold(T::ZERO, |most, entry| most.max(entry.abs()));
+        let allowed = accuracy.tolerance * (accuracy.velocity * lever + end.hand[1].abs());
+        let velocity = share * (end.hand[1] - whole.hand[1]).abs() / allowed;
+        let place = share * (end.hand[0] - whole.hand[0]).abs() / (turn * lever);
+        error = if (velocity + place).finite() { error.max(velocity).max(place) } else { velocity + place };
+    }
     error
 }
 
@@ -299,7 +308,7 @@ fn exponent<T: Scalar, const B: usize>(settings: &Settings<T>, changes: &Changes
     if second_order(settings) && !changes.any { T::ONE / T::from_f64(3.0) } else { T::from_f64(0.5) }
 }
 
-/// Richardson's extrapolation of the velocities and angles: a step's error h^3 becomes h^4. Not where it would turn a joint around.
+/// Richardson's extrapolation of the velocities and angles, and of the hand: a step's error h^3 becomes h^4. Not where it would turn a joint around.
 fn extrapolate<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     halves: &StepDoubling<T, B, Z, N>,
@@ -315,6 +324,9 @@ fn extrapolate<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     let sound = (0..B).all(|i| T::ZERO <= before[i] * after[i]);
     if sound {
         (state.velocity, state.angle) = (v, q);
+        for (own, whole) in state.hand.iter_mut().zip(halves.whole.hand) {
+            *own += share * (*own - whole);
+        }
     }
     sound
 }

@@ -7,11 +7,12 @@ mod switch;
 
 use crate::description::ModelError;
 use crate::dual::Dual;
+use crate::input::Input;
 use crate::model::Model;
 use crate::real::Real;
 use crate::saved::SavedState;
 use crate::settings::{FrictionLaw, Settings};
-use crate::state::{Input, State};
+use crate::state::State;
 use crate::step::{Outcome, step_out_of_line};
 use crate::workspace::Workspace;
 use crossing::Crossing;
@@ -161,7 +162,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         let mut state = from.clone();
         rescale(&mut state.increment, length, last);
         let settings = Settings { step: length, ..*settings };
-        let _ = step_out_of_line(&self.plain, &settings, &plain_input(drive), &mut state, &mut self.probe);
+        let _ = step_out_of_line(&self.plain, &settings, &drive.map(|x| x.value), &mut state, &mut self.probe);
         state
     }
 
@@ -265,6 +266,11 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
                 v.slope[d] += jump * slip.slope[d];
             }
         }
+        // A hand's force does not jump.
+        let [place, velocity] = &mut self.state.hand;
+        for d in 0..D {
+            place.slope[d] += length * velocity.slope[d];
+        }
         // A step across a reversal may end at rest, and only the next one slips again. That is no stick: a dual step from there would ask for du = 0.
         let [rests, goes] = [&after, &second].map(|state| law.side(&self.plain, state));
         let (end, length, last) =
@@ -277,23 +283,14 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
     /// Goes on from a plain state; what depends on the directions is kept.
     fn take_over(&mut self, after: &State<f64, B, Z>) {
         let values = self.state.numbers.zip(&after.numbers, |own, value| Dual { value, ..own });
-        let SavedState { angle, velocity, memory, .. } = values;
-        self.state.numbers = SavedState { angle, velocity, memory, ..after.map(Dual::constant) };
+        let SavedState { angle, velocity, memory, hand, .. } = values;
+        self.state.numbers = SavedState { angle, velocity, memory, hand, ..after.map(Dual::constant) };
     }
 }
 
 /// The state without what depends on the directions.
 fn plain<const B: usize, const Z: usize, const D: usize>(state: &State<Dual<D>, B, Z>) -> State<f64, B, Z> {
     State::from(state.map(|x| x.value))
-}
-
-fn plain_input<const D: usize>(input: &Input<Dual<D>>) -> Input<f64> {
-    match *input {
-        Input::Free => Input::Free,
-        Input::Force(force) => Input::Force(force.value),
-        Input::Motion { position, velocity } => Input::Motion { position: position.value, velocity: velocity.value },
-        Input::Rigid { velocity } => Input::Rigid { velocity: velocity.value },
-    }
 }
 
 fn dual_settings<const D: usize>(settings: &Settings<f64>) -> Settings<Dual<D>> {

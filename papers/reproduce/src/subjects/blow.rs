@@ -59,6 +59,7 @@ impl Play {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         let mut go = |drive: &Drive<'_>| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
         let missing = |name: &str| ReproduceError::Instrument(format!("the built-in stroke {name} cannot be read"));

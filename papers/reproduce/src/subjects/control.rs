@@ -76,6 +76,7 @@ fn press(
         tolerance,
         ledger: false,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     let started = Instant::now();
     let run = simulate(instrument, &player::force(force.drive()), &setup, progress)?;

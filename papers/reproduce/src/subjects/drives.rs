@@ -89,6 +89,7 @@ impl Reference {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
+            hand: None,
         };
         Ok(simulate(model, drive, &setup, &mut |_| true)?)
     }

@@ -108,6 +108,7 @@ fn press(instrument: &Instrument, tremble: Option<&Tremble>) -> Result<Run, Repr
         tolerance: None,
         ledger: true,
         pedal: erard::strings::Pedal::default(),
+        hand: None,
     };
     Ok(simulate(instrument, &player::motion(&finger), &setup, &mut |_| true)?)
 }

@@ -40,3 +40,15 @@ pub extern "C" fn long_bending_run() -> u64 {
 pub extern "C" fn long_bending_run_expected() -> u64 {
     digests::BENDING
 }
+
+/// Three hands on the rigid grand, played here.
+#[unsafe(no_mangle)]
+pub extern "C" fn long_hand_run() -> u64 {
+    digests::long_hand_run()
+}
+
+/// The same on the machine that the tests run on.
+#[unsafe(no_mangle)]
+pub extern "C" fn long_hand_run_expected() -> u64 {
+    digests::HANDS
+}

@@ -1,0 +1,70 @@
+//! The energy of a hand: what muscle does, and where it goes.
+
+use crate::hand::Hand;
+use crate::model::Model;
+use crate::real::Scalar;
+use crate::settings::Settings;
+use crate::state::State;
+use crate::workspace::Workspace;
+
+/// Running totals of one run, J: `muscle_work` is what the hand gains, what its fingertip stores and loses, and the work that the fingertip does on the
+/// mechanism ([`crate::Ledger::drive_work`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct HandEnergy {
+    /// Work of the muscle on the hand, signed.
+    pub muscle_work: f64,
+    /// Kinetic energy of the hand now, less that with which it began.
+    pub kinetic_gain: f64,
+    /// In the fingertip's spring now, while it pushes.
+    pub fingertip_stored: f64,
+    /// Lost in the fingertip's damper, less what its law creates where it begins to push before it touches.
+    pub fingertip_loss: f64,
+    /// Work of the fingertip on the mechanism, in the steps that a hand drove.
+    pub work: f64,
+}
+
+impl HandEnergy {
+    /// What muscle has done and nothing accounts for, J; falls with the step.
+    pub fn residual(&self) -> f64 {
+        self.muscle_work - self.kinetic_gain - self.fingertip_stored - self.fingertip_loss - self.work
+    }
+
+    /// Books one step that a hand drove: the hand's place and velocity and the bodies' velocities before it, the state after it, and the workspace that it left.
+    #[allow(clippy::too_many_arguments)]
+    pub fn record<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+        &mut self,
+        model: &Model<T, B, Z>,
+        settings: &Settings<T>,
+        hand: &Hand<T>,
+        hand_before: &[T; 2],
+        velocity_before: &[T; B],
+        after: &State<T, B, Z>,
+        workspace: &Workspace<T, B, Z, N>,
+    ) {
+        let Some(site) = &model.site else { return };
+        let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
+        let mean = |[a, b]: [f64; 2]| (1.0 - theta) * a + theta * b;
+        let place = [hand_before[0].to_f64(), after.hand[0].to_f64()];
+        let speed = [hand_before[1].to_f64(), after.hand[1].to_f64()];
+        let [mass, muscle, stiffness, damping, toward, toward_speed] = hand.numbers().map(T::to_f64);
+        let muscle = muscle + stiffness * (toward - mean(place)) + damping * (toward_speed - mean(speed));
+        self.muscle_work += muscle * mean(speed) * h;
+        self.kinetic_gain += 0.5 * mass * (speed[1] * speed[1] - speed[0] * speed[0]);
+        let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
+        let driven = mean(joints.map(|w| model.site_support.product(&workspace.drive.site_row, &w).to_f64()));
+        let force = workspace.drive.force.to_f64();
+        self.work += force * driven * h;
+        let rate = mean(speed) - driven;
+        let pressed = place[1] - model.site_position(&after.angle).to_f64();
+        let held = |pressed: f64| 0.5 * site.stiffness.to_f64() * pressed * pressed;
+        if force > 0.0 {
+            // The damper pushes from d v / k before the touch on, with the spring stretched: what that holds comes from nowhere.
+            let onset = if self.fingertip_stored > 0.0 { 0.0 } else { held(pressed - h * rate) };
+            self.fingertip_loss += site.damping.to_f64() * rate * rate * h - onset;
+            self.fingertip_stored = held(pressed);
+        } else {
+            // What no longer pushes relaxes by itself.
+            self.fingertip_loss += core::mem::take(&mut self.fingertip_stored);
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! What drives a mechanism in a step.
+
+use crate::hand::Hand;
+use crate::real::{Real, Scalar, join_all};
+use crate::sleep::same_bits;
+
+/// What drives the mechanism at the model's [`Site`](crate::Site) during one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Input<T> {
+    /// Nothing.
+    Free,
+    /// A force, N, along the site's direction, at time t0 + theta h.
+    Force(T),
+    /// The driver's position (m, world coordinate along the site's direction) and velocity at t0 + theta h; the force comes
+    /// from the site's spring and damper, which only push.
+    Motion {
+        /// m.
+        position: T,
+        /// m/s.
+        velocity: T,
+    },
+    /// Velocity of the site along its direction at the step's end, m/s, imposed.
+    Rigid {
+        /// m/s.
+        velocity: T,
+    },
+    /// A hand whose place and velocity are part of the state; the force comes from the site's spring and damper, its fingertip.
+    Hand(Hand<T>),
+}
+
+impl<T: Real> Input<T> {
+    /// Its kind, and its numbers in a fixed order; places that it does not use are zero.
+    fn taken_apart(&self) -> (u8, [T; 6]) {
+        let z = T::ZERO;
+        match *self {
+            Input::Free => (0, [z; 6]),
+            Input::Force(force) => (1, [force, z, z, z, z, z]),
+            Input::Motion { position, velocity } => (2, [position, velocity, z, z, z, z]),
+            Input::Rigid { velocity } => (3, [velocity, z, z, z, z, z]),
+            Input::Hand(hand) => (4, hand.numbers()),
+        }
+    }
+
+    /// Whether two inputs are the same to the bit. What is not a number is identical to itself.
+    pub fn identical(&self, other: &Self) -> bool {
+        let (a, b) = (self.taken_apart(), other.taken_apart());
+        a.0 == b.0 && a.1.iter().zip(&b.1).all(|(a, b)| same_bits(*a, *b))
+    }
+
+    /// The input in numbers of another type.
+    pub(crate) fn map<U>(&self, to: impl Fn(T) -> U) -> Input<U> {
+        match *self {
+            Input::Free => Input::Free,
+            Input::Force(force) => Input::Force(to(force)),
+            Input::Motion { position, velocity } => Input::Motion { position: to(position), velocity: to(velocity) },
+            Input::Rigid { velocity } => Input::Rigid { velocity: to(velocity) },
+            Input::Hand(hand) => Input::Hand(hand.map(to)),
+        }
+    }
+
+    /// One input per lane; `None` where they are not of one kind.
+    #[inline(always)]
+    pub fn of_lanes<S: Scalar>(inputs: &[Input<S>]) -> Option<Self> {
+        /// The numbers of an input, if it is of one kind.
+        type Numbers<S, const K: usize> = fn(&Input<S>) -> Option<[S; K]>;
+        #[inline(always)]
+        fn each<S: Scalar, T: Real, const K: usize>(inputs: &[Input<S>], numbers: Numbers<S, K>) -> Option<[T; K]> {
+            let all = inputs.len() == T::LANES && inputs.iter().all(|input| numbers(input).is_some());
+            all.then(|| join_all::<S, T, K>(|lane| numbers(&inputs[lane]).unwrap_or([S::ZERO; K])))
+        }
+        match inputs.first()? {
+            Input::Free => inputs.iter().all(|i| matches!(i, Input::Free)).then_some(Input::Free),
+            Input::Force(_) => {
+                each(inputs, |i| if let Input::Force(f) = i { Some([*f]) } else { None }).map(|[f]| Input::Force(f))
+            }
+            Input::Motion { .. } => each(inputs, |i| match i {
+                Input::Motion { position, velocity } => Some([*position, *velocity]),
+                _ => None,
+            })
+            .map(|[position, velocity]| Input::Motion { position, velocity }),
+            Input::Rigid { .. } => {
+                each(inputs, |i| if let Input::Rigid { velocity } = i { Some([*velocity]) } else { None })
+                    .map(|[velocity]| Input::Rigid { velocity })
+            }
+            Input::Hand(_) => each(inputs, |i| if let Input::Hand(hand) = i { Some(hand.numbers()) } else { None })
+                .map(|numbers| Input::Hand(Hand::of_numbers(numbers))),
+        }
+    }
+}
