@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use erard::instrument::{Instrument, InstrumentFile, numbers_at};
+use erard::instrument::{Instrument, InstrumentFile, numbers_at_each};
 use erard::saved::{FNV1A, fnv1a};
 
 /// Name of the library inside the archive, and of the model.
@@ -132,9 +132,11 @@ pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
         all.push(variable(CONTACTS_FROM + n as u32, &name, Role::Contact(n), None, "N", &zone.label));
     }
     let mut reference = NUMBERS_FROM;
-    for (n, number) in file.provenance.numbers.iter().enumerate() {
+    let numbers = &file.provenance.numbers;
+    let by_path = numbers_at_each(text, numbers.iter().map(|number| number.key.as_str()));
+    for (n, (number, found)) in numbers.iter().zip(by_path).enumerate() {
         // Outlines move nothing.
-        let is_changed_by_path = !number.key.starts_with("part.") && numbers_at(text, &number.key).is_some();
+        let is_changed_by_path = !number.key.starts_with("part.") && found.is_some();
         if !is_changed_by_path {
             continue;
         }
@@ -285,6 +287,7 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use erard::instrument::numbers_at;
     use std::collections::BTreeSet;
 
     /// References and names are told apart; every number of a mass, a screw or a felt is there with its value.

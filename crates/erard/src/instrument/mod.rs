@@ -42,7 +42,7 @@ mod tuning;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
-pub use numbers::{numbers_at, with_numbers};
+pub use numbers::{numbers_at, numbers_at_each, with_numbers};
 pub use outlived::OutlivedNote;
 pub use placement::Placement;
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};

@@ -8,9 +8,18 @@ use super::edit::{find, numbers};
 /// a list are told apart by their `name`. `None` where there are none.
 #[must_use]
 pub fn numbers_at(text: &str, path: &str) -> Option<Vec<f64>> {
-    let mut document: DocumentMut = text.parse().ok()?;
-    let segments: Vec<&str> = path.split('.').collect();
-    find(document.as_table_mut(), &segments).and_then(|item| numbers(item))
+    numbers_at_each(text, [path]).pop().flatten()
+}
+
+/// [`numbers_at`] each of these paths. The text is read once.
+#[must_use]
+pub fn numbers_at_each<'a>(text: &str, paths: impl IntoIterator<Item = &'a str>) -> Vec<Option<Vec<f64>>> {
+    let mut document: Option<DocumentMut> = text.parse().ok();
+    let mut at = |path: &str| {
+        let segments: Vec<&str> = path.split('.').collect();
+        find(document.as_mut()?.as_table_mut(), &segments).and_then(|item| numbers(item))
+    };
+    paths.into_iter().map(&mut at).collect()
 }
 
 /// The text with other numbers at some paths: the path, which of its numbers, and the value in the file's own unit. What they were said to come
@@ -63,6 +72,8 @@ mod tests {
         assert!((varied.bodies[hammer].mass_kg - 12e-3).abs() < 1e-12);
         assert!((grand.zones[zone].disc_center_m[0] - varied.zones[zone].disc_center_m[0] - 3e-3).abs() < 1e-12);
         assert_eq!(grand.zones[zone].disc_center_m[1], varied.zones[zone].disc_center_m[1]);
+        let both = numbers_at_each(text, ["body.drummer.mass_g", "body.hammer.mass_g"]);
+        assert_eq!(both, [None, Some(vec![11.2])]);
         for path in ["body.hammer", "body.drummer.mass_g", "name", "zone.string.felt.softness", ""] {
             assert_eq!(numbers_at(text, path), None, "{path}");
             assert_eq!(with_numbers(text, &[(path, 0, 1.0)]), None, "{path}");
