@@ -4,8 +4,9 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::ptr::null_mut;
 
+use erard::ActionError;
 use erard::instrument::utf8;
-use erard::keyboard::{Keyboard, Keys};
+use erard::keyboard::{Keyboard, Keys, KeysError};
 use erard::mechanism::TellNumbers;
 use erard::player::MechanismState;
 use erard::saved::{Lists, Writer};
@@ -51,11 +52,15 @@ pub unsafe extern "C" fn erard_keyboard_new(
                 Keyboard::parse(text, "keyboard", Path::new("")).map_err(|error| file_fault(&error))?
             }
         };
-        let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
+        let fault = |status, error: &KeysError| Fault::new(status, error.to_string());
+        // Before 88 instruments are read.
         let range = erard::mechanism::SMALLEST_STEP_S..=erard::mechanism::LARGEST_STEP_S;
-        let status = if range.contains(&step_s) { ErardStatus::Model } else { ErardStatus::Range };
-        let keys =
-            Keys::at_rest(&instruments, settings(step_s)).map_err(|error| Fault::new(status, error.to_string()))?;
+        if !range.contains(&step_s) {
+            let error = KeysError { key: 1, error: ActionError::Step { found: step_s } };
+            return Err(fault(ErardStatus::Range, &error));
+        }
+        let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
+        let keys = Keys::at_rest(&instruments, settings(step_s)).map_err(|error| fault(ErardStatus::Model, &error))?;
         let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
         let offset_s = -keys.time_s();
         Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))

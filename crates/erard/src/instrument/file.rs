@@ -9,8 +9,9 @@ use super::convert::convert;
 use super::error::{Fault, FileError};
 use super::format::InstrumentToml;
 use super::from_toml::from_toml;
-use super::locate::{KeyMap, dress, line_column};
+use super::locate::{KeyMap, Lines, dress};
 use super::provenance::{CitedNumber, Provenance};
+use super::reader::ReadNumber;
 use super::serde_fault::serde_fault;
 use crate::files::{read_at_most, shown};
 
@@ -43,16 +44,13 @@ impl InstrumentFile {
     /// # Errors
     /// The first thing that is wrong, with line, key, what was found and what was expected.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
-        check_size(text, file_name, "an instrument, starting with its `format`")?;
-        let file: InstrumentToml =
-            from_toml(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
-        let (instrument, numbers) = convert(&file).map_err(|fault| dress(file_name, text, fault))?;
-        let keys = KeyMap::read(text);
+        let (file, instrument, numbers) = read(text, file_name)?;
+        let (keys, lines) = (KeyMap::read(text), Lines::read(text));
         let numbers = numbers
             .into_iter()
             .map(|number| CitedNumber {
                 key: keys.key_at(&number.span),
-                line: line_column(text, number.span.start).0,
+                line: lines.line_of(number.span.start),
                 values: number.values,
                 citation: number.citation,
             })
@@ -89,6 +87,14 @@ impl InstrumentFile {
     }
 }
 
+/// An instrument file's keys, the instrument, and its numbers with their places: where they come from nobody has asked yet.
+fn read(text: &str, file_name: &str) -> Result<(InstrumentToml, Instrument, Vec<ReadNumber>), Box<FileError>> {
+    check_size(text, file_name, "an instrument, starting with its `format`")?;
+    let file: InstrumentToml = from_toml(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
+    let (instrument, numbers) = convert(&file).map_err(|fault| dress(file_name, text, fault))?;
+    Ok((file, instrument, numbers))
+}
+
 /// There is no built-in instrument of that name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is no built-in instrument `{name}`; built in are {}", Instrument::builtin_names().collect::<Vec<_>>().join(", "))]
@@ -103,8 +109,9 @@ impl Instrument {
     /// # Errors
     /// [`UnknownInstrument`]: there is none of that name.
     pub fn builtin(name: &str) -> Result<Self, UnknownInstrument> {
-        let file = InstrumentFile::builtin(name).ok_or_else(|| UnknownInstrument { name: name.to_owned() })?;
-        Ok(file.instrument)
+        // A test reads every one of them.
+        let found = Self::builtin_text(name).and_then(|text| Self::parse(text, name).ok());
+        found.ok_or_else(|| UnknownInstrument { name: name.to_owned() })
     }
 
     /// The names that [`Instrument::builtin`] knows, the default one first.
@@ -130,7 +137,7 @@ impl Instrument {
     /// # Errors
     /// The first thing that is wrong, with file, line and key.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
-        InstrumentFile::parse(text, file_name).map(|file| file.instrument)
+        read(text, file_name).map(|(_, instrument, _)| instrument)
     }
 }
 

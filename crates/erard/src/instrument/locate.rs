@@ -69,6 +69,23 @@ fn walk_value(value: &DeValue<'_>, path: &str, entries: &mut Vec<(Range<usize>, 
     }
 }
 
+/// The lines of a text, found once.
+pub struct Lines {
+    newlines: Vec<usize>,
+}
+
+impl Lines {
+    /// Reads `text`.
+    pub fn read(text: &str) -> Self {
+        Self { newlines: text.match_indices('\n').map(|(at, _)| at).collect() }
+    }
+
+    /// The line of a byte, from 1.
+    pub fn line_of(&self, byte: usize) -> usize {
+        self.newlines.partition_point(|newline| *newline < byte) + 1
+    }
+}
+
 /// Line and column (characters) of a byte of `text`, both from 1.
 pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
     let before = &text[..floor_char_boundary(text, byte)];

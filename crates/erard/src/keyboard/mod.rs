@@ -64,7 +64,12 @@ impl Keyboard {
     /// # Errors
     /// Where a grading leads to what cannot be: a mass below zero, say.
     pub fn key_file(&self, key: usize) -> Result<InstrumentFile, Box<FileError>> {
-        InstrumentFile::parse(&self.key_text(key), &format!("{}, key {key}", self.file_name))
+        InstrumentFile::parse(&self.key_text(key), &self.key_name(key))
+    }
+
+    /// What errors call a key's file.
+    fn key_name(&self, key: usize) -> String {
+        format!("{}, key {key}", self.file_name)
     }
 
     /// A key's instrument, 1 to 88.
@@ -72,7 +77,7 @@ impl Keyboard {
     /// # Errors
     /// As [`Keyboard::key_file`].
     pub fn key(&self, key: usize) -> Result<Instrument, Box<FileError>> {
-        self.key_file(key).map(|file| file.instrument)
+        Instrument::parse(&self.key_text(key), &self.key_name(key))
     }
 
     /// The instruments of all keys, from the bass.
