@@ -29,10 +29,13 @@ pub(crate) fn visible_point(outlines: &[Vec<Vec2>], index: usize) -> Option<Vec2
             candidates.push([left + share(column) * (right - left), low + share(row) * (high - low)]);
         }
     }
-    candidates.retain(|point| seen(*point));
-    let away = |point: &Vec2| (point[0] - centroid[0]).hypot(point[1] - centroid[1]);
-    candidates.sort_by(|a, b| away(a).total_cmp(&away(b)));
-    candidates.iter().find(|point| clear(**point)).or(candidates.first()).copied()
+    // The nearest first: of most parts the first few points answer, and looking at a point is what takes time.
+    let away = |point: Vec2| (point[0] - centroid[0]).hypot(point[1] - centroid[1]);
+    let mut nearest: Vec<(f64, Vec2)> = candidates.into_iter().map(|point| (away(point), point)).collect();
+    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut visible = nearest.into_iter().map(|(_, point)| point).filter(|point| seen(*point)).peekable();
+    let first = visible.peek().copied();
+    visible.find(|point| clear(*point)).or(first)
 }
 
 fn centroid(outline: &[Vec2]) -> Option<Vec2> {
