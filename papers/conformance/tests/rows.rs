@@ -1,10 +1,21 @@
 //! Every row of every problem holds, and the references are the textbooks' numbers.
 
-use moreau_conformance::{Expected, Row, problems};
+use std::collections::BTreeMap;
+use std::sync::{LazyLock, OnceLock};
+
+use moreau_conformance::{Expected, Problem, Row, problems};
+
+/// Every problem by its number, with its rows once a test has asked for them.
+static SOLVED: LazyLock<BTreeMap<u32, (Problem, OnceLock<Vec<Row>>)>> =
+    LazyLock::new(|| problems().into_iter().map(|problem| (problem.number, (problem, OnceLock::new()))).collect());
+
+fn solved(number: u32) -> (&'static Problem, &'static [Row]) {
+    let (problem, rows) = SOLVED.get(&number).expect("a problem of this number");
+    (problem, rows.get_or_init(problem.rows))
+}
 
 fn holds(number: u32) {
-    let problem = problems().into_iter().find(|p| p.number == number).expect("a problem of this number");
-    let rows = (problem.rows)();
+    let (problem, rows) = solved(number);
     assert!(!rows.is_empty());
     for row in rows {
         assert!(
@@ -56,7 +67,6 @@ problems_hold! {
 /// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.
 #[test]
 fn the_references_are_the_published_numbers() {
-    let mut solved: Vec<(u32, Vec<Row>)> = Vec::new();
     for (number, quantity, value) in [
         (2, "turning point 1, h = 1e-3", 13.317_821_063),
         (2, "turning point 2, h = 1e-3", -11.317_821_063),
@@ -92,11 +102,7 @@ fn the_references_are_the_published_numbers() {
         (25, "r = 1, sinusoidal, 20 ms: area of the loop", 1.509_563_694e-3),
         (26, "pivot: rest after which 1.2 of the kinetic friction is held", 0.102_165_124_8),
     ] {
-        if solved.iter().all(|(n, _)| *n != number) {
-            let problem = problems().into_iter().find(|p| p.number == number).expect("a problem of this number");
-            solved.push((number, (problem.rows)()));
-        }
-        let rows = &solved.iter().find(|(n, _)| *n == number).expect("just solved").1;
+        let (_, rows) = solved(number);
         let row = rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("no row {quantity}"));
         // The last digit that is given, rounded.
         let digits = if number == 3 { 6e-10 } else { 6e-11 };
