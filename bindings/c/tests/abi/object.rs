@@ -23,27 +23,47 @@ fn any(name: &str, parts: &[&str]) -> bool {
     parts.iter().any(|part| name.contains(part))
 }
 
-/// From each function to all that its code names.
+/// The name of the function whose section this is: each has one of its own.
+fn function_of(section: &str) -> &str {
+    let name = section.strip_prefix(".text.").unwrap_or(section);
+    ["unlikely.", "cold.", "hot."].iter().find_map(|prefix| name.strip_prefix(prefix)).unwrap_or(name)
+}
+
+/// From each function to all that its code names: by the symbols of the objects and the relocations of their sections, for to disassemble them takes
+/// thirty times as long.
 fn calls(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
     let mut calls: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for object in std::fs::read_dir(folder).expect("it reads") {
         let object = object.expect("it reads").path();
-        let listed = Command::new("objdump").args(["-dr", "--no-show-raw-insn"]).arg(object).output().expect("it runs");
+        let listed = Command::new("objdump").args(["-t", "-r", "-w"]).arg(object).output().expect("it runs");
         let listed = String::from_utf8_lossy(&listed.stdout);
-        let mut function = None;
+        // The symbols come first.
+        let mut functions: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        let mut section = None;
         for line in listed.lines() {
-            if let Some(name) = line.strip_suffix(">:").and_then(|line| line.split_once('<')) {
-                function = Some(name.1.to_owned());
-                calls.entry(name.1.to_owned()).or_default();
-            } else if let (Some(function), Some((_, kind))) = (&function, line.split_once(": R_X86_64_")) {
+            if let Some((of, name)) = line.split_once('\t').filter(|(of, _)| of.contains(" F ")) {
+                let own = of.split_whitespace().last().unwrap_or_default();
+                let name = name.split_whitespace().last().unwrap_or_default();
+                // What another object defines has no section here.
+                if own.starts_with(".text") {
+                    let names = [name, function_of(own)];
+                    functions.entry(own).or_default().extend(names);
+                    for name in names {
+                        calls.entry(name.to_owned()).or_default();
+                    }
+                }
+            } else if let Some(of) = line.strip_prefix("RELOCATION RECORDS FOR [") {
+                section = of.strip_suffix("]:").filter(|of| of.starts_with(".text"));
+            } else if let (Some(section), Some((_, kind))) = (section, line.split_once(" R_X86_64_")) {
                 let named = kind.split_whitespace().nth(1).unwrap_or_default();
                 let named = named.split("+0x").next().unwrap_or_default().split("-0x").next().unwrap_or_default();
                 // A function of the same object is named by its section.
-                let named = named.strip_prefix(".text.").unwrap_or(named);
-                let named = ["unlikely.", "cold.", "hot."].iter().find_map(|p| named.strip_prefix(p)).unwrap_or(named);
+                let named = function_of(named);
                 // Constants without a name are data, as those in sections of data are.
                 if !named.starts_with('.') && !named.starts_with("anon.") && !named.is_empty() {
-                    calls.get_mut(function).expect("it is there").insert(named.to_owned());
+                    for function in functions.get(section).expect("a section of code has a function") {
+                        calls.entry((*function).to_owned()).or_default().insert(named.to_owned());
+                    }
                 }
             }
         }

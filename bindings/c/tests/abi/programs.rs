@@ -39,21 +39,44 @@ fn run(command: &mut Command) -> String {
     said
 }
 
-/// Compiles an example against the static library or the shared one.
-fn compiled(folder: &Path, name: &str, shared: bool, flags: &[&str]) -> PathBuf {
-    let program = folder.join(format!("{name}-{shared}"));
-    let mut cc = Command::new("cc");
-    cc.args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]).args(flags);
-    cc.arg("-I").arg(root().join("include")).arg(root().join("examples").join(format!("{name}.c")));
+/// The examples.
+const EXAMPLES: [&str; 3] = ["press", "haptic", "keyboard"];
+
+/// Compiles the examples against the static library or the shared one into one program, for linking takes longest: its argument says which example it
+/// runs.
+fn compiled(folder: &Path, shared: bool, flags: &[&str]) -> PathBuf {
+    let cc = |more: &[&str]| {
+        let mut cc = Command::new("cc");
+        cc.args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]).args(flags).args(more);
+        cc
+    };
+    let declared: String = EXAMPLES.iter().map(|name| format!("int {name}_main(void);\n")).collect();
+    let chosen: String = EXAMPLES
+        .iter()
+        .map(|name| format!("    if (count == 2 && !strcmp(names[1], \"{name}\")) return {name}_main();\n"))
+        .collect();
+    let driver = folder.join("driver.c");
+    let main = format!("int main(int count, char **names) {{\n{chosen}    return 100;\n}}\n");
+    std::fs::write(&driver, format!("#include <string.h>\n{declared}{main}")).expect("written");
+    let mut link = cc(&[]);
+    link.arg(driver);
+    for name in EXAMPLES {
+        let object = folder.join(format!("{name}-{shared}.o"));
+        let mut compile = cc(&["-c", &format!("-Dmain={name}_main")]);
+        compile.arg("-I").arg(root().join("include")).arg(root().join("examples").join(format!("{name}.c")));
+        run(compile.arg("-o").arg(&object));
+        link.arg(object);
+    }
     if shared {
         // The name that it is looked for by.
-        let link = folder.join("liberard.so.1");
-        let _ = std::os::unix::fs::symlink(library("liberard_c.so"), &link);
-        cc.arg(&link).arg(format!("-Wl,-rpath,{}", folder.display()));
+        let found = folder.join("liberard.so.1");
+        let _ = std::os::unix::fs::symlink(library("liberard_c.so"), &found);
+        link.arg(&found).arg(format!("-Wl,-rpath,{}", folder.display()));
     } else {
-        cc.arg(library("liberard_c.a")).args(["-lpthread", "-ldl"]);
+        link.arg(library("liberard_c.a")).args(["-lpthread", "-ldl"]);
     }
-    run(cc.args(["-lm", "-o"]).arg(&program));
+    let program = folder.join(format!("examples-{shared}"));
+    run(link.args(["-lm", "-o"]).arg(&program));
     program
 }
 
@@ -64,48 +87,44 @@ fn number_after(text: &str, word: &str) -> f64 {
     rest.trim_start()[..end].parse().unwrap_or_else(|_| panic!("no number after `{word}`: {text}"))
 }
 
-/// The press: the blow and the last place are the native library's, to the bit.
+/// The examples, against the static library and the shared one.
 #[test]
-fn a_press_in_c() {
+fn the_examples_in_c() {
     if !has("cc") {
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
+    let [fixed, shared] = [false, true].map(|shared| compiled(folder.path(), shared, &[]));
+    let said = |program: &Path, name: &str| run(Command::new(program).arg(name));
+    for program in [&fixed, &shared] {
+        presses(&said(program, "press"));
+    }
+    sounds_a_note(&said(&fixed, "haptic"));
+    sounds_three_notes(&said(&shared, "keyboard"));
+}
+
+/// The press: the blow and the last place are the native library's, to the bit.
+fn presses(said: &str) {
     let mut action = Action::new(&Instrument::builtin("concert-grand").unwrap()).unwrap();
     let (mut blow, mut last) = (None, None);
     for n in 0..10_000 {
         last = Some(action.step(Input::Force(if n < 5000 { 5.0 } else { 0.0 })));
         blow = action.impact().or(blow);
     }
-    for shared in [false, true] {
-        let said = run(&mut Command::new(compiled(folder.path(), "press", shared, &[])));
-        assert_eq!(number_after(&said, " with ").to_bits(), blow.unwrap().hammer_speed_m_s.to_bits(), "{said}");
-        assert_eq!(number_after(&said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
-    }
+    assert_eq!(number_after(said, " with ").to_bits(), blow.unwrap().hammer_speed_m_s.to_bits(), "{said}");
+    assert_eq!(number_after(said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
 }
 
 /// The haptic loop at 1 kHz sounds a note, stays bounded, and ends still, held by the finger. Its coupling of 500 N/m gives 12 mm under 6 N.
-#[test]
-fn a_haptic_loop_in_c() {
-    if !has("cc") {
-        return;
-    }
-    let folder = tempfile::tempdir().expect("a folder");
-    let said = run(&mut Command::new(compiled(folder.path(), "haptic", false, &[])));
-    assert!(number_after(&said, "force ") < 60.0 && number_after(&said, "deepest ") < 24.0, "{said}");
+fn sounds_a_note(said: &str) {
+    assert!(number_after(said, "force ") < 60.0 && number_after(said, "deepest ") < 24.0, "{said}");
     assert!(said.starts_with("1 blows"), "{said}");
     // At its end it gives back what the finger presses.
-    assert!((number_after(&said, "mm and ") - 6.0).abs() < 0.5, "{said}");
+    assert!((number_after(said, "mm and ") - 6.0).abs() < 0.5, "{said}");
 }
 
 /// The list of events sounds its three notes.
-#[test]
-fn a_keyboard_in_c() {
-    if !has("cc") {
-        return;
-    }
-    let folder = tempfile::tempdir().expect("a folder");
-    let said = run(&mut Command::new(compiled(folder.path(), "keyboard", true, &[])));
+fn sounds_three_notes(said: &str) {
     let keys: Vec<f64> =
         said.lines().filter(|line| line.starts_with("key ")).map(|l| number_after(l, "key ")).collect();
     assert_eq!(keys.len(), 3, "{said}");
@@ -127,9 +146,10 @@ fn sanitized() {
         not_run("the C compiler has no sanitizers");
         return;
     }
-    for name in ["press", "haptic", "keyboard"] {
-        let program = compiled(folder.path(), name, false, &flags);
-        run(Command::new(program).env("ASAN_OPTIONS", "detect_leaks=1:detect_stack_use_after_return=1"));
+    let program = compiled(folder.path(), false, &flags);
+    for name in EXAMPLES {
+        let mut example = Command::new(&program);
+        run(example.arg(name).env("ASAN_OPTIONS", "detect_leaks=1:detect_stack_use_after_return=1"));
     }
 }
 
