@@ -31,7 +31,7 @@ fn root() -> PathBuf {
 }
 
 /// The crates' folders.
-fn crates() -> Vec<PathBuf> {
+pub(crate) fn crates() -> Vec<PathBuf> {
     let rooms = ["crates", "bindings", "papers"];
     let folders = rooms.iter().flat_map(|room| fs::read_dir(root().join(room)).unwrap()).map(|e| e.unwrap().path());
     let mut crates: Vec<PathBuf> = folders.filter(|folder| folder.join("Cargo.toml").is_file()).collect();
@@ -40,7 +40,7 @@ fn crates() -> Vec<PathBuf> {
 }
 
 /// A manifest, its name, and the names of what one of its tables depends on.
-fn manifest(folder: &Path) -> toml::Table {
+pub(crate) fn manifest(folder: &Path) -> toml::Table {
     fs::read_to_string(folder.join("Cargo.toml")).unwrap().parse().unwrap()
 }
 

@@ -4,6 +4,7 @@ mod adaptive;
 mod description;
 mod drives;
 mod imports;
+mod left_out;
 mod regularised;
 mod tangent;
 mod workspace;
