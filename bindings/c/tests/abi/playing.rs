@@ -185,7 +185,17 @@ fn turned(instrument: *const ErardInstrument, turns: &Value) -> Result<Owned, (E
 /// Every dial of every built-in grand changes the instrument, leaves it as it is at its own value, and reads at both ends.
 #[test]
 fn dials_turn() {
-    for called in ["concert-grand", "concert-grand-rigid", "heavy-touch", "steinway-o"] {
+    dials_turn_on(&["concert-grand"]);
+}
+
+#[test]
+#[ignore = "ci: every dial of four instruments"]
+fn dials_turn_on_every_instrument() {
+    dials_turn_on(&["concert-grand", "concert-grand-rigid", "heavy-touch", "steinway-o"]);
+}
+
+fn dials_turn_on(instruments: &[&str]) {
+    for &called in instruments {
         let name = CString::new(called).unwrap();
         let base = Owned(unsafe { erard_instrument_builtin(name.as_ptr(), null_mut()) });
         let native = Instrument::builtin(called).unwrap();

@@ -133,8 +133,10 @@ fn pins_are_drawn() {
 #[test]
 fn sound_is_written_under_a_name() {
     let folder = Folder::new("inside-wav");
-    let press = ["press", "--instrument", "concert-grand-strings", "--duration", "0.6", "--out", "press", "--wav"];
-    let said = folder.good(&[&press[..], &["mine.wav"]].concat());
+    let press = |duration_s| {
+        ["press", "--instrument", "concert-grand-strings", "--duration", duration_s, "--out", "press", "--wav"]
+    };
+    let said = folder.good(&[&press("0.6")[..], &["mine.wav"]].concat());
     assert!(said.contains("mine.wav is the force on the bridge") && folder.0.join("press/mine.wav").exists(), "{said}");
     let mut reader = hound::WavReader::open(folder.0.join("press/mine.wav")).unwrap();
     assert_eq!(reader.spec().sample_rate, 48_000);
@@ -152,10 +154,10 @@ fn sound_is_written_under_a_name() {
     for beside_hz in [c4_hz * 0.944, c4_hz * 1.059] {
         assert!(part(c4_hz) > 10.0 * part(beside_hz), "{} {}", part(c4_hz), part(beside_hz));
     }
-    folder.good(&press);
+    folder.good(&press("0.1"));
     assert!(folder.0.join("press/note.wav").exists());
     for name in ["sub/note.wav", "stroke.csv", ".wav"] {
-        let said = folder.bad(&[&press[..], &[name]].concat());
+        let said = folder.bad(&[&press("0.6")[..], &[name]].concat());
         assert!(said.contains("no name for it; expected one that ends in .wav"), "{said}");
     }
 }

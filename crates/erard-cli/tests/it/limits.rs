@@ -145,6 +145,18 @@ fn keyboards_do_not_show_other_files() {
     // Elsewhere too it may be used.
     folder.file("grand.toml", include_str!("../../../../instruments/concert-grand.toml"));
     folder.file("keys/out.toml", &pointing("../grand.toml"));
+    assert!(folder.good(&["keyboard", "keys/out.toml", "--key", "88"]).contains("key 88"));
+}
+
+#[test]
+#[ignore = "ci: all 88 keys"]
+fn keyboards_with_an_instrument_elsewhere_are_checked() {
+    let folder = Folder::new("limits-keyboard-elsewhere");
+    let keyboard = include_str!("../../../../keyboards/concert-grand.toml");
+    fs::create_dir(folder.0.join("keys")).unwrap();
+    folder.file("grand.toml", include_str!("../../../../instruments/concert-grand.toml"));
+    let pointing = keyboard.replacen("instrument = \"concert-grand\"", "instrument = \"../grand.toml\"", 1);
+    folder.file("keys/out.toml", &pointing);
     assert!(folder.good(&["check", "keys/out.toml"]).contains("88"));
 }
 

@@ -268,8 +268,19 @@ fn heavier() -> [Recording; 1] {
 /// Noise is read from the recording where nobody says it.
 #[test]
 fn noise_is_read() {
+    reads_noise(0);
+}
+
+#[test]
+#[ignore = "ci: a fit from several starts with noise on the force"]
+fn noise_is_read_from_every_start() {
+    reads_noise(Plan::default().restarts);
+}
+
+fn reads_noise(restarts: usize) {
     let data = heavier();
     let mut mass = asks(&["body.hammer.mass"]);
+    mass.plan.restarts = restarts;
     mass.sigma.clear();
     let read = fit(&data, &mass).unwrap();
     for ((title, sigma, _), put_in) in read.channels.iter().zip(&NOISE[1..]) {
@@ -393,11 +404,21 @@ fn what_is_wrong_is_said() {
 /// The same bits on any number of cores.
 #[test]
 fn cores_do_not_matter() {
+    same_on_cores(0);
+}
+
+#[test]
+#[ignore = "ci: two fits from several starts"]
+fn cores_do_not_matter_from_any_start() {
+    same_on_cores(Plan::default().restarts);
+}
+
+fn same_on_cores(restarts: usize) {
     let data = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)];
     let on = |threads: usize| {
         let mut problem = problem(&data, &asks(&["body.hammer.mass"])).unwrap();
         problem.threads = threads;
-        course(&mut Native(&mut problem), &Plan::default()).unwrap()
+        course(&mut Native(&mut problem), &Plan { restarts, ..Plan::default() }).unwrap()
     };
     assert_eq!(on(1), on(3));
 }

@@ -226,22 +226,28 @@ fn knuckle_in_is_heavier() {
 /// a mean of two ways, sees half of what one of them rubs more than the other.
 #[test]
 fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
-    let grand = rigid_grand();
-    let heavier = |grand: &Instrument| {
-        let mut heavier = grand.clone();
-        add_mass(&mut heavier, "hammer", 1e-3, [0.130, 0.018]);
-        keep_the_blow(&mut heavier, grand);
-        (weighed(grand), weighed(&heavier))
-    };
-    let mut smooth = grand.clone();
-    smooth.zones[zone(&grand, "jack_knuckle")].friction_coefficient = 0.0;
-    let (before, after) = heavier(&smooth);
+    let mut smooth = rigid_grand();
+    let knuckle = zone(&smooth, "jack_knuckle");
+    smooth.zones[knuckle].friction_coefficient = 0.0;
+    let (before, after) = with_a_gram(&smooth);
     near("strike weight", after.parts.strike_weight_g - before.parts.strike_weight_g, 1.0, 1e-9);
     let raised = balance(&after) - balance(&before);
     near("balance weight, R by weights", raised, before.strike_weight_ratio().unwrap(), SCALE_G);
     near("balance weight, R by kinematics", raised, before.strike_ratio.where_weighed, SCALE_G);
+}
 
-    let (before, after) = heavier(&grand);
+/// Weights of an action, and with a gram more at the hammer's head.
+fn with_a_gram(grand: &Instrument) -> (Weights, Weights) {
+    let mut heavier = grand.clone();
+    add_mass(&mut heavier, "hammer", 1e-3, [0.130, 0.018]);
+    keep_the_blow(&mut heavier, grand);
+    (weighed(grand), weighed(&heavier))
+}
+
+#[test]
+#[ignore = "ci: an action weighed twice more"]
+fn a_gram_at_the_hammer_with_a_knuckle_that_rubs() {
+    let (before, after) = with_a_gram(&rigid_grand());
     let raised = balance(&after) - balance(&before);
     let ratio = before.strike_ratio.where_weighed;
     // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times what the knuckle slides of the key's way.

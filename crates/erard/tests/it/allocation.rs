@@ -52,6 +52,17 @@ fn a_step_never_allocates() {
 /// one. With the iteration limit reached, too.
 #[test]
 fn a_group_step_never_allocates() {
+    groups_never_allocate(4);
+}
+
+#[test]
+#[ignore = "ci: a second of playing in every kind of lanes"]
+fn a_second_of_group_steps_never_allocates() {
+    groups_never_allocate(1);
+}
+
+/// Every input, or one of so many.
+fn groups_never_allocate(of: u64) {
     let (model, state) = grand();
     let usual = Settings::new(50e-6);
     for lanes in Lanes::here() {
@@ -61,7 +72,7 @@ fn a_group_step_never_allocates() {
             let (mut inputs, mut outcomes) = ([Input::Free; 16], [Outcome::Converged; 16]);
             let mut steps = 0;
             let counted = allocation_counter::measure(|| {
-                for n in 0..20_000 {
+                for n in (0..20_000).step_by(of as usize) {
                     let apart = if n < 10_000 { 0 } else { 700 };
                     for (own, i) in inputs.iter_mut().zip(0..) {
                         *own = input(n + apart * i);
@@ -70,7 +81,7 @@ fn a_group_step_never_allocates() {
                     steps += 1;
                 }
             });
-            assert_eq!(steps, 20_000);
+            assert_eq!(steps * of, 20_000);
             assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{lanes:?} {settings:?}: {counted:?}");
         }
     }

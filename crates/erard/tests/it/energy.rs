@@ -34,16 +34,23 @@ struct Played {
     unconverged_steps: u64,
 }
 
-fn played(theta: f64, step: f64) -> Vec<Played> {
+fn played(plays: impl Iterator<Item = Play>, theta: f64, step: f64) -> Vec<Played> {
     let of = |play: Play| {
         let run = run(&play, theta, step);
         Played { play, theta, ledger: run.ledger.unwrap(), unconverged_steps: run.work.unconverged_steps }
     };
-    plays().into_iter().map(of).collect()
+    plays.map(of).collect()
 }
 
-/// All plays in steps of the usual length, at theta = 1/2 and 1: every test looks at them.
-static USUAL: LazyLock<[Vec<Played>; 2]> = LazyLock::new(|| [0.5, 1.0].map(|theta| played(theta, USUAL_STEP_S)));
+/// One of so many plays in steps of the usual length, at theta = 1/2 and 1.
+fn usual(of: usize) -> [Vec<Played>; 2] {
+    [0.5, 1.0].map(|theta| played(plays().into_iter().step_by(of), theta, USUAL_STEP_S))
+}
+
+/// Some plays: the tests of every run look at them.
+static SOME: LazyLock<[Vec<Played>; 2]> = LazyLock::new(|| usual(3));
+/// All plays: the slow tests look at them.
+static ALL: LazyLock<[Vec<Played>; 2]> = LazyLock::new(|| usual(1));
 
 /// Largest residual, relative to the work put in, of all plays.
 fn worst(played: &[Played], residual: fn(&Ledger) -> f64) -> f64 {
@@ -55,15 +62,20 @@ fn worst(played: &[Played], residual: fn(&Ledger) -> f64) -> f64 {
 /// less than a quarter of the residual (a sixteenth in the mean, were it not for the contacts' phases).
 #[test]
 fn the_books_close_at_theta_one_half() {
-    let residual = worst(&USUAL[0], Ledger::residual_relative);
+    books_close(&SOME[0]);
+}
+
+fn books_close(played: &[Played]) {
+    let residual = worst(played, Ledger::residual_relative);
     assert!(residual < 1e-4, "{residual:e}");
 }
 
 #[test]
 #[ignore = "ci: all plays in steps of three lengths"]
 fn the_books_close_with_the_square_of_the_step() {
-    let [coarse, fine] = [4.0, 0.25].map(|part| worst(&played(0.5, part * USUAL_STEP_S), Ledger::residual_relative));
-    let residuals = [coarse, worst(&USUAL[0], Ledger::residual_relative), fine];
+    let in_steps = |step: f64| played(plays().into_iter(), 0.5, step);
+    let [coarse, fine] = [4.0, 0.25].map(|part| worst(&in_steps(part * USUAL_STEP_S), Ledger::residual_relative));
+    let residuals = [coarse, worst(&ALL[0], Ledger::residual_relative), fine];
     println!(
         "largest energy residual at 200, 50 and 12.5 us: {:.1e} {:.1e} {:.1e}",
         residuals[0], residuals[1], residuals[2]
@@ -75,15 +87,20 @@ fn the_books_close_with_the_square_of_the_step() {
 /// it takes some 15 % at 50 us (which is why theta = 1/2 is the default); a quarter of the step leaves a third of that or less.
 #[test]
 fn the_scheme_itself_only_takes_energy_at_theta_one() {
+    takes_only(&SOME[1]);
+}
+
+fn takes_only(played: &[Played]) {
     let gain = |ledger: &Ledger| ledger.residual() / ledger.drive_work_in;
-    assert_eq!(worst(&USUAL[1], gain), 0.0, "no play gains");
+    assert_eq!(worst(played, gain), 0.0, "no play gains");
 }
 
 #[test]
 #[ignore = "ci: all plays in steps of two lengths"]
 fn the_scheme_takes_energy_of_first_order_at_theta_one() {
     let taken = |ledger: &Ledger| -ledger.residual() / ledger.drive_work_in;
-    let (coarse, fine) = (worst(&USUAL[1], taken), worst(&played(1.0, 0.25 * USUAL_STEP_S), taken));
+    let fine = played(plays().into_iter(), 1.0, 0.25 * USUAL_STEP_S);
+    let (coarse, fine) = (worst(&ALL[1], taken), worst(&fine, taken));
     println!("energy that theta = 1 takes at 50 and 12.5 us: {coarse:.2} {fine:.2} of the work");
     assert!(fine < coarse / 3.0, "{coarse} {fine}");
 }
@@ -92,7 +109,20 @@ fn the_scheme_takes_energy_of_first_order_at_theta_one() {
 /// all runs is not negative, not even by rounding, for every drive and both thetas. No step is left unconverged.
 #[test]
 fn no_dissipation_is_negative_in_any_step() {
-    for Played { play, theta, ledger: l, unconverged_steps } in USUAL.iter().flatten() {
+    only_takes(SOME.iter().flatten());
+}
+
+/// What the tests of every run ask of some plays, asked of all.
+#[test]
+#[ignore = "ci: all plays"]
+fn all_plays_keep_their_energy() {
+    books_close(&ALL[0]);
+    takes_only(&ALL[1]);
+    only_takes(ALL.iter().flatten());
+}
+
+fn only_takes<'a>(played: impl Iterator<Item = &'a Played>) {
+    for Played { play, theta, ledger: l, unconverged_steps } in played {
         assert!(l.smallest_term >= 0.0, "{play:?}, theta {theta}: {:e}", l.smallest_term);
         assert!(l.pivot_dry > 0.0 && l.pivot_viscous > 0.0 && l.felt_damping > 0.0 && l.coulomb > 0.0, "{play:?}");
         assert_eq!(*unconverged_steps, 0, "{play:?}, theta {theta}");

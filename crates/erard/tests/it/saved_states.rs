@@ -90,9 +90,20 @@ fn what_changes_no_step_keeps_the_identity() {
     assert_eq!(negative.digest(), grand().digest(), "zero has one sign");
 }
 
-/// Every number of a file: the identity changes if and only if what the step is given does.
+/// Every fifth number of a file: the identity changes if and only if what the step is given does.
 #[test]
+fn numbers_that_change_a_step_change_the_identity() {
+    identity_changes_with_the_step(5);
+}
+
+#[test]
+#[ignore = "ci: every number of a file"]
 fn every_number_that_changes_a_step_changes_the_identity() {
+    identity_changes_with_the_step(1);
+}
+
+/// One of so many numbers is changed.
+fn identity_changes_with_the_step(of: usize) {
     // With the bridge that moves, so that everything that is described is in force.
     let text = Instrument::builtin_text("concert-grand-strings").unwrap();
     let text = text.replace("rigid_bridge = true", "rigid_bridge = false");
@@ -100,7 +111,8 @@ fn every_number_that_changes_a_step_changes_the_identity() {
     assert!(!file.instrument.roles.rigid_bridge && !file.instrument.bridge_modes.is_empty());
     let (own, own_given) = (file.instrument.digest(), given(&file.instrument));
     let (mut changed, mut kept) = (0, BTreeSet::new());
-    for number in file.provenance.numbers.iter().filter(|number| !number.key.starts_with("part.")) {
+    let numbers = file.provenance.numbers.iter().filter(|number| !number.key.starts_with("part."));
+    for number in numbers.step_by(of) {
         for (which, value) in number.values.iter().enumerate() {
             let read = |value: f64| {
                 let text = with_numbers(&text, &[(&number.key, which, value)]).expect("it is there");
@@ -118,7 +130,7 @@ fn every_number_that_changes_a_step_changes_the_identity() {
         }
     }
     println!("{changed} numbers change a step; not: {kept:?}");
-    assert!(changed > 200, "{changed}");
+    assert!(changed * of > 200, "{changed}");
     // What is only looked at; and directions, which are made unit vectors.
     let expected = ["thickness_mm", "turn_deg", "normal", "direction"].map(str::to_owned);
     assert!(kept.iter().all(|key| expected.contains(key)), "{kept:?}");
