@@ -25,7 +25,7 @@ const ERROR: c_int = 3;
 
 /// fmi2CallbackFunctions.
 #[repr(C)]
-pub struct Callbacks {
+pub(crate) struct Callbacks {
     logger: Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>,
     allocate: *const c_void,
     free: *const c_void,
@@ -34,7 +34,7 @@ pub struct Callbacks {
 }
 
 /// An instance of the unit.
-pub struct Component {
+pub(crate) struct Component {
     name: CString,
     logger: Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>,
     environment: *mut c_void,

@@ -25,7 +25,7 @@ impl ErardInstrument {
 }
 
 /// What is wrong with a file, as a fault.
-pub fn file_fault(error: &FileError) -> Fault {
+pub(crate) fn file_fault(error: &FileError) -> Fault {
     Fault::new(ErardStatus::File, error.to_string())
 }
 
@@ -45,7 +45,7 @@ fn as_json(error: &FileError) -> Value {
 }
 
 /// The file that a caller's text is; NULL: the built-in concert grand.
-pub unsafe fn parse(text: *const c_char, length: usize) -> Result<(InstrumentFile, String), Fault> {
+pub(crate) unsafe fn parse(text: *const c_char, length: usize) -> Result<(InstrumentFile, String), Fault> {
     // SAFETY: passed on.
     let text = match unsafe { bytes(text, length) }? {
         None => builtin("concert-grand")?,

@@ -11,7 +11,7 @@ use crate::status::ErardStatus;
 const NEARLY: f64 = 1e-6;
 
 /// An action, its rest, and what was last to be read.
-pub struct Play {
+pub(crate) struct Play {
     pub action: Action,
     rest: MechanismState,
     /// Room for how strings that yield vibrated before several steps.
@@ -25,7 +25,7 @@ pub struct Play {
 }
 
 impl Play {
-    pub fn new(action: Action, zones: usize) -> Self {
+    pub(crate) fn new(action: Action, zones: usize) -> Self {
         let (rest, strings) = (action.mechanism_state(), vec![0; save_strings(&action, &mut [])].into());
         let mut play =
             Play { action, rest, strings, reading: ErardReading::default(), owed_s: 0.0, under_way: false, zones };
@@ -56,7 +56,7 @@ impl Play {
 
     /// One step. The input has been checked.
     #[inline(never)]
-    pub fn step(&mut self, input: Input) -> ErardStatus {
+    pub(crate) fn step(&mut self, input: Input) -> ErardStatus {
         if self.under_way {
             return ErardStatus::Internal;
         }
@@ -73,7 +73,7 @@ impl Play {
 
     /// Steps as many times as `dt_s` has room for; what is left over counts for the next call.
     #[inline(never)]
-    pub fn advance(&mut self, dt_s: f64, input: &ErardInput) -> ErardStatus {
+    pub(crate) fn advance(&mut self, dt_s: f64, input: &ErardInput) -> ErardStatus {
         if !dt_s.is_finite() {
             return ErardStatus::NotFinite;
         }
@@ -147,7 +147,7 @@ impl Play {
 
     /// As it was at first.
     #[inline(never)]
-    pub fn reset(&mut self) -> ErardStatus {
+    pub(crate) fn reset(&mut self) -> ErardStatus {
         let Play { action, rest, .. } = self;
         // Of no lists: strings are at rest.
         if action.restore_from(rest, &|_, _| 0).is_err() {
@@ -159,20 +159,20 @@ impl Play {
     }
 
     /// How many bytes [`Play::save`] writes.
-    pub fn saved_bytes(&self) -> usize {
+    pub(crate) fn saved_bytes(&self) -> usize {
         self.save(&mut [])
     }
 
     /// All that the following steps and readings depend on. Returns how many bytes it takes.
     #[inline(never)]
-    pub fn save(&self, bytes: &mut [u8]) -> usize {
+    pub(crate) fn save(&self, bytes: &mut [u8]) -> usize {
         let mut out = Writer::new(bytes, SNAPSHOT_MARK);
         self.write(&mut out);
         out.seal()
     }
 
     /// Writes its lists: those of a snapshot, and what the interface adds.
-    pub fn write(&self, out: &mut Writer<'_>) {
+    pub(crate) fn write(&self, out: &mut Writer<'_>) {
         self.action.mechanism_state().write(out);
         self.action.save_strings(&mut |name, numbers| out.list(name, numbers));
         out.number("step_s", self.action.settings().step);
@@ -183,7 +183,7 @@ impl Play {
 
     /// Goes on from there.
     #[inline(never)]
-    pub fn restore(&mut self, bytes: &[u8]) -> ErardStatus {
+    pub(crate) fn restore(&mut self, bytes: &[u8]) -> ErardStatus {
         match Lists::read(bytes, SNAPSHOT_MARK) {
             Ok(lists) => self.read(&lists),
             Err(_) => ErardStatus::Saved,
@@ -191,7 +191,7 @@ impl Play {
     }
 
     /// Goes on from such lists; those of a snapshot alone have the length of step that is in force, owe no time, and have seen no blow.
-    pub fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
+    pub(crate) fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
         let step_s = self.action.settings().step;
         if lists.number("step_s").is_some_and(|saved_s| saved_s != step_s) {
             return ErardStatus::Foreign;
@@ -217,7 +217,7 @@ impl Play {
 
     /// Normal forces of the contact zones in the last step, N.
     #[inline(never)]
-    pub fn contacts(&self, out: &mut [f64]) {
+    pub(crate) fn contacts(&self, out: &mut [f64]) {
         for (zone, place) in out.iter_mut().enumerate().take(self.zones) {
             *place = self.action.contact_force(zone);
         }
@@ -285,7 +285,7 @@ fn later(input: Input, t: f64, h: f64) -> Input {
 }
 
 /// Why a snapshot is refused.
-pub fn status_of(error: SnapshotError) -> ErardStatus {
+pub(crate) fn status_of(error: SnapshotError) -> ErardStatus {
     match error {
         SnapshotError::Instrument => ErardStatus::Foreign,
         SnapshotError::NotFinite => ErardStatus::NotFinite,
@@ -294,6 +294,6 @@ pub fn status_of(error: SnapshotError) -> ErardStatus {
 }
 
 /// The usual settings with such steps.
-pub fn settings(step_s: f64) -> Settings<f64> {
+pub(crate) fn settings(step_s: f64) -> Settings<f64> {
     Settings::new(step_s)
 }

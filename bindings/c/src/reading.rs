@@ -54,7 +54,7 @@ pub struct ErardInput {
 
 impl ErardInput {
     /// The input, if it is one that an action takes.
-    pub fn checked(&self) -> Result<Input, ErardStatus> {
+    pub(crate) fn checked(&self) -> Result<Input, ErardStatus> {
         let Self { kind, force_n, position_m, velocity_m_s, .. } = *self;
         match kind {
             ERARD_FREE => Ok(Input::Free),
@@ -96,7 +96,7 @@ impl ErardInput {
 
 /// A number up to a limit, either way.
 #[inline(always)]
-pub fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
+pub(crate) fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
     if !number.is_finite() {
         Err(ErardStatus::NotFinite)
     } else if number.abs() > limit {

@@ -68,18 +68,18 @@ thread_local! {
 
 /// What went wrong, with its code.
 #[derive(Debug)]
-pub struct Fault {
+pub(crate) struct Fault {
     pub status: ErardStatus,
     pub text: String,
 }
 
 impl Fault {
-    pub fn new(status: ErardStatus, text: impl Into<String>) -> Self {
+    pub(crate) fn new(status: ErardStatus, text: impl Into<String>) -> Self {
         Fault { status, text: text.into() }
     }
 
     /// A pointer is NULL: which.
-    pub fn null(what: &str) -> Self {
+    pub(crate) fn null(what: &str) -> Self {
         Fault::new(ErardStatus::Null, format!("{what} is NULL"))
     }
 }
@@ -88,7 +88,7 @@ impl Fault {
 ///
 /// # Safety
 /// It was boxed by this library, and is used no more.
-pub unsafe fn ended<T>(own: *mut T) {
+pub(crate) unsafe fn ended<T>(own: *mut T) {
     if !own.is_null() {
         told((), null_mut(), || {
             // SAFETY: the caller's promise.
@@ -100,7 +100,7 @@ pub unsafe fn ended<T>(own: *mut T) {
 
 /// Does what may allocate and may fail: its result, or `none` where it fails; then the code is written where the caller wants it, and the text is
 /// kept for [`erard_last_error`]. A panic ends here.
-pub fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> Result<T, Fault>) -> T {
+pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> Result<T, Fault>) -> T {
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
         let said = said.unwrap_or_default();
@@ -123,14 +123,14 @@ pub fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> Result<
 }
 
 /// The same for a function that returns its status.
-pub fn tell(work: impl FnOnce() -> Result<(), Fault>) -> ErardStatus {
+pub(crate) fn tell(work: impl FnOnce() -> Result<(), Fault>) -> ErardStatus {
     let mut status = ErardStatus::Ok;
     told((), &raw mut status, work);
     status
 }
 
 /// Does what may be done in real time: no text is kept. A panic ends here.
-pub fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
+pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
 }
 

@@ -5,7 +5,7 @@ use std::ffi::{CStr, CString, c_char};
 use crate::status::{ErardStatus, Fault};
 
 /// A text of the library for the caller, who gives it back with `erard_text_free`; its length is written where it is wanted.
-pub fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
+pub(crate) fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
     let text = CString::new(text).map_err(|_| Fault::new(ErardStatus::Internal, "a text with a zero in it"))?;
     // SAFETY: the caller's promise: NULL, or a place for a size.
     if let Some(length) = unsafe { length.as_mut() } {
@@ -15,7 +15,7 @@ pub fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
 }
 
 /// The caller's bytes; `None` for NULL.
-pub unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Option<&'a [u8]>, Fault> {
+pub(crate) unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Option<&'a [u8]>, Fault> {
     if text.is_null() {
         return if length == 0 { Ok(None) } else { Err(Fault::null("the text, with a length that is not 0,")) };
     }
@@ -27,7 +27,7 @@ pub unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Option<&'a
 }
 
 /// A name of the caller's, ended by a zero.
-pub unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str, Fault> {
+pub(crate) unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str, Fault> {
     if name.is_null() {
         return Err(Fault::null(what));
     }

@@ -39,7 +39,7 @@ pub fn give(value: &impl Serialize) -> Result<(), Failure> {
 }
 
 /// Takes a result that is written to a file: JSON is the answer unless another was given, a table where there is none.
-pub fn offer(name: &str, bytes: &[u8]) {
+pub(crate) fn offer(name: &str, bytes: &[u8]) {
     if !say::wants_json() {
         return;
     }
@@ -55,19 +55,19 @@ pub fn offer(name: &str, bytes: &[u8]) {
 }
 
 /// Whether a result of this name may be an answer.
-pub fn takes(name: &str) -> bool {
+pub(crate) fn takes(name: &str) -> bool {
     say::wants_json() && (name.ends_with(".json") || name.ends_with(".csv"))
 }
 
 /// Remembers which files were written.
-pub fn written(paths: &[PathBuf]) {
+pub(crate) fn written(paths: &[PathBuf]) {
     if say::wants_json() {
         answer().get_or_insert_default().written.extend(paths.iter().cloned());
     }
 }
 
 /// Prints the answer, where one is wanted and there is anything to answer.
-pub fn print() {
+pub(crate) fn print() {
     let Some(answer) = answer().take() else { return };
     let text = answer.json.or_else(|| {
         let mut all = Map::new();

@@ -45,7 +45,7 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
 }
 
 /// The errors as a table, then by frequency.
-pub fn print_table(comparison: &Comparison) {
+pub(crate) fn print_table(comparison: &Comparison) {
     let findings = findings(comparison);
     say!("  drive   model     of         rms          of range   largest      explained  correlation  delay");
     for Finding { trial, quantity, shown: (factor, unit), measured, errors, .. } in &findings {
@@ -97,7 +97,7 @@ pub fn print_table(comparison: &Comparison) {
 
 /// `compare.json`.
 #[derive(Debug, Serialize)]
-pub struct ComparisonReport {
+pub(crate) struct ComparisonReport {
     /// The recording's name.
     measured: String,
     /// The instrument's name.
@@ -118,7 +118,7 @@ pub struct ComparisonReport {
 /// One channel of the recording. SI units: N or m.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
-pub struct PreparedChannel {
+pub(crate) struct PreparedChannel {
     /// `force`, `position` or `hammer`.
     channel: &'static str,
     /// Lowest and highest value, zero and sign applied.
@@ -183,7 +183,7 @@ struct BandReport {
 
 impl ComparisonReport {
     /// Of a recording by its name and an instrument by its own.
-    pub fn new(c: &Comparison, prepared: &Report, measured: &str, instrument: &str) -> Self {
+    pub(crate) fn new(c: &Comparison, prepared: &Report, measured: &str, instrument: &str) -> Self {
         ComparisonReport {
             measured: measured.into(),
             instrument: instrument.into(),
@@ -199,7 +199,7 @@ impl ComparisonReport {
 
 impl PreparedChannel {
     /// Of a channel.
-    pub fn new(channel: &ChannelReport) -> Self {
+    pub(crate) fn new(channel: &ChannelReport) -> Self {
         PreparedChannel {
             channel: channel.role.name(),
             range: [channel.range.0, channel.range.1],

@@ -10,7 +10,7 @@ const LONGEST_LINE: usize = 400;
 const WIDTH: usize = 110;
 
 /// Draws the place of an error; `None` where the error belongs to no line, or a line there is longer than a terminal can show.
-pub fn excerpt(error: &FileError) -> Option<String> {
+pub(crate) fn excerpt(error: &FileError) -> Option<String> {
     let wrong = error.line.checked_sub(1)?;
     let lines: Vec<&str> = error.text.lines().collect();
     let shown = wrong.saturating_sub(1)..lines.len().min(wrong + 2);

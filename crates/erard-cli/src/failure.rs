@@ -78,13 +78,13 @@ pub enum Failure {
 
 impl Failure {
     /// A file or folder that cannot be written.
-    pub fn write(path: &Path, source: std::io::Error) -> Self {
+    pub(crate) fn write(path: &Path, source: std::io::Error) -> Self {
         Failure::Write { path: path.to_path_buf(), source }
     }
 
     /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 1
     /// otherwise: goals that were not met although everything went well, or a fault of the program.
-    pub fn report(&self) -> ExitCode {
+    pub(crate) fn report(&self) -> ExitCode {
         signals::yield_to_the_end();
         tell!("error: {self}");
         if let Failure::Instrument(error) = self

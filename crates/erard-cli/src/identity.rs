@@ -10,7 +10,7 @@ use erard_figures::made_by::{MadeBy, Source};
 use sha2::{Digest, Sha256};
 
 /// The commit that the program was built from, where that was known; a `+`: changed since.
-pub const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
+pub(crate) const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
 
 /// What was read, in its order.
 static SOURCES: Mutex<Vec<Source>> = Mutex::new(Vec::new());
@@ -21,7 +21,7 @@ static COMMAND: Mutex<(String, BTreeMap<String, Vec<String>>)> = Mutex::new((Str
 const ELSEWHERE: [(&str, bool); 4] = [("out", true), ("force", false), ("quiet", false), ("json", false)];
 
 /// Remembers the command that this process was asked for.
-pub fn remember(arguments: &[OsString], definition: &Command, matches: &ArgMatches) {
+pub(crate) fn remember(arguments: &[OsString], definition: &Command, matches: &ArgMatches) {
     let mut command = definition.get_name().to_owned();
     let mut skip = false;
     for argument in arguments.iter().skip(1).map(|argument| argument.to_string_lossy()) {
@@ -68,17 +68,17 @@ fn quoted(word: &str) -> String {
 }
 
 /// Remembers what results are made from; `file` as it was given, `bytes` as they were read.
-pub fn used(kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
+pub(crate) fn used(kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
     push(kind, name, file, Some(hex(&Sha256::digest(bytes))));
 }
 
 /// The same of something that has no bytes, such as a constant force.
-pub fn used_without_file(kind: &str, name: &str) {
+pub(crate) fn used_without_file(kind: &str, name: &str) {
     push(kind, name, None, None);
 }
 
 /// The same of a file that was hashed while it was read.
-pub fn used_hashed(kind: &str, name: &str, file: &str, hash: Sha256) {
+pub(crate) fn used_hashed(kind: &str, name: &str, file: &str, hash: Sha256) {
     push(kind, name, Some(file), Some(hex(&hash.finalize())));
 }
 
@@ -103,7 +103,7 @@ fn sources() -> MutexGuard<'static, Vec<Source>> {
 }
 
 /// What makes the results now.
-pub fn made_by() -> MadeBy {
+pub(crate) fn made_by() -> MadeBy {
     let (command, options) = COMMAND.lock().unwrap_or_else(PoisonError::into_inner).clone();
     MadeBy {
         program: "erard".into(),
@@ -116,7 +116,7 @@ pub fn made_by() -> MadeBy {
 }
 
 /// A result with what made it in it, by the ending of its name; of other kinds as it is.
-pub fn stamped(name: &str, bytes: Vec<u8>) -> Vec<u8> {
+pub(crate) fn stamped(name: &str, bytes: Vec<u8>) -> Vec<u8> {
     let made_by = made_by();
     let text = |stamp: &dyn Fn(&str) -> String| match std::str::from_utf8(&bytes) {
         Ok(text) => stamp(text).into_bytes(),
@@ -132,7 +132,7 @@ pub fn stamped(name: &str, bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// Whether a result of this name carries what made it.
-pub fn is_stamped(name: &str) -> bool {
+pub(crate) fn is_stamped(name: &str) -> bool {
     [".svg", ".html", ".json", ".png"].iter().any(|ending| name.ends_with(ending))
 }
 

@@ -16,7 +16,7 @@ static READ: Mutex<Vec<Handle>> = Mutex::new(Vec::new());
 ///
 /// # Errors
 /// Of the file system.
-pub fn open(path: &Path) -> io::Result<File> {
+pub(crate) fn open(path: &Path) -> io::Result<File> {
     let file = File::open(path)?;
     read().push(Handle::from_file(file.try_clone()?)?);
     Ok(file)
@@ -26,14 +26,14 @@ pub fn open(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 /// Where it cannot be read, or is longer than any such file; then no more of it is read.
-pub fn bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
+pub(crate) fn bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
     let name = shown(path);
     let bytes = file_bytes(open(path), &name)?;
     Ok((name, bytes))
 }
 
 /// Remembers a file that somebody else reads for this process.
-pub fn remember(path: &Path) {
+pub(crate) fn remember(path: &Path) {
     if let Ok(handle) = handle(path) {
         read().push(handle);
     }
@@ -41,7 +41,7 @@ pub fn remember(path: &Path) {
 
 /// Whether a path leads, by whatever links, to a file that this process reads.
 #[must_use]
-pub fn is_one(path: &Path) -> bool {
+pub(crate) fn is_one(path: &Path) -> bool {
     handle(path).is_ok_and(|handle| read().contains(&handle))
 }
 

@@ -1,8 +1,7 @@
 //! What `erard keyboard` makes of the keys that it has weighed: text, table, figure.
 
-pub mod pair;
+pub(crate) mod pair;
 
-use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -11,8 +10,8 @@ use erard::trust::worst_of_each;
 use erard_workshop::trying::Tried;
 use erard_workshop::weighing::WeighedKey;
 
-use crate::table::shortest;
-use erard_figures::figure::{self, Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window};
+use crate::table::write_rows;
+use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_svg};
 
 /// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
 /// weighed stand in the text.
@@ -52,7 +51,7 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
 }
 
 /// Why keys are not to be trusted, each tried with its number: of every kind and part how many keys, and the worst of them.
-pub fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
+pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
     let all = tried.clone().count();
     worst_of_each(tried.clone().flat_map(|(_, one)| &one.warnings))
         .into_iter()
@@ -74,7 +73,7 @@ fn samples(weighed: &[WeighedKey]) -> Vec<usize> {
 }
 
 /// Sample notes as text, grams to a tenth.
-pub fn text(weighed: &[WeighedKey]) -> String {
+pub(crate) fn text(weighed: &[WeighedKey]) -> String {
     let samples: Vec<&WeighedKey> = samples(weighed).into_iter().map(|at| &weighed[at]).collect();
     let mut out = String::new();
     let mut row = |name: &str, unit: &str, cells: Vec<String>| {
@@ -98,58 +97,28 @@ pub fn text(weighed: &[WeighedKey]) -> String {
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_csv(weighed: &[WeighedKey], writer: &mut dyn Write) -> std::io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(COLUMNS)?;
-    for one in weighed {
-        csv.write_field(one.key.to_string())?;
-        csv.write_field(&one.note)?;
-        for number in numbers(one) {
-            let mut text = String::new();
-            if number.is_finite() {
-                shortest(number, &mut text);
-            }
-            csv.write_field(&text)?;
-        }
-        csv.write_record(None::<&[u8]>)?;
-    }
-    csv.flush()
+pub(crate) fn write_csv(weighed: &[WeighedKey], writer: &mut dyn Write) -> std::io::Result<()> {
+    let numbers = |one: &WeighedKey| numbers(one).map(|number| Some(number).filter(|number| number.is_finite()));
+    write_rows(&COLUMNS, weighed.iter().map(|one| ([one.key.to_string(), one.note.clone()], numbers(one))), writer)
 }
 
+/// What the abscissa over the keys of a piano counts.
+pub(crate) const KEY_NUMBERS: &str = "number of the key, 1 = A0, 40 = C4, 88 = C8";
+
 /// Panels over the keys of a piano.
-pub(super) fn over_the_keys(title: String, panels: Vec<Panel>) -> String {
-    figure::figure_svg(&Figure {
-        title,
-        subtitle: "touch weights as measured in a slow loop, dampers lifted".into(),
-        width_px: 860.0,
-        x_label: "number of the key, 1 = A0, 40 = C4, 88 = C8".into(),
-        x_unit: 1.0,
-        x_scale: Scale::Linear,
-        windows: vec![Window { from: 1.0, to: KEYS as f64, weight: 1.0, heading: String::new(), names_markers: false }],
-        panels,
-        markers: Vec::new(),
-    })
+fn over_the_keys(title: String, panels: Vec<Panel>) -> String {
+    let subtitle = "touch weights as measured in a slow loop, dampers lifted".into();
+    figure_svg(&Figure::over(KEY_NUMBERS, (1.0, KEYS as f64), title, subtitle, panels))
 }
 
 /// Hammers and leads, and the touch weights, over the number of the key.
-pub fn figure_svg(name: &str, weighed: &[WeighedKey]) -> String {
+pub(crate) fn weighed_svg(name: &str, weighed: &[WeighedKey]) -> String {
     let keys: Vec<f64> = weighed.iter().map(|w| w.key as f64).collect();
-    let column = |index: usize| Cow::Owned(weighed.iter().map(|w| numbers(w)[index]).collect());
-    let curve = |label: &str, index: usize, style: usize, dash| Trace {
-        label: label.into(),
-        x: &keys,
-        y: column(index),
-        colour: PALETTE[style],
-        dash,
+    let curve = |label: &str, index: usize, style: usize, dash| {
+        let y: Vec<f64> = weighed.iter().map(|w| numbers(w)[index]).collect();
+        Trace::new(label, &keys, y, style, dash)
     };
-    let panel = |quantity: &str, height_px, curves| Panel {
-        quantity: quantity.into(),
-        unit: "g",
-        height_px,
-        layout: Layout::Together,
-        y_range: None,
-        curves,
-    };
+    let panel = |quantity: &str, height_px, curves| Panel::new(quantity, "g", height_px, curves);
     let panels = vec![
         panel(
             "hammer",

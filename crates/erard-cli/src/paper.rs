@@ -1,11 +1,13 @@
 //! Pages that are printed: their paper, and what stands at their head.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use clap::{Args, ValueEnum};
-use maud::{Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Sizes of paper.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub enum Paper {
+pub(crate) enum Paper {
     /// 210 mm x 297 mm
     #[default]
     A4,
@@ -16,7 +18,7 @@ pub enum Paper {
 impl Paper {
     /// The size as style sheets name it.
     #[must_use]
-    pub fn css(self) -> &'static str {
+    pub(crate) fn css(self) -> &'static str {
         match self {
             Paper::A4 => "A4",
             Paper::Letter => "letter",
@@ -26,7 +28,7 @@ impl Paper {
 
 /// What stands at the head of a printed page. A page names no day by itself: the same work makes the same page.
 #[derive(Debug, Clone, Default, Args)]
-pub struct Headed {
+pub(crate) struct Headed {
     /// Serial number of the piano, for the head of the printed page
     #[arg(long, value_name = "TEXT", value_parser = words)]
     pub serial: Option<String>,
@@ -52,9 +54,25 @@ fn words(text: &str) -> Result<String, String> {
     }
 }
 
+/// A page that opens from disk and prints well: nothing is fetched, and there is no script.
+pub(crate) fn page(title: &str, style: &str, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            (html_head(title, style))
+            body { (body) }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+/// A picture as data: in a document of its own its names cannot clash with another's.
+pub(crate) fn picture(alt: &str, svg: &str) -> Markup {
+    html! { img alt=(alt) src={ "data:image/svg+xml;base64," (STANDARD.encode(svg)) }; }
+}
+
 /// The head of a page: what it may load (pictures that it holds itself, and nothing else), its title and its style sheet.
-#[must_use]
-pub fn html_head(title: &str, style: &str) -> Markup {
+fn html_head(title: &str, style: &str) -> Markup {
     html! {
         head {
             meta charset="utf-8";

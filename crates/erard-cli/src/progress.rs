@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_millis(400);
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
 /// Takes the bar away.
-pub fn clear() {
+pub(crate) fn clear() {
     if let Some(bar) = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take() {
         bar.finish_and_clear();
     }
@@ -38,7 +38,7 @@ impl Progress {
     }
 
     /// The same where nobody knows how much there is to do: it counts what was done.
-    pub fn counting(what: &str) -> Self {
+    pub(crate) fn counting(what: &str) -> Self {
         let progress = Progress::new(what);
         let style = ProgressStyle::with_template("{msg}, {elapsed}");
         progress.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -46,7 +46,7 @@ impl Progress {
     }
 
     /// Shows how far it is, in words; false if the work should end.
-    pub fn counted(&mut self, words: impl FnOnce() -> String) -> bool {
+    pub(crate) fn counted(&mut self, words: impl FnOnce() -> String) -> bool {
         if !self.bar.is_hidden() {
             self.bar.set_message(words());
         }
@@ -54,7 +54,7 @@ impl Progress {
     }
 
     /// Says what is going on now.
-    pub fn say(&mut self, what: &str) {
+    pub(crate) fn say(&mut self, what: &str) {
         if self.bar.message() != what {
             self.bar.set_message(what.to_owned());
         }

@@ -22,7 +22,7 @@ use crate::zstandard::column_reader;
 /// How a recording is understood and made ready.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Recordings")]
-pub struct RecordingOptions {
+pub(crate) struct RecordingOptions {
     /// Which columns of the file to read, by their titles, where these do not say it by themselves: as in
     /// `time=Time (s),position=Displacement (mm),force=F [gf]`; `hammer` is the hammer's; `#3` is the third column, `x:mm` a column `x` in mm,
     /// `none` no column
@@ -52,7 +52,7 @@ pub struct RecordingOptions {
 
 impl RecordingOptions {
     /// The same with other titles, where they are given.
-    pub fn with_columns(&self, columns: Option<&Columns>) -> Self {
+    pub(crate) fn with_columns(&self, columns: Option<&Columns>) -> Self {
         RecordingOptions { columns: columns.or(self.columns.as_ref()).cloned(), ..self.clone() }
     }
 }
@@ -116,7 +116,7 @@ fn order(text: &str) -> Result<usize, String> {
 
 /// A recording and what was made of it.
 #[derive(Debug)]
-pub struct Ready {
+pub(crate) struct Ready {
     /// Its name as messages show it.
     pub name: String,
     /// As it stands in the file, in SI units.
@@ -129,7 +129,7 @@ pub struct Ready {
 
 impl RecordingOptions {
     /// Whether any of them is asked for: they belong to files.
-    pub fn are_given(&self) -> bool {
+    pub(crate) fn are_given(&self) -> bool {
         self.columns.is_some()
             || self.position.is_some()
             || self.zero != ZeroName::Rest
@@ -140,7 +140,7 @@ impl RecordingOptions {
     }
 
     /// As if none were given.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         RecordingOptions {
             columns: None,
             position: None,
@@ -153,7 +153,7 @@ impl RecordingOptions {
     }
 
     /// What is done to a recording.
-    pub fn preparation(&self) -> Preparation {
+    pub(crate) fn preparation(&self) -> Preparation {
         Preparation {
             zero: self.zero == ZeroName::Rest,
             inverted: self.invert.clone(),
@@ -164,7 +164,7 @@ impl RecordingOptions {
     }
 
     /// Reads a recording: its name, its rows as they are, and whose position was recorded.
-    pub fn read(&self, path: &Path) -> Result<(String, Recording, PositionOf), Failure> {
+    pub(crate) fn read(&self, path: &Path) -> Result<(String, Recording, PositionOf), Failure> {
         let name = shown(path);
         let recording = read(path, &name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
         let position_of = self.position_of(&name, &recording)?;
@@ -172,13 +172,13 @@ impl RecordingOptions {
     }
 
     /// Reads a recording and makes it ready.
-    pub fn load(&self, path: &Path) -> Result<Ready, Failure> {
+    pub(crate) fn load(&self, path: &Path) -> Result<Ready, Failure> {
         let (name, recording, position_of) = self.read(path)?;
         self.prepared(name, recording, position_of)
     }
 
     /// The same of a text that is no file.
-    pub fn make_ready(&self, name: &str, text: &[u8]) -> Result<Ready, Failure> {
+    pub(crate) fn make_ready(&self, name: &str, text: &[u8]) -> Result<Ready, Failure> {
         let recording = Recording::read(text, name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
         let position_of = self.position_of(name, &recording)?;
         self.prepared(name.to_owned(), recording, position_of)

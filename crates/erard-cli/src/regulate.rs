@@ -1,7 +1,6 @@
 //! What `regulate` is asked and answers: values with units, the table, and the report.
 
 use std::fmt;
-use std::io::Write;
 use std::time::Duration;
 
 use erard_workshop::distances::Distances;
@@ -11,7 +10,7 @@ use serde::Serialize;
 use crate::units::Lengths;
 
 /// A value as the reader's ruler shows it, to a hundredth of a millimetre.
-pub fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
+pub(crate) fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
     match goal.kind() {
         Kind::Length => lengths.text(value * 1e3, 2),
         Kind::Speed | Kind::Share => {
@@ -22,7 +21,7 @@ pub fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
 }
 
 /// How far a screw was turned and which way; where it has a thread, in turns, too.
-pub fn turned_text(turned: &Turned, lengths: Lengths) -> String {
+pub(crate) fn turned_text(turned: &Turned, lengths: Lengths) -> String {
     let by = turned.setting[1] - turned.setting[0];
     let far = match screw_unit(&turned.action) {
         (factor, "mm") => lengths.signed(by * factor, 3),
@@ -41,7 +40,7 @@ fn others(distances: &Distances) -> [(&'static str, Option<f64>); 2] {
 }
 
 /// The table.
-pub struct Shown<'r>(pub &'r Regulated, pub Lengths);
+pub(crate) struct Shown<'r>(pub &'r Regulated, pub Lengths);
 
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -83,7 +82,7 @@ impl fmt::Display for Shown<'_> {
 
 /// The report beside the new instrument file.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     input: String,
     output: String,
     elapsed_s: f64,
@@ -102,7 +101,7 @@ struct BeforeAndAfter {
 impl Report {
     /// Of a regulated action that was read from `input` and is written to `output`, which took so long. `double_strike_m_s` is the second blow of a
     /// soft note before and after, m/s.
-    pub fn new(
+    pub(crate) fn new(
         regulated: &Regulated,
         double_strike_m_s: [f64; 2],
         input: &str,
@@ -120,7 +119,7 @@ impl Report {
     }
 
     /// A line for every goal that is not met.
-    pub fn misses(&self) -> Vec<String> {
+    pub(crate) fn misses(&self) -> Vec<String> {
         let missed = self.regulated.goals.iter().filter(|goal| !goal.met);
         missed
             .map(|goal| {
@@ -131,14 +130,5 @@ impl Report {
                 format!("{} {} {} is not met: {nearest} ({why})", goal.goal, goal.asked, goal.unit)
             })
             .collect()
-    }
-
-    /// Writes the JSON.
-    ///
-    /// # Errors
-    /// Of the writer.
-    pub fn write_json(&self, writer: &mut dyn Write) -> std::io::Result<()> {
-        serde_json::to_writer_pretty(&mut *writer, self)?;
-        writer.write_all(b"\n")
     }
 }

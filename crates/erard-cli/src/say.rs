@@ -30,22 +30,22 @@ macro_rules! tell {
 }
 
 /// How this process tells its results: in words, as JSON, or not at all.
-pub fn how(quiet: bool, json: bool) {
+pub(crate) fn how(quiet: bool, json: bool) {
     QUIET.store(quiet, Relaxed);
     JSON.store(json, Relaxed);
 }
 
 /// Whether progress and words are left out.
-pub fn is_quiet() -> bool {
+pub(crate) fn is_quiet() -> bool {
     QUIET.load(Relaxed)
 }
 
 /// Whether the answer is wanted as JSON.
-pub fn wants_json() -> bool {
+pub(crate) fn wants_json() -> bool {
     JSON.load(Relaxed)
 }
 
-/// A line on standard output. What goes wrong is told by [`finish`].
+/// A line on standard output. What goes wrong is told by `finish`.
 pub fn line(text: String) {
     if is_quiet() || wants_json() {
         return;
@@ -54,12 +54,12 @@ pub fn line(text: String) {
 }
 
 /// Bytes on standard output as they are: a file, not words.
-pub fn verbatim(text: &str) {
+pub(crate) fn verbatim(text: &str) {
     keep(io::stdout().write_all(text.as_bytes()));
 }
 
 /// A line on standard error. Where even that cannot be written, nobody is left to tell.
-pub fn aside(text: String) {
+pub(crate) fn aside(text: String) {
     let _ = writeln!(io::stderr(), "{}", printable(&text));
 }
 
@@ -76,7 +76,7 @@ fn keep(result: io::Result<()>) {
 ///
 /// # Errors
 /// The first fault of standard output.
-pub fn finish() -> io::Result<()> {
+pub(crate) fn finish() -> io::Result<()> {
     keep(io::stdout().flush());
     match FAULT.lock().unwrap_or_else(PoisonError::into_inner).take() {
         Some(source) => Err(source),

@@ -10,25 +10,25 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::tell;
 
 /// Exit code after Control-C.
-pub const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Held while files change their names, and by whoever ends the process.
 static UNDISTURBED: Mutex<()> = Mutex::new(());
 static ENDING: AtomicBool = AtomicBool::new(false);
 
 /// Nobody ends the process while this is held, but with SIGKILL.
-pub fn hold() -> MutexGuard<'static, ()> {
+pub(crate) fn hold() -> MutexGuard<'static, ()> {
     UNDISTURBED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Whether the process is about to end.
 #[must_use]
-pub fn ending() -> bool {
+pub(crate) fn ending() -> bool {
     ENDING.load(Ordering::Relaxed)
 }
 
 /// Leaves the last word to who ends the process, where somebody does: what fails now fails because of it.
-pub fn yield_to_the_end() {
+pub(crate) fn yield_to_the_end() {
     while ending() {
         std::thread::park();
     }
@@ -38,7 +38,7 @@ pub fn yield_to_the_end() {
 static CLEAR: Mutex<&[fn()]> = Mutex::new(&[]);
 
 /// From now on requests to end are heard; `clear` clears up before the process ends.
-pub fn listen(clear: &'static [fn()]) {
+pub(crate) fn listen(clear: &'static [fn()]) {
     *CLEAR.lock().unwrap_or_else(PoisonError::into_inner) = clear;
     // Where nothing can be set up, they end the process as they do by default, and the next command clears up.
     let _ = listening::start();
@@ -68,7 +68,7 @@ mod listening {
     /// How long an exchange of files may take before a second request ends the process all the same.
     const PATIENCE: Duration = Duration::from_secs(5);
 
-    pub fn start() -> std::io::Result<()> {
+    pub(crate) fn start() -> std::io::Result<()> {
         // A write beyond the limit of a file's size is an error like any other, and not the end.
         signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         let ignored = ignored();
@@ -125,7 +125,7 @@ mod listening {
 mod listening {
     use super::{INTERRUPTED, clean_up};
 
-    pub fn start() -> Result<(), ctrlc::Error> {
+    pub(crate) fn start() -> Result<(), ctrlc::Error> {
         ctrlc::set_handler(|| {
             clean_up("interrupted");
             std::process::exit(i32::from(INTERRUPTED));

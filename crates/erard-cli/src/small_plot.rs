@@ -1,14 +1,14 @@
 //! A curve on a terminal, a few lines high: Braille's dots, two by four in a character.
 
 /// Points across, two to a character.
-pub const COLUMNS: usize = 128;
+pub(crate) const COLUMNS: usize = 128;
 /// Lines of text.
 const LINES: usize = 4;
 /// A character's dots, from top to bottom, left and right.
 const DOTS: [[u32; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
 
 /// The curve of these values from left to right, its range over the full height; nothing where it has none.
-pub fn lines(values: &[f64]) -> Vec<String> {
+pub(crate) fn lines(values: &[f64]) -> Vec<String> {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
     if high <= low || !(high - low).is_finite() {
         return Vec::new();

@@ -44,7 +44,7 @@ fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
 }
 
 /// The picture of samples, so many a second.
-pub fn spectrogram_svg(samples: &[f64], rate_hz: f64, title: &str) -> String {
+pub(crate) fn spectrogram_svg(samples: &[f64], rate_hz: f64, title: &str) -> String {
     let levels = levels(samples, rate_hz);
     let [left, top, width, height] = PLOT;
     let (wide, tall) = (width / levels.len().max(1) as f64, height / ROWS as f64);

@@ -1,7 +1,6 @@
 //! The numbers of a run: printed, and as `summary.json`.
 
 use std::fmt;
-use std::io::Write;
 
 use erard::run::Run;
 use erard::run::Setup;
@@ -12,7 +11,7 @@ use serde::Serialize;
 /// The numbers of a run. `None` (JSON `null`) is what did not happen.
 #[derive(Debug, Clone, Serialize)]
 #[allow(non_snake_case)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Instrument name.
     pub instrument: String,
     /// `action` or `one-dof`.
@@ -75,7 +74,7 @@ pub struct Summary {
 
 /// Control of the error.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Control {
+pub(crate) struct Control {
     /// Error allowed in a step, relative to 1 rad/s + |velocity|.
     pub tolerance: f64,
     /// Steps taken, of two halves each.
@@ -96,7 +95,7 @@ pub struct Control {
 
 /// Where energy went.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Dissipated {
+pub(crate) struct Dissipated {
     /// J.
     pub pivot_dry: f64,
     /// J.
@@ -111,7 +110,7 @@ pub struct Dissipated {
 
 /// One strike of the hammer on the string.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct StrikeReport {
+pub(crate) struct StrikeReport {
     /// s.
     pub time_s: f64,
     /// m/s.
@@ -120,7 +119,7 @@ pub struct StrikeReport {
 
 impl Summary {
     /// The numbers of a run that took so long by the clock, s; `names`: of the model, of the drive and of the solver.
-    pub fn new(run: &Run, setup: &Setup, names: [&str; 3], elapsed_s: f64) -> Self {
+    pub(crate) fn new(run: &Run, setup: &Setup, names: [&str; 3], elapsed_s: f64) -> Self {
         let [model, drive, solver] = names;
         let (e, w) = (&run.events, &run.work);
         let ledger = run.ledger.as_ref();
@@ -179,7 +178,7 @@ impl Summary {
     }
 
     /// Name and value with unit, as printed.
-    pub fn lines(&self) -> Vec<(String, String)> {
+    pub(crate) fn lines(&self) -> Vec<(String, String)> {
         let ms = |t: Option<f64>| t.map_or("-".to_owned(), |t| format!("{:.2} ms", t * 1e3));
         let mut lines = vec![
             (
@@ -222,15 +221,6 @@ impl Summary {
                 c.rejected_steps
             ),
         }
-    }
-
-    /// Writes the JSON.
-    ///
-    /// # Errors
-    /// Of the writer.
-    pub fn write_json(&self, writer: &mut dyn Write) -> std::io::Result<()> {
-        serde_json::to_writer_pretty(&mut *writer, self)?;
-        writer.write_all(b"\n")
     }
 }
 

@@ -12,6 +12,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::identity;
@@ -35,7 +36,7 @@ pub(crate) fn is_beside_a_table(name: &str) -> bool {
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_csv(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_csv(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
     let columns: Vec<(String, &[f64])> = run.columns().into_iter().chain(more.iter().cloned()).collect();
     write_columns(&columns, run.time_s.len(), writer)
 }
@@ -44,15 +45,32 @@ pub fn write_csv(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_columns(columns: &[(String, &[f64])], rows: usize, writer: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_columns(columns: &[(String, &[f64])], rows: usize, writer: &mut dyn Write) -> std::io::Result<()> {
+    let heads: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let cells = |row| columns.iter().map(move |(_, values)| values.get(row).copied());
+    write_rows(&heads, (0..rows).map(|row| ([""; 0], cells(row))), writer)
+}
+
+/// Writes rows as CSV: first words, then numbers, which may be missing.
+///
+/// # Errors
+/// Of the writer.
+pub(crate) fn write_rows<W: AsRef<str>>(
+    heads: &[&str],
+    rows: impl IntoIterator<Item = (impl IntoIterator<Item = W>, impl IntoIterator<Item = Option<f64>>)>,
+    writer: &mut dyn Write,
+) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(columns.iter().map(|(name, _)| name))?;
+    csv.write_record(heads)?;
     let mut text = String::new();
-    for row in 0..rows {
-        for (_, values) in columns {
+    for (words, numbers) in rows {
+        for word in words {
+            csv.write_field(word.as_ref())?;
+        }
+        for number in numbers {
             text.clear();
-            if let Some(x) = values.get(row) {
-                shortest(*x, &mut text);
+            if let Some(x) = number {
+                shortest(x, &mut text);
             }
             csv.write_field(&text)?;
         }
@@ -78,20 +96,27 @@ pub(crate) fn three(x: f64) -> String {
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_optional_csv(columns: &[(String, Vec<Option<f64>>)], writer: &mut dyn Write) -> std::io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(columns.iter().map(|(name, _)| name))?;
+pub(crate) fn write_optional_csv(
+    columns: &[(String, Vec<Option<f64>>)],
+    writer: &mut dyn Write,
+) -> std::io::Result<()> {
+    let heads: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     let rows = columns.first().map_or(0, |(_, values)| values.len());
-    let mut text = String::new();
-    for row in 0..rows {
-        for (_, values) in columns {
-            text.clear();
-            if let Some(x) = values[row] {
-                shortest(x, &mut text);
-            }
-            csv.write_field(&text)?;
-        }
-        csv.write_record(None::<&[u8]>)?;
+    let cells = |row: usize| columns.iter().map(move |(_, values)| values[row]);
+    write_rows(&heads, (0..rows).map(|row| ([""; 0], cells(row))), writer)
+}
+
+/// A serialized list as CSV, its fields in their order as columns.
+///
+/// # Errors
+/// Of the writer.
+pub(crate) fn write_records(
+    rows: impl IntoIterator<Item = impl Serialize>,
+    writer: &mut dyn Write,
+) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    for row in rows {
+        csv.serialize(row)?;
     }
     csv.flush()
 }
@@ -100,7 +125,7 @@ pub fn write_optional_csv(columns: &[(String, Vec<Option<f64>>)], writer: &mut d
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_parquet(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_parquet(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Write) -> std::io::Result<()> {
     let rows = run.time_s.len();
     let columns: Vec<ParquetColumn> = run
         .columns()
@@ -115,7 +140,7 @@ pub fn write_parquet(run: &Run, more: &[(String, &[f64])], writer: &mut dyn Writ
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_optional_parquet(
+pub(crate) fn write_optional_parquet(
     title: &str,
     columns: &[(String, Vec<Option<f64>>)],
     writer: &mut dyn Write,
@@ -138,7 +163,7 @@ const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
 
 /// What a CSV cannot say of itself, in the W3C's vocabulary for tables on the web (CSVW): the units of its columns. What made it is added where it
 /// is written.
-pub fn metadata<'a>(name: &str, titles: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn metadata<'a>(name: &str, titles: impl Iterator<Item = &'a str>) -> String {
     let column = |title: &str| {
         let mut column = json!({"titles": title});
         let unit = column_unit(title);

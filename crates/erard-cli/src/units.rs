@@ -3,11 +3,11 @@
 use clap::Args;
 
 /// Millimetres in an inch.
-pub const MM_PER_INCH: f64 = 25.4;
+pub(crate) const MM_PER_INCH: f64 = 25.4;
 
 /// Whether lengths are shown in inches.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Args)]
-pub struct Lengths {
+pub(crate) struct Lengths {
     /// Show lengths in inches; files for programs (JSON, CSV) stay in millimetres
     #[arg(long)]
     inches: bool,
@@ -16,13 +16,13 @@ pub struct Lengths {
 impl Lengths {
     /// The unit's name.
     #[must_use]
-    pub fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         if self.inches { "in" } else { "mm" }
     }
 
     /// A length in mm as a number of the unit; `decimals` are those of millimetres. Inches are read in thousandths, as rulers of the trade are.
     #[must_use]
-    pub fn number(self, mm: f64, decimals: usize) -> String {
+    pub(crate) fn number(self, mm: f64, decimals: usize) -> String {
         // Adding zero turns -0 into 0.
         if self.inches {
             let decimals = [2, 3, 3].get(decimals).copied().unwrap_or(4);
@@ -34,13 +34,13 @@ impl Lengths {
 
     /// The same with the unit.
     #[must_use]
-    pub fn text(self, mm: f64, decimals: usize) -> String {
+    pub(crate) fn text(self, mm: f64, decimals: usize) -> String {
         format!("{} {}", self.number(mm, decimals), self.unit())
     }
 
     /// The same with a sign.
     #[must_use]
-    pub fn signed(self, mm: f64, decimals: usize) -> String {
+    pub(crate) fn signed(self, mm: f64, decimals: usize) -> String {
         let text = self.text(mm.abs(), decimals);
         format!("{}{text}", if mm < 0.0 { '-' } else { '+' })
     }
@@ -48,7 +48,7 @@ impl Lengths {
     /// Inches, whatever was asked for.
     #[cfg(test)]
     #[must_use]
-    pub fn inches() -> Self {
+    pub(crate) fn inches() -> Self {
         Lengths { inches: true }
     }
 }

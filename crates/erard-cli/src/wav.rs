@@ -12,7 +12,7 @@ const PEAK: f64 = 0.9;
 ///
 /// # Errors
 /// Of the writer.
-pub fn write(sound: &Sound, out: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write(sound: &Sound, out: &mut dyn Write) -> std::io::Result<()> {
     let spec = WavSpec { channels: 1, sample_rate: RATE_HZ, bits_per_sample: 16, sample_format: SampleFormat::Int };
     let scale = if sound.peak_n() > 0.0 { f64::from(i16::MAX) * PEAK / sound.peak_n() } else { 0.0 };
     // The head of the file tells its length, which is written last.

@@ -15,7 +15,12 @@ use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 
 /// A reader of one column of one row group.
-pub fn column_reader(file: &Arc<File>, metadata: &ParquetMetaData, group: usize, index: usize) -> Result<ColumnReader> {
+pub(crate) fn column_reader(
+    file: &Arc<File>,
+    metadata: &ParquetMetaData,
+    group: usize,
+    index: usize,
+) -> Result<ColumnReader> {
     let group = metadata.row_group(group);
     let chunk = group.column(index);
     let rows = usize::try_from(group.num_rows())?;

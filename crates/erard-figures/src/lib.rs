@@ -7,4 +7,4 @@ pub mod drawing;
 pub mod figure;
 pub mod made_by;
 pub mod page;
-pub mod svg;
+mod svg;

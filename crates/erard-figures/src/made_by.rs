@@ -40,13 +40,13 @@ pub struct Source {
 
 impl MadeBy {
     /// One line: program, version, commit.
-    pub fn program_line(&self) -> String {
+    pub(crate) fn program_line(&self) -> String {
         let commit = self.commit.as_ref().map_or(String::new(), |commit| format!(" ({commit})"));
         format!("{} {}{commit}", self.program, self.version)
     }
 
     /// Lines for people: the program, the command, the sources.
-    pub fn lines(&self) -> Vec<String> {
+    pub(crate) fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.program_line(), self.command.clone()];
         for source in &self.sources {
             let file = source.file.as_ref().map_or("built in", String::as_str);

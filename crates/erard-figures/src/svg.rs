@@ -6,7 +6,7 @@ use std::fmt::Write;
 ///
 /// Names come from files that anybody can write. Control characters that XML 1.0 forbids would make the whole
 /// document unreadable, so they become U+FFFD.
-pub fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -26,7 +26,7 @@ pub fn escape(text: &str) -> String {
 /// A number with at most three decimals and no trailing zeros: short files, and the same bytes every time.
 ///
 /// A coordinate that is not finite is written as 0, because `NaN` anywhere makes a browser drop the whole path.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if !value.is_finite() {
         return "0".to_owned();
     }

@@ -11,7 +11,7 @@ use erard::run::SimulationError;
 const TELL_EVERY: Duration = Duration::from_millis(20);
 
 /// One piece of work; it keeps its own result.
-pub type Job<'a, E> = Box<dyn FnOnce(&mut Progress<'_>) -> Result<(), E> + Send + 'a>;
+pub(crate) type Job<'a, E> = Box<dyn FnOnce(&mut Progress<'_>) -> Result<(), E> + Send + 'a>;
 
 /// A piece of work that leaves its result in `place`.
 pub fn job<'a, T: Send, E>(

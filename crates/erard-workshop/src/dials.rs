@@ -118,7 +118,7 @@ pub fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Re
 impl Dial {
     /// The numbers of the file for a value, in the file's own units.
     #[must_use]
-    pub fn changes(&self, value: f64) -> Numbers {
+    pub(crate) fn changes(&self, value: f64) -> Numbers {
         let by = value - self.value;
         match &self.kind {
             Kind::Itself(path, units) => vec![(path.clone(), 0, tidy(value * units))],

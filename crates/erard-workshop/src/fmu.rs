@@ -27,7 +27,7 @@ pub enum Role {
     Drive,
     /// Length of a step, s.
     Step,
-    /// A number of the reading, by its place in [`READING`].
+    /// A number of the reading, by its place in `READING`.
     Reading(usize),
     /// How many blows there were; an integer.
     Blows,
@@ -38,7 +38,7 @@ pub enum Role {
 }
 
 /// The reading's numbers: name, unit, what it is.
-pub const READING: [(&str, &str, &str); 8] = [
+pub(crate) const READING: [(&str, &str, &str); 8] = [
     ("key", "m", "Travel of the key front, down positive"),
     ("key_speed", "m/s", "Its speed"),
     ("finger_force", "N", "Force of the finger on the key in the last step"),
@@ -81,7 +81,7 @@ impl Variable {
 
     /// Whether it is set at any time.
     #[must_use]
-    pub fn is_input(&self) -> bool {
+    pub(crate) fn is_input(&self) -> bool {
         matches!(self.role, Role::Force | Role::Position | Role::Velocity)
     }
 }

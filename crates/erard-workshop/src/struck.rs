@@ -73,7 +73,7 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
 }
 
 /// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none is. `progress` ends it by returning false.
-pub fn blow_of_speed(
+pub(crate) fn blow_of_speed(
     action: &mut Action,
     speed_m_s: f64,
     progress: &mut Progress<'_>,
@@ -100,4 +100,4 @@ pub fn blow_of_speed(
 
 /// Somebody asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stopped;
+pub(crate) struct Stopped;

@@ -10,7 +10,7 @@ use erard::stroke::{Series, Touch};
 use erard::trust::Warning;
 
 /// The built-in stroke that an instrument is tried with.
-pub const NUANCE: &str = "mf";
+pub(crate) const NUANCE: &str = "mf";
 
 /// An instrument that was pressed once.
 #[derive(Debug, Clone, PartialEq)]

@@ -35,7 +35,7 @@ pub fn steers(c: char) -> bool {
 ///
 /// # Errors
 /// Of the reader.
-pub fn read_at_most(reader: impl Read, bytes: usize) -> io::Result<Option<Vec<u8>>> {
+pub(crate) fn read_at_most(reader: impl Read, bytes: usize) -> io::Result<Option<Vec<u8>>> {
     let mut held = Vec::new();
     reader.take(bytes as u64 + 1).read_to_end(&mut held)?;
     Ok((held.len() <= bytes).then_some(held))

@@ -33,7 +33,7 @@ pub(crate) struct Identity {
 }
 
 impl Identity {
-    pub fn of(instrument: &Instrument) -> Self {
+    pub(crate) fn of(instrument: &Instrument) -> Self {
         let bodies = by_name(instrument.bodies.iter().map(|body| body.name.as_str()));
         let zones = by_name(instrument.zones.iter().map(|zone| zone.name.as_str()));
         Identity { digest: instrument.digest(), bodies, zones }

@@ -21,7 +21,7 @@ pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
-    pub fn new(settings: &Settings<f64>) -> Self {
+    pub(crate) fn new(settings: &Settings<f64>) -> Self {
         Control {
             controller: Controller::new(settings.step),
             halves: StepDoubling::new(settings),
@@ -31,16 +31,16 @@ impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
     }
 
     /// Settings and workspace of the half that was last.
-    pub fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
+    pub(crate) fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
         (&self.halves.settings, &self.halves.workspace[self.half])
     }
 
-    pub fn enter_second_half(&mut self) {
+    pub(crate) fn enter_second_half(&mut self) {
         self.half = 1;
     }
 
     /// One adaptive step, and the state at the end of its first half; none where a number is not finite.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         model: &Model<f64, B, Z>,
         state: &mut State<f64, B, Z>,

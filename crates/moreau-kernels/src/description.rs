@@ -58,7 +58,7 @@ impl OwnedDescription<f64> {
     }
 
     /// The same mechanism with other numbers, of another type, in the same order; what lacks at the end is zero.
-    pub fn with_numbers<T: Scalar>(&self, numbers: impl IntoIterator<Item = T>) -> OwnedDescription<T> {
+    pub(crate) fn with_numbers<T: Scalar>(&self, numbers: impl IntoIterator<Item = T>) -> OwnedDescription<T> {
         let mut numbers = numbers.into_iter();
         self.map(&mut |_| numbers.next().unwrap_or(T::ZERO))
     }

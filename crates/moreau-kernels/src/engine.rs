@@ -49,12 +49,12 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    pub fn at(now_s: f64) -> Self {
+    pub(crate) fn at(now_s: f64) -> Self {
         Clock { origin_s: now_s, steps: 0, now_s, before_s: now_s }
     }
 
     #[inline(always)]
-    pub fn tick(&mut self, step_s: f64) {
+    pub(crate) fn tick(&mut self, step_s: f64) {
         self.steps += 1;
         self.before_s = self.now_s;
         self.now_s = self.origin_s + self.steps as f64 * step_s;
@@ -70,7 +70,7 @@ impl Clock {
 const NO_STEP: StepReport = StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 };
 
 impl<const B: usize, const Z: usize> Stepped<B, Z> {
-    pub fn new(description: &OwnedDescription, probes: &Probes) -> Result<Self, ModelError> {
+    pub(crate) fn new(description: &OwnedDescription, probes: &Probes) -> Result<Self, ModelError> {
         let model: Model<f64, B, Z> = description.model()?;
         let state = State::at_rest(description.first_angles());
         let mut predictor = ImpactPredictor::new(&model, probes);
@@ -94,12 +94,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         })
     }
 
-    pub fn set_clock(&mut self, clock: Clock) {
+    pub(crate) fn set_clock(&mut self, clock: Clock) {
         self.clock = clock;
     }
 
     /// The mechanism was put where it is at an instant, s: the flight of the marked point begins here.
-    pub fn begin_at(&mut self, now_s: f64) {
+    pub(crate) fn begin_at(&mut self, now_s: f64) {
         self.clock = Clock::at(now_s);
         self.sleep.wake();
         self.skipped = false;
@@ -108,24 +108,24 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     }
 
     /// It was left out of the steps until this instant, as nothing changed.
-    pub fn sleep_ended(&mut self, clock: Clock) {
+    pub(crate) fn sleep_ended(&mut self, clock: Clock) {
         self.skipped |= clock.steps != self.clock.steps;
         self.clock = clock;
     }
 
     /// Whether the last step changed nothing, so that its neighbours with the same input need not be taken.
-    pub fn rests(&self) -> bool {
+    pub(crate) fn rests(&self) -> bool {
         self.sleep.is_asleep() && self.under.as_ref().is_none_or(|under| under.surfaces.rests())
     }
 
     /// Whether the last step was left out.
-    pub fn was_left_out(&self) -> bool {
+    pub(crate) fn was_left_out(&self) -> bool {
         self.skipped
     }
 
     /// One step. It is left out where it is known to change nothing ([`Sleep`]).
     #[inline(always)]
-    pub fn step<const N: usize>(
+    pub(crate) fn step<const N: usize>(
         &mut self,
         settings: &Settings<f64>,
         input: &Input<f64>,
@@ -180,12 +180,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
 
     /// The impact in the last step, if there was one.
     #[inline(always)]
-    pub fn impact(&self) -> Option<Impact> {
+    pub(crate) fn impact(&self) -> Option<Impact> {
         if self.skipped { None } else { self.predictor.impact() }
     }
 
     /// Energies of the mechanism as it is, at given velocities, and of what it presses on.
-    pub fn energies(&self, state: &State<f64, B, Z>) -> Energies {
+    pub(crate) fn energies(&self, state: &State<f64, B, Z>) -> Energies {
         let Some(under) = &self.under else { return Energies::of(&self.model, state) };
         let mechanism = Energies::displaced(&self.model, state, |zone| under.displacement(zone));
         Energies { surface: under.surfaces.energy(), ..mechanism }
@@ -193,7 +193,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
 
     /// Output now; with the forces of drive and marked zone in the last step, N.
     #[inline(always)]
-    pub fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
+    pub(crate) fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
         let SavedState { angle, velocity, hand, .. } = &*self.state;
         let (site, [dx, dy]) = &self.site;
         let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.predictor.point()], angle, velocity);
@@ -203,12 +203,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     }
 
     /// All that the steps from the present instant on depend on.
-    pub fn save(&self) -> Saved {
+    pub(crate) fn save(&self) -> Saved {
         self.save_at(&self.clock)
     }
 
     /// All that the steps from an instant on depend on, until which nothing has changed since the last step.
-    pub fn save_at(&self, clock: &Clock) -> Saved {
+    pub(crate) fn save_at(&self, clock: &Clock) -> Saved {
         let mut predictor = self.predictor.clone();
         if self.skipped || clock.steps != self.clock.steps {
             predictor.stood(clock.now_s, clock.now_s - clock.before_s);
@@ -222,7 +222,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         }
     }
 
-    pub fn restore(&mut self, saved: &Saved) {
+    pub(crate) fn restore(&mut self, saved: &Saved) {
         let Saved { origin_s, steps, now_s, .. } = *saved;
         self.state = State::from(saved.state.sized());
         self.sleep.wake();
@@ -259,7 +259,7 @@ pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
-    pub fn new(
+    pub(crate) fn new(
         description: &OwnedDescription,
         probes: &Probes,
         settings: Settings<f64>,

@@ -50,7 +50,7 @@ pub(crate) struct ImpactPredictor<const B: usize> {
 }
 
 impl<const B: usize> ImpactPredictor<B> {
-    pub fn new<const Z: usize>(model: &Model<f64, B, Z>, probes: &Probes) -> Self {
+    pub(crate) fn new<const Z: usize>(model: &Model<f64, B, Z>, probes: &Probes) -> Self {
         let (body, point) = probes.point.unwrap_or((moreau::GROUND, [0.0; 2]));
         ImpactPredictor {
             point: TrackedPoint::of(model, body, point),
@@ -66,30 +66,30 @@ impl<const B: usize> ImpactPredictor<B> {
 
     /// The impact in the last step, if there was one.
     #[inline(always)]
-    pub fn impact(&self) -> Option<Impact> {
+    pub(crate) fn impact(&self) -> Option<Impact> {
         self.impact
     }
 
     /// The marked point.
     #[inline(always)]
-    pub fn point(&self) -> &TrackedPoint<f64, B> {
+    pub(crate) fn point(&self) -> &TrackedPoint<f64, B> {
         &self.point
     }
 
     /// Whether the zone was out of reach at the last update.
-    pub fn is_far(&self) -> bool {
+    pub(crate) fn is_far(&self) -> bool {
         self.open.is_some() && self.skipped.iter().any(Option::is_some)
     }
 
     /// Nothing is known any more: the mechanism was put somewhere else.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         (self.open, self.skipped, self.next) = (None, [None; 2], 0);
         (self.before, self.older, self.impact) = (None, None, None);
     }
 
     /// Updates at the start, and after every step.
     #[inline(always)]
-    pub fn update<const Z: usize>(
+    pub(crate) fn update<const Z: usize>(
         &mut self,
         model: &Model<f64, B, Z>,
         time_s: f64,
@@ -135,7 +135,7 @@ impl<const B: usize> ImpactPredictor<B> {
     }
 
     /// The mechanism has stood still without updates until this instant, in steps of h (s): as if it had been updated after every one of them.
-    pub fn stood(&mut self, until_s: f64, h: f64) {
+    pub(crate) fn stood(&mut self, until_s: f64, h: f64) {
         self.impact = None;
         let newest = [self.next ^ 1, self.next].into_iter().find_map(|k| self.skipped[k]);
         if let Some(moment) = newest {
@@ -148,7 +148,7 @@ impl<const B: usize> ImpactPredictor<B> {
     }
 
     /// The last two samples and moments in plain numbers (see [`ImpactPredictor::resume`]).
-    pub fn samples<const Z: usize>(&self, model: &Model<f64, B, Z>) -> [Option<[f64; 3]>; 2] {
+    pub(crate) fn samples<const Z: usize>(&self, model: &Model<f64, B, Z>) -> [Option<[f64; 3]>; 2] {
         let Some(zone) = self.zone else { return [None; 2] };
         let mut now = self.clone();
         for k in [self.next, self.next ^ 1] {
@@ -160,7 +160,7 @@ impl<const B: usize> ImpactPredictor<B> {
     }
 
     /// Goes on from what [`ImpactPredictor::samples`] gave.
-    pub fn resume(&mut self, samples: [Option<[f64; 3]>; 2]) {
+    pub(crate) fn resume(&mut self, samples: [Option<[f64; 3]>; 2]) {
         self.forget();
         [self.older, self.before] =
             samples.map(|s| s.map(|[time_s, compression_m, speed_m_s]| Sample { time_s, compression_m, speed_m_s }));
@@ -195,14 +195,14 @@ pub fn impact_in_flight<T: Scalar>([older, before]: [[T; 3]; 2], now_s: T) -> Op
 
 impl Sample {
     /// The impact that follows if the point flies on as it did between `older` and here ([`impact_in_flight`]).
-    pub fn flight(&self, older: &Sample, now: &Sample) -> Option<Impact> {
+    pub(crate) fn flight(&self, older: &Sample, now: &Sample) -> Option<Impact> {
         let numbers = |s: &Sample| [s.time_s, s.compression_m, s.speed_m_s];
         impact_in_flight([numbers(older), numbers(self)], now.time_s)
             .map(|[time_s, hammer_speed_m_s]| Impact { time_s, hammer_speed_m_s })
     }
 
     /// The impact where the compression, running linearly from here to `now`, is zero; the speed runs linearly, too.
-    pub fn straight(&self, now: &Sample) -> Impact {
+    pub(crate) fn straight(&self, now: &Sample) -> Impact {
         let share = self.compression_m / (self.compression_m - now.compression_m);
         Impact {
             time_s: self.time_s

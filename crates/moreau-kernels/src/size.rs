@@ -39,7 +39,7 @@ pub type EveryBody = [f64; Size::Most.holds()[0]];
 
 impl Size {
     /// All of them, the small ones first.
-    pub const ALL: [Size; 5] = [Size::One, Size::Six, Size::Eight, Size::Nine, Size::Most];
+    pub(crate) const ALL: [Size; 5] = [Size::One, Size::Six, Size::Eight, Size::Nine, Size::Most];
 
     /// Bodies, zones and set-valued laws that it holds.
     pub const fn holds(self) -> [usize; 3] {

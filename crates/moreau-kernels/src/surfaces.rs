@@ -79,7 +79,7 @@ pub(crate) struct Under {
 }
 
 impl Under {
-    pub fn new(mut surfaces: Box<dyn Surfaces>, settings: &Settings<f64>) -> Self {
+    pub(crate) fn new(mut surfaces: Box<dyn Surfaces>, settings: &Settings<f64>) -> Self {
         assert!(surfaces.zones().len() <= MOST, "at most {MOST} zones yield");
         surfaces.set_step(settings.step);
         Under { surfaces, forces: [0.0; MOST] }
@@ -88,7 +88,7 @@ impl Under {
     /// Before a step: hands the surfaces to the workspace. A mechanism that sleeps is left out while they ring, if they cannot reach it.
     #[cold]
     #[inline(never)]
-    pub fn before_step<const B: usize, const Z: usize, const N: usize>(
+    pub(crate) fn before_step<const B: usize, const Z: usize, const N: usize>(
         &self,
         settings: &Settings<f64>,
         input: &Input<f64>,
@@ -137,7 +137,7 @@ impl Under {
     /// After a step: the surfaces take theirs, under the mechanism's forces.
     #[cold]
     #[inline(never)]
-    pub fn after_step<const B: usize, const Z: usize, const N: usize>(
+    pub(crate) fn after_step<const B: usize, const Z: usize, const N: usize>(
         &mut self,
         over: Over,
         settings: &Settings<f64>,
@@ -157,7 +157,7 @@ impl Under {
     }
 
     /// How far a zone's surface is displaced, m; 0 for others.
-    pub fn displacement(&self, zone: usize) -> f64 {
+    pub(crate) fn displacement(&self, zone: usize) -> f64 {
         let index = self.surfaces.zones().iter().position(|&z| z == zone);
         index.map_or(0.0, |index| self.surfaces.surface(index).displacement)
     }

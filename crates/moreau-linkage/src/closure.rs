@@ -74,7 +74,7 @@ pub(crate) struct Orientations {
 
 impl Orientations {
     /// Returns the joint whose constant angle contradicts the others, if one does.
-    pub fn new(linkage: &Linkage) -> Result<Self, JointId> {
+    pub(crate) fn new(linkage: &Linkage) -> Result<Self, JointId> {
         let slides: Vec<(JointId, BodyId, BodyId, &Direction)> = (linkage.joints.iter())
             .enumerate()
             .filter_map(|(i, joint)| match &joint.kind {

@@ -23,7 +23,7 @@ pub(crate) struct Elimination {
 }
 
 impl Elimination {
-    pub fn new(rows: usize, cols: usize) -> Self {
+    pub(crate) fn new(rows: usize, cols: usize) -> Self {
         Elimination {
             rows,
             cols,
@@ -38,22 +38,22 @@ impl Elimination {
     }
 
     /// The matrix to be factorised, row-major; to be filled before [`Elimination::factor`].
-    pub fn matrix_mut(&mut self) -> &mut [f64] {
+    pub(crate) fn matrix_mut(&mut self) -> &mut [f64] {
         &mut self.a
     }
 
     /// Number of pivots, each larger than the `tolerance` of [`Elimination::factor`].
-    pub fn rank(&self) -> usize {
+    pub(crate) fn rank(&self) -> usize {
         self.rank
     }
 
     /// Sign of the determinant; 0 unless the matrix is square and of full rank.
-    pub fn orientation(&self) -> f64 {
+    pub(crate) fn orientation(&self) -> f64 {
         if self.rows == self.cols && self.rank == self.rows { self.sign } else { 0.0 }
     }
 
     /// The smallest of the first `count` pivots; 0 if there are fewer.
-    pub fn smallest_pivot(&self, count: usize) -> f64 {
+    pub(crate) fn smallest_pivot(&self, count: usize) -> f64 {
         if self.rank < count {
             return 0.0;
         }
@@ -63,7 +63,7 @@ impl Elimination {
 
     /// Factorises what `matrix_mut` was filled with. Pivots up to `tolerance` count as
     /// zero; it is absolute, for matrices of order one.
-    pub fn factor(&mut self, tolerance: f64) {
+    pub(crate) fn factor(&mut self, tolerance: f64) {
         // One and two loops with one drive are the common cases: with the sizes
         // known to the compiler they take half the time.
         match (self.rows, self.cols) {
@@ -142,7 +142,7 @@ impl Elimination {
 
     /// Solves `A x = b` through the independent rows; the free columns get `x = 0`.
     /// Dependent rows are left to the caller's residual.
-    pub fn solve(&mut self, b: &[f64], x: &mut [f64]) {
+    pub(crate) fn solve(&mut self, b: &[f64], x: &mut [f64]) {
         x.fill(0.0);
         match (self.cols, self.rank) {
             (_, 0) => {}

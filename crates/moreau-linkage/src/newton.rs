@@ -86,7 +86,7 @@ pub(crate) enum Guess {
 }
 
 impl Scratch {
-    pub fn new(mechanism: &Mechanism) -> Self {
+    pub(crate) fn new(mechanism: &Mechanism) -> Self {
         let rows = 2 * mechanism.closures().len();
         let n = mechanism.coordinates().len();
         let unknown = mechanism.unknown_places().len();
@@ -103,7 +103,7 @@ impl Scratch {
     }
 
     /// Residual and Jacobian at `pose`.
-    pub fn linearise(&mut self, mechanism: &Mechanism, pose: &Pose) {
+    pub(crate) fn linearise(&mut self, mechanism: &Mechanism, pose: &Pose) {
         // The prescribed angle is the same in every iteration: its sine is not
         // computed again.
         let known = self.trig.iter_mut().zip(&mut self.trig_at);
@@ -119,12 +119,12 @@ impl Scratch {
     }
 
     /// Cosine and sine of an angle coordinate, as linearised last.
-    pub fn cos_sin(&self, place: usize) -> [f64; 2] {
+    pub(crate) fn cos_sin(&self, place: usize) -> [f64; 2] {
         self.trig[place]
     }
 
     /// Factorises the unknowns' columns of the Jacobian found last.
-    pub fn factor(&mut self, mechanism: &Mechanism) {
+    pub(crate) fn factor(&mut self, mechanism: &Mechanism) {
         let n = mechanism.coordinates().len();
         let unknown = mechanism.unknown_places();
         if unknown.is_empty() {
@@ -141,7 +141,7 @@ impl Scratch {
 
     /// Newton-Raphson from the values in `pose`, prescribed ones held.
     /// Leaves residual and Jacobian at the last values.
-    pub fn newton(&mut self, mechanism: &Mechanism, pose: &mut Pose, guess: Guess) -> NewtonReport {
+    pub(crate) fn newton(&mut self, mechanism: &Mechanism, pose: &mut Pose, guess: Guess) -> NewtonReport {
         self.history.clear();
         let mut iterations = 0;
         let outcome = loop {
@@ -184,7 +184,7 @@ impl Scratch {
 
     /// Rates of all coordinates (rad and m per unit time) from those of the
     /// prescribed ones, through the Jacobian factorised last.
-    pub fn rates(&mut self, mechanism: &Mechanism, input: &[f64], rates: &mut [f64]) {
+    pub(crate) fn rates(&mut self, mechanism: &Mechanism, input: &[f64], rates: &mut [f64]) {
         let n = rates.len();
         rates.fill(0.0);
         for (&place, rate) in mechanism.prescribed_places().iter().zip(input) {
@@ -202,7 +202,13 @@ impl Scratch {
 
     /// Second derivatives of all coordinates while the prescribed ones move at
     /// constant rates; `rates` as found by [`Scratch::rates`].
-    pub fn accelerations(&mut self, mechanism: &Mechanism, pose: &Pose, rates: &[f64], accelerations: &mut [f64]) {
+    pub(crate) fn accelerations(
+        &mut self,
+        mechanism: &Mechanism,
+        pose: &Pose,
+        rates: &[f64],
+        accelerations: &mut [f64],
+    ) {
         accelerations.fill(0.0);
         (mechanism.loops).convective(&pose.values, rates, &self.trig, &mut self.rhs);
         for r in &mut self.rhs {

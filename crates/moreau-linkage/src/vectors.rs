@@ -54,7 +54,7 @@ fn turn([c, s]: [f64; 2], v: [f64; 2]) -> [f64; 2] {
 }
 
 impl VectorSums {
-    pub fn new(linkage: &Linkage, places: &Places<'_>, scale: f64, sums: &[&[Term]]) -> Self {
+    pub(crate) fn new(linkage: &Linkage, places: &Places<'_>, scale: f64, sums: &[&[Term]]) -> Self {
         let mut fixed = vec![[0.0; 2]; sums.len()];
         let mut rigid: Vec<Rigid> = Vec::new();
         let mut slides = Vec::new();
@@ -87,7 +87,7 @@ impl VectorSums {
     /// `sums[2i..2i+2]` becomes the i-th vector over `scale`; `jacobian`
     /// (row-major, `q.len()` columns) its derivatives, angles per radian and
     /// slidings per `scale`. `trig` holds (cos, sin) of the angle coordinates.
-    pub fn linearise(&self, q: &[f64], trig: &[[f64; 2]], sums: &mut [f64], jacobian: &mut [f64]) {
+    pub(crate) fn linearise(&self, q: &[f64], trig: &[[f64; 2]], sums: &mut [f64], jacobian: &mut [f64]) {
         let n = q.len();
         for (out, fixed) in sums.chunks_exact_mut(2).zip(&self.fixed) {
             out.copy_from_slice(fixed);
@@ -118,7 +118,7 @@ impl VectorSums {
 
     /// The second time derivative of the vectors with all accelerations zero:
     /// what the velocities `v` (rad/s, m/s) alone contribute, over `scale`.
-    pub fn convective(&self, q: &[f64], v: &[f64], trig: &[[f64; 2]], out: &mut [f64]) {
+    pub(crate) fn convective(&self, q: &[f64], v: &[f64], trig: &[[f64; 2]], out: &mut [f64]) {
         out.fill(0.0);
         for r in &self.rigid {
             let [x, y] = turn(trig[r.angle], r.v);

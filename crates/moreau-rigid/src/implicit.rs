@@ -16,13 +16,13 @@ pub(super) struct Implicit<T, const B: usize> {
 }
 
 impl<T: Scalar, const B: usize> Implicit<T, B> {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Implicit { a: [[[[T::ZERO; 3]; 3]; B]; B], present: false }
     }
 
     /// Linearises at these placements and velocities of the theta point, theta h^2 theta of displacement and theta h of velocity per
     /// velocity at the step's end.
-    pub fn renew(&mut self, model: &Model<'_, T>, h: T, theta: T, q: &[Placement<T>; B], v: &[Twist<T>; B]) {
+    pub(crate) fn renew(&mut self, model: &Model<'_, T>, h: T, theta: T, q: &[Placement<T>; B], v: &[Twist<T>; B]) {
         let dampers = model.joints.iter().any(|joint| T::ZERO < joint.viscous);
         self.present = dampers || !model.springs.is_empty() || !model.torsions.is_empty();
         if !self.present {
@@ -117,7 +117,7 @@ impl<T: Scalar, const B: usize> Implicit<T, B> {
     }
 
     /// Solves A x = x in place, x a momentum first and a velocity then.
-    pub fn solve(&self, bodies: usize, x: &mut [Twist<T>; B]) {
+    pub(crate) fn solve(&self, bodies: usize, x: &mut [Twist<T>; B]) {
         let n = 3 * bodies;
         for i in 0..n {
             let mut s = x[i / 3][i % 3];

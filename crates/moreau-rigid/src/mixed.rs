@@ -104,12 +104,12 @@ pub(super) struct Problem<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Problem<T, N> {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Problem { count: 0, delassus: [[T::ZERO; N]; N], free: [T::ZERO; N], law: [Law::Absent; N] }
     }
 
     /// u of law i at impulses p.
-    pub fn velocity(&self, i: usize, free: &[T; N], p: &[T; N]) -> T {
+    pub(crate) fn velocity(&self, i: usize, free: &[T; N], p: &[T; N]) -> T {
         let mut u = free[i];
         for j in 0..self.count {
             u += self.delassus[i][j] * p[j];
@@ -118,7 +118,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 
     /// Solves from a warm start, which it overwrites.
-    pub fn solve(
+    pub(crate) fn solve(
         &self,
         mode: &mut [Mode; N],
         p: &mut [T; N],
@@ -190,7 +190,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
 
     /// The largest amount, as a velocity, by which impulses miss a law: u where it must be zero, else the distance of W_ii p from its
     /// projection after -u.
-    pub fn residual(&self, p: &[T; N]) -> T {
+    pub(crate) fn residual(&self, p: &[T; N]) -> T {
         let mut most = T::ZERO;
         for i in 0..self.count {
             let w = self.delassus[i][i];
@@ -236,7 +236,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 
     /// The impulses of a guess: zero velocity of what holds, full friction of what slips. False if the guess has none.
-    pub fn impulses(&self, mode: &[Mode; N], free: &[T; N], p: &mut [T; N], tolerance: T) -> bool {
+    pub(crate) fn impulses(&self, mode: &[Mode; N], free: &[T; N], p: &mut [T; N], tolerance: T) -> bool {
         let n = self.count;
         let mut unknown = [0usize; N];
         // Where a law stands among the unknowns.
@@ -292,7 +292,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 
     /// Moves laws whose guess is refuted: all of them, or the first one alone. Says whether there was one.
-    pub fn correct(&self, mode: &mut [Mode; N], p: &[T; N], tolerance: T, all: bool) -> bool {
+    pub(crate) fn correct(&self, mode: &mut [Mode; N], p: &[T; N], tolerance: T, all: bool) -> bool {
         let before = *mode;
         let mut changed = false;
         for i in 0..self.count {
@@ -377,7 +377,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
 
     /// Change of a contact's normal velocity per normal impulse while it slips with friction p_t = factor p_n, everything else
     /// doing what `mode` says; and its velocity without its impulses. Where both are negative, no finite force keeps it closed while it slips.
-    pub fn slipping_mobility(&self, n: usize, t: usize, factor: T, mode: &[Mode; N], tolerance: T) -> (T, T) {
+    pub(crate) fn slipping_mobility(&self, n: usize, t: usize, factor: T, mode: &[Mode; N], tolerance: T) -> (T, T) {
         let mut others = *mode;
         others[n] = Mode::Open;
         let mut p = [T::ZERO; N];

@@ -15,29 +15,40 @@ pub(super) struct Row<T> {
 
 impl<T: Scalar> Row<T> {
     /// The row of nothing.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Row { bodies: [GROUND; 2], parts: [[T::ZERO; 3]; 2] }
     }
 
     /// Velocity of `second` minus that of `first`, both at the world's point `at`, along `direction`.
-    pub fn relative(places: &[Placement<T>], first: usize, second: usize, at: Vector<T>, direction: Vector<T>) -> Self {
+    pub(crate) fn relative(
+        places: &[Placement<T>],
+        first: usize,
+        second: usize,
+        at: Vector<T>,
+        direction: Vector<T>,
+    ) -> Self {
         Self::between(places, [first, second], [at, at], direction)
     }
 
     /// The same with a point of its own for each body.
-    pub fn between(places: &[Placement<T>], bodies: [usize; 2], at: [Vector<T>; 2], direction: Vector<T>) -> Self {
+    pub(crate) fn between(
+        places: &[Placement<T>],
+        bodies: [usize; 2],
+        at: [Vector<T>; 2],
+        direction: Vector<T>,
+    ) -> Self {
         let part = |k: usize, d: Vector<T>| [d[0], d[1], cross(sub(at[k], placed(places, bodies[k]).at), d)];
         Row { bodies, parts: [part(0, scale(direction, -T::ONE)), part(1, direction)] }
     }
 
     /// Angular velocity of `second` minus that of `first`.
-    pub fn turning(first: usize, second: usize) -> Self {
+    pub(crate) fn turning(first: usize, second: usize) -> Self {
         let z = T::ZERO;
         Row { bodies: [first, second], parts: [[z, z, -T::ONE], [z, z, T::ONE]] }
     }
 
     /// u of these velocities.
-    pub fn velocity(&self, v: &[Twist<T>]) -> T {
+    pub(crate) fn velocity(&self, v: &[Twist<T>]) -> T {
         let mut u = T::ZERO;
         for (&body, part) in self.bodies.iter().zip(&self.parts) {
             if body != GROUND {
@@ -50,7 +61,7 @@ impl<T: Scalar> Row<T> {
     }
 
     /// Adds M^-1 row^T p to a velocity (or, with p a length, to a displacement).
-    pub fn push(&self, model: &Model<'_, T>, p: T, v: &mut [Twist<T>]) {
+    pub(crate) fn push(&self, model: &Model<'_, T>, p: T, v: &mut [Twist<T>]) {
         for (&body, part) in self.bodies.iter().zip(&self.parts) {
             if body != GROUND {
                 let b = &model.bodies[body];
@@ -63,7 +74,7 @@ impl<T: Scalar> Row<T> {
     }
 
     /// Adds row^T p to momenta.
-    pub fn add(&self, p: T, momentum: &mut [Twist<T>]) {
+    pub(crate) fn add(&self, p: T, momentum: &mut [Twist<T>]) {
         for (&body, part) in self.bodies.iter().zip(&self.parts) {
             if body != GROUND {
                 for (x, y) in momentum[body].iter_mut().zip(part) {
@@ -74,7 +85,7 @@ impl<T: Scalar> Row<T> {
     }
 
     /// row_i M^-1 row_j^T: the Delassus matrix's entry.
-    pub fn coupling(&self, other: &Row<T>, model: &Model<'_, T>) -> T {
+    pub(crate) fn coupling(&self, other: &Row<T>, model: &Model<'_, T>) -> T {
         let mut sum = T::ZERO;
         for (&a, x) in self.bodies.iter().zip(&self.parts) {
             for (&b, y) in other.bodies.iter().zip(&other.parts) {

@@ -32,7 +32,7 @@ pub(super) struct Reduced<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Reduced<T, N> {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Reduced { w: [[T::ZERO; N]; N], free: [T::ZERO; N], order: [0; N], eliminated: 0, left: [0; N], count: 0 }
     }
 
@@ -108,7 +108,7 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     /// Sweeps from a warm start, whose impulses need not be admissible. True if a guess from what was swept met every law; else the impulses
     /// are the best that were swept, admissible ones.
     #[cold]
-    pub fn sweep(
+    pub(crate) fn sweep(
         &self,
         mode: &mut [Mode; N],
         p: &mut [T; N],

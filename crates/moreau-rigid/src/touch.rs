@@ -34,7 +34,7 @@ pub(super) struct ContactRows<T> {
 
 impl<T: Scalar> Touch<T> {
     /// The pair at these placements.
-    pub fn rows(&self, places: &[Placement<T>]) -> ContactRows<T> {
+    pub(crate) fn rows(&self, places: &[Placement<T>]) -> ContactRows<T> {
         let (disc_body, carrier, at, normal, distance) = match *self {
             Touch::None => {
                 let (distance, place) = (T::ONE / T::ZERO, [[T::ZERO; 2]; 2]);

@@ -41,7 +41,7 @@ impl<T, const B: usize, const Z: usize> PartialEq for BroadPhase<T, B, Z> {
 
 impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
     /// None yet.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         BroadPhase {
             angle: [T::ZERO; B],
             spent: [T::ZERO; B],
@@ -55,19 +55,19 @@ impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
 
     /// The zones that may be touched.
     #[inline(always)]
-    pub fn near(&self) -> &[usize] {
+    pub(crate) fn near(&self) -> &[usize] {
         &self.near[..self.near_count]
     }
 
     /// Those of them with Coulomb friction.
     #[inline(always)]
-    pub fn sliding(&self) -> &[usize] {
+    pub(crate) fn sliding(&self) -> &[usize] {
         &self.sliding[..self.sliding_count]
     }
 
     /// BroadPhases again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`: the joints' angles.
     #[inline(always)]
-    pub fn renew(
+    pub(crate) fn renew(
         &mut self,
         model: &Model<T, B, Z>,
         kinematics: &Kinematics<T, B>,

@@ -44,7 +44,7 @@ pub(crate) struct CompiledZone<T> {
 }
 
 impl<T: Real> CompiledZone<T> {
-    pub fn of(zone: &Zone<T>) -> Self {
+    pub(crate) fn of(zone: &Zone<T>) -> Self {
         let o = [T::ZERO; 2];
         let (core, axis, from, length, size) = match zone.curve {
             Curve::Line { point, normal } => (Core::Line, normal, o, T::ZERO, dot(point, normal)),
@@ -70,19 +70,23 @@ impl<T: Real> CompiledZone<T> {
     }
 
     /// Its curve yields.
-    pub fn set_yielding(&mut self) {
+    pub(crate) fn set_yielding(&mut self) {
         self.felt.set_yielding();
     }
 
     /// The disc's centre in the world.
     #[inline(always)]
-    pub fn center<const B: usize>(&self, pose: &Pose<T, B>) -> Vector<T> {
+    pub(crate) fn center<const B: usize>(&self, pose: &Pose<T, B>) -> Vector<T> {
         pose.point(self.disc_body, self.center)
     }
 
     /// Compression at a pose (negative apart), given the disc's centre, and the curve's outward unit normal there.
     #[inline(always)]
-    pub fn compression_and_normal<const B: usize>(&self, pose: &Pose<T, B>, center: Vector<T>) -> (T, Vector<T>) {
+    pub(crate) fn compression_and_normal<const B: usize>(
+        &self,
+        pose: &Pose<T, B>,
+        center: Vector<T>,
+    ) -> (T, Vector<T>) {
         match self.core {
             Core::Line if self.curve_body >= B => (self.level - dot(center, self.axis), self.axis),
             Core::Line => {
@@ -106,13 +110,13 @@ impl<T: Real> CompiledZone<T> {
 
     /// Compression at a pose (negative apart), without forces.
     #[inline(always)]
-    pub fn compression<const B: usize>(&self, pose: &Pose<T, B>) -> T {
+    pub(crate) fn compression<const B: usize>(&self, pose: &Pose<T, B>) -> T {
         self.compression_and_normal(pose, self.center(pose)).0
     }
 
     /// The row G at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)),
     /// exact although the contact point moves.
-    pub fn compression_row<const B: usize>(&self, support: &Support<T, B>, pose: &Pose<T, B>) -> [T; B] {
+    pub(crate) fn compression_row<const B: usize>(&self, support: &Support<T, B>, pose: &Pose<T, B>) -> [T; B] {
         let center = self.center(pose);
         let (_, normal) = self.compression_and_normal(pose, center);
         let mut row = [T::ZERO; B];
@@ -124,7 +128,12 @@ impl<T: Real> CompiledZone<T> {
 
     /// The contact point, on the curve.
     #[inline(always)]
-    pub fn contact_point<const B: usize>(&self, pose: &Pose<T, B>, compression: T, normal: Vector<T>) -> Vector<T> {
+    pub(crate) fn contact_point<const B: usize>(
+        &self,
+        pose: &Pose<T, B>,
+        compression: T,
+        normal: Vector<T>,
+    ) -> Vector<T> {
         sub(self.center(pose), scale(normal, self.radius - compression))
     }
 }

@@ -60,7 +60,7 @@ pub(crate) struct Proximity<T: Real> {
 }
 
 impl<T: Real, const B: usize> ContactState<T, B> {
-    pub fn apart() -> Self {
+    pub(crate) fn apart() -> Self {
         let z = T::ZERO;
         ContactState {
             in_reach: T::Mask::splat(false),
@@ -77,7 +77,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     /// `candidates`: the lanes that may be in reach.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    pub fn evaluate<const K: usize, const YIELDS: bool>(
+    pub(crate) fn evaluate<const K: usize, const YIELDS: bool>(
         &mut self,
         zone: &CompiledZone<T>,
         support: &Support<T, B>,
@@ -116,7 +116,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
 
     /// The felt's force and tangent, where it is touched.
     #[inline(always)]
-    pub fn press(
+    pub(crate) fn press(
         &mut self,
         zone: &CompiledZone<T>,
         timing: &Timing<T>,
@@ -152,7 +152,13 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     }
 
     /// The felt's force on a surface that yields, N, and -dF/d(rate), N s/m, where the rate is so much greater.
-    pub fn pressed_at(&self, zone: &CompiledZone<T>, timing: &Timing<T>, more: T, surface: &Yielding<T>) -> [T; 2] {
+    pub(crate) fn pressed_at(
+        &self,
+        zone: &CompiledZone<T>,
+        timing: &Timing<T>,
+        more: T,
+        surface: &Yielding<T>,
+    ) -> [T; 2] {
         let (compression, rate) = (self.compression + timing.h_theta * more, self.rate + more);
         let carried = Carried { memory: &self.memory, surface };
         let pressed = zone.felt.press_yielding(compression, rate, timing, T::Mask::splat(true), carried);
@@ -162,7 +168,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     /// What a caller may read: the contact at the pose of the last evaluation, its force carried along with the last change of the
     /// relative velocities.
     #[allow(clippy::too_many_arguments)]
-    pub fn contact(
+    pub(crate) fn contact(
         &self,
         zone: &CompiledZone<T>,
         support: &Support<T, B>,
@@ -227,7 +233,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     }
 
     /// The felt's memory at the step's end, for a felt that has one; `touched`: not in all lanes apart.
-    pub fn remembered(
+    pub(crate) fn remembered(
         &self,
         zone: &CompiledZone<T>,
         support: &Support<T, B>,
@@ -254,7 +260,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
     /// Newton iteration leaves to the next.
     #[inline(always)]
-    pub fn remainder(
+    pub(crate) fn remainder(
         &self,
         zone: &CompiledZone<T>,
         support: &Support<T, B>,
@@ -309,7 +315,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
     /// the normal turned clockwise by a quarter turn.
     #[inline(always)]
-    pub fn slip_row(
+    pub(crate) fn slip_row(
         proximity: &Proximity<T>,
         zone: &CompiledZone<T>,
         support: &Support<T, B>,

@@ -26,7 +26,7 @@ pub(crate) struct Curvatures<T, const B: usize> {
 }
 
 impl<T: Scalar, const B: usize> Curvatures<T, B> {
-    pub fn of<'a>(zones: impl Iterator<Item = (&'a Zone<T>, &'a Support<T, B>)>) -> Self
+    pub(crate) fn of<'a>(zones: impl Iterator<Item = (&'a Zone<T>, &'a Support<T, B>)>) -> Self
     where
         T: 'a,
     {
@@ -54,7 +54,7 @@ impl<T: Scalar, const B: usize> Curvatures<T, B> {
 
 impl<T: Real, const B: usize> Curvatures<T, B> {
     /// Of as many models as there are lanes.
-    pub fn of_lanes<'a, S: Scalar + 'a>(one: impl Fn(usize) -> &'a Curvatures<S, B>) -> Self {
+    pub(crate) fn of_lanes<'a, S: Scalar + 'a>(one: impl Fn(usize) -> &'a Curvatures<S, B>) -> Self {
         let numbers = |of: fn(&Curvatures<S, B>) -> [S; B]| join_all(|lane| of(one(lane)));
         Curvatures {
             lever: join(|lane| one(lane).lever),
@@ -79,14 +79,14 @@ pub(crate) struct Margins<T> {
 }
 
 impl<T: Real> Margins<T> {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let far = T::from_f64(FAR);
         Margins { onset: far, opening: far, speed: T::ZERO, depth: T::ZERO }
     }
 
     /// Takes a zone in. Returns its largest compression during the step, m; not positive where it is not touched.
     #[inline(always)]
-    pub fn include(&mut self, compression: T, rate: T, timing: &Timing<T>) -> T {
+    pub(crate) fn include(&mut self, compression: T, rate: T, timing: &Timing<T>) -> T {
         let speed = rate.abs();
         let offset = timing.node * speed;
         let deepest = compression.add_product(timing.node, speed);
@@ -98,7 +98,7 @@ impl<T: Real> Margins<T> {
 
     /// Takes in the rate by which a felt would have to open faster, where it is touched.
     #[inline(always)]
-    pub fn include_opening(&mut self, opening: T, touched: T::Mask) {
+    pub(crate) fn include_opening(&mut self, opening: T, touched: T::Mask) {
         self.opening = self.opening.min(T::select(touched, opening, T::from_f64(FAR)));
     }
 
@@ -112,7 +112,12 @@ impl<T: Real> Margins<T> {
     /// - no felt comes to the clamp: it pushes no more when it opens faster than k g^(r - 2) / b. `rate` uses up one half of the margin.
     ///   The other half is for felts with r > 2, whose k g^(r - 2) / b falls with the compression (by k gained / b for r = 3).
     #[inline(always)]
-    pub fn bound<const B: usize>(&self, sums: &Curvatures<T, B>, timing: &Timing<T>, change: T) -> (Terms<T>, T::Mask) {
+    pub(crate) fn bound<const B: usize>(
+        &self,
+        sums: &Curvatures<T, B>,
+        timing: &Timing<T>,
+        change: T,
+    ) -> (Terms<T>, T::Mask) {
         let two = T::from_f64(2.0);
         let (reach, x) = (timing.h_theta + timing.node, timing.theta * change);
         let square = timing.step * reach * x * x;
@@ -137,7 +142,7 @@ pub(crate) struct Terms<T> {
 impl<T: Real> Terms<T> {
     /// Adds what the felts may do to joint i to an impulse on it, N m s.
     #[inline(always)]
-    pub fn add_to<const B: usize>(&self, impulse: T, sums: &Curvatures<T, B>, i: usize) -> T {
+    pub(crate) fn add_to<const B: usize>(&self, impulse: T, sums: &Curvatures<T, B>, i: usize) -> T {
         impulse
             .add_product(self.stiffness, sums.stiffness[i])
             .add_product(self.stiffness_by_depth, sums.stiffness_by_depth[i])

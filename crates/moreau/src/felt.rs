@@ -340,7 +340,7 @@ pub(crate) struct Curvature<T> {
 }
 
 impl<T: Real> FeltLaw<T> {
-    pub fn of(felt: &Felt<T>) -> Self {
+    pub(crate) fn of(felt: &Felt<T>) -> Self {
         let (stiffness, exponent, tiny) = (felt.stiffness, felt.exponent, T::from_f64(TINY));
         // For r = 2 Hunt and Crossley's law is the papers', with b = a k.
         let loss = match (felt.loss, exponent) {
@@ -365,11 +365,11 @@ impl<T: Real> FeltLaw<T> {
     }
 
     /// What it presses on yields.
-    pub fn set_yielding(&mut self) {
+    pub(crate) fn set_yielding(&mut self) {
         self.yields = true;
     }
 
-    pub fn yields(&self) -> bool {
+    pub(crate) fn yields(&self) -> bool {
         self.yields
     }
 
@@ -380,7 +380,14 @@ impl<T: Real> FeltLaw<T> {
     /// leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the scheme is
     /// backward Euler.
     #[inline(always)]
-    pub fn press(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: &T) -> Pressed<T> {
+    pub(crate) fn press(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: &T,
+    ) -> Pressed<T> {
         if !self.square {
             return match &self.remembering {
                 None => self.press_points(compression, rate, timing, touched),
@@ -457,7 +464,7 @@ impl<T: Real> FeltLaw<T> {
     /// With P the law's mean force and P' its slope with the rate, F = P(rate - a F) has the slope P'/(1 + a P'). It bends less than the law itself,
     /// F'' = P''/(1 + a P')^3, at a compression that is no deeper, so that the law's curvature there is a bound. The quick test knows nothing
     /// of that: a margin of zero leaves such a zone to the exact one.
-    pub fn press_yielding(
+    pub(crate) fn press_yielding(
         &self,
         compression: T,
         rate: T,
@@ -473,7 +480,7 @@ impl<T: Real> FeltLaw<T> {
 
     /// The compression and its rate at the theta point, with what a surface that yields gives way under the felt's force: from those that there
     /// would be if it were not pressed.
-    pub fn give_way(
+    pub(crate) fn give_way(
         &self,
         compression: T,
         rate: T,
@@ -492,7 +499,7 @@ impl<T: Real> FeltLaw<T> {
     }
 
     /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface that yields.
-    pub fn recall(
+    pub(crate) fn recall(
         &self,
         compression: T,
         rate: T,
@@ -504,7 +511,7 @@ impl<T: Real> FeltLaw<T> {
     }
 
     /// The memory after a step in which it was not touched, and by how much the energy that it holds has grown, J.
-    pub fn left_alone(&self, timing: &Timing<T>, memory: T) -> (T, T) {
+    pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: T) -> (T, T) {
         self.remembering.as_ref().map_or((T::ZERO, T::ZERO), |law| law.left_alone(timing, memory))
     }
 
@@ -573,7 +580,7 @@ impl<T: Real> FeltLaw<T> {
 
     /// The largest force of a felt that is pressed no deeper and no faster than this, N.
     #[inline(always)]
-    pub fn largest_force(&self, deepest: T, speed: T) -> T {
+    pub(crate) fn largest_force(&self, deepest: T, speed: T) -> T {
         let elastic = self.elastic(deepest).force;
         match self.loss {
             Loss::Quadratic(b) => self.largest * (elastic + b * deepest * deepest * speed),
@@ -664,7 +671,7 @@ pub(crate) struct Elastic<T> {
 impl<T: Real> Elastic<T> {
     /// At a compression, which must not be negative.
     #[inline(always)]
-    pub fn of(stiffness: T, exponent: &Exponent<T>, compression: T) -> Self {
+    pub(crate) fn of(stiffness: T, exponent: &Exponent<T>, compression: T) -> Self {
         let c = T::from_f64;
         match *exponent {
             Exponent::Two => {
@@ -692,7 +699,7 @@ impl<T: Real> Elastic<T> {
 
     /// The larger of each.
     #[inline(always)]
-    pub fn max(&self, other: &Self) -> Self {
+    pub(crate) fn max(&self, other: &Self) -> Self {
         Elastic {
             force: self.force.max(other.force),
             slope: self.slope.max(other.slope),

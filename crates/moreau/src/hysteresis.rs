@@ -58,7 +58,7 @@ impl<T: Real> Path<T> {
 
 impl<T: Real> Remembering<T> {
     /// `None` for a loss without memory.
-    pub fn of(stiffness: T, exponent: Exponent<T>, loss: Loss<T>) -> Option<Self> {
+    pub(crate) fn of(stiffness: T, exponent: Exponent<T>, loss: Loss<T>) -> Option<Self> {
         let kind = match loss {
             Loss::Elastoplastic { damping, eta, slip } => Kind::Elastoplastic { damping, eta, slip },
             Loss::Hereditary { relaxed, time } => Kind::Hereditary { relaxed, time },
@@ -69,14 +69,21 @@ impl<T: Real> Remembering<T> {
 
     /// Force, tangent and what the tangent leaves out, at a compression and rate of the theta point, from the memory at the step's start.
     #[inline(always)]
-    pub fn press(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Pressed<T> {
+    pub(crate) fn press(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Pressed<T> {
         self.recall(compression, rate, timing, touched, memory).pressed
     }
 
     /// [`Remembering::press`], and what becomes of the memory.
     #[cold]
     #[inline(never)]
-    pub fn recall(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask, memory: T) -> Recalled<T> {
+    pub(crate) fn recall(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: T,
+    ) -> Recalled<T> {
         let path = Path::of(compression, rate, timing);
         match self.kind {
             Kind::Elastoplastic { damping, eta, slip } => {
@@ -90,7 +97,7 @@ impl<T: Real> Remembering<T> {
 
     /// The memory of a felt that was not touched in a step, and by how much the energy that it holds has grown, J.
     #[inline(always)]
-    pub fn left_alone(&self, timing: &Timing<T>, memory: T) -> (T, T) {
+    pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: T) -> (T, T) {
         let after = match self.kind {
             Kind::Elastoplastic { .. } => T::ZERO,
             Kind::Hereditary { time, .. } => forget(decay(timing.step / time).left * memory),
@@ -99,7 +106,7 @@ impl<T: Real> Remembering<T> {
     }
 
     /// The energy that the memory holds beyond the elastic k g^(r+1)/(r+1), J.
-    pub fn held(&self, compression: T, memory: T) -> T {
+    pub(crate) fn held(&self, compression: T, memory: T) -> T {
         let (one, r) = (T::ONE, self.exponent.value());
         match self.kind {
             Kind::Elastoplastic { eta, slip, .. } => {

@@ -23,7 +23,7 @@ pub(crate) struct Dwelling<T, const B: usize, const Z: usize> {
 }
 
 impl<T: Real, const B: usize, const Z: usize> Dwelling<T, B, Z> {
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         let z = T::ZERO;
         Dwelling { pivot_gain: [z; B], pivot_rate: [z; B], zone_gain: [z; Z], zone_rate: [z; Z], count: 0 }
     }

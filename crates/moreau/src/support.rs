@@ -21,7 +21,7 @@ pub(crate) struct Support<T, const B: usize> {
 
 impl<T: Scalar, const B: usize> Support<T, B> {
     /// The joints between a point of a body and the ground.
-    pub fn of_point(tree: &Tree<T, B>, body: usize, point: Vector<T>) -> Self {
+    pub(crate) fn of_point(tree: &Tree<T, B>, body: usize, point: Vector<T>) -> Self {
         let mut support = Support::empty();
         for j in 0..B {
             if tree.carries(j, body) {
@@ -32,7 +32,7 @@ impl<T: Scalar, const B: usize> Support<T, B> {
     }
 
     /// The joints that a zone's compression depends on, and their longest levers about the disc's centre.
-    pub fn of_zone(tree: &Tree<T, B>, zone: &Zone<T>) -> Self {
+    pub(crate) fn of_zone(tree: &Tree<T, B>, zone: &Zone<T>) -> Self {
         let mut support = Support::empty();
         for j in 0..B {
             match (tree.carries(j, zone.curve_body), tree.carries(j, zone.disc_body)) {
@@ -84,12 +84,12 @@ fn length<T: Real>(a: Vector<T>) -> T {
 
 impl<T: Real, const B: usize> Support<T, B> {
     /// No joint at all.
-    pub fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Support { count: 0, joint: [0; B], sign: [T::ZERO; B], lever: [T::ZERO; B] }
     }
 
     /// The same joints with the levers of as many models as there are lanes.
-    pub fn of_lanes<'a, S: Scalar + 'a>(support: impl Fn(usize) -> &'a Support<S, B>) -> Self {
+    pub(crate) fn of_lanes<'a, S: Scalar + 'a>(support: impl Fn(usize) -> &'a Support<S, B>) -> Self {
         let first = support(0);
         let mut joined = Support { count: first.count, joint: first.joint, ..Support::empty() };
         for k in 0..first.count {
@@ -101,37 +101,37 @@ impl<T: Real, const B: usize> Support<T, B> {
 
     /// The joints with their places in a row.
     #[inline(always)]
-    pub fn joints(&self) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
+    pub(crate) fn joints(&self) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
         self.joint[..self.count].iter().copied().enumerate()
     }
 
     /// Sign of an entry.
     #[inline(always)]
-    pub fn sign(&self, entry: usize) -> T {
+    pub(crate) fn sign(&self, entry: usize) -> T {
         self.sign[entry]
     }
 
     /// The longest lever of an entry, m.
     #[inline(always)]
-    pub fn lever(&self, entry: usize) -> T {
+    pub(crate) fn lever(&self, entry: usize) -> T {
         self.lever[entry]
     }
 
     /// The first K entries of a row. Entries beyond the row's own must be zero.
     #[inline(always)]
-    pub fn entries<const K: usize>(&self, row: &[T; B]) -> Row<T, K> {
+    pub(crate) fn entries<const K: usize>(&self, row: &[T; B]) -> Row<T, K> {
         Row { joint: core::array::from_fn(|k| self.joint[k]), entry: core::array::from_fn(|k| row[k]) }
     }
 
     /// How many entries a row has.
     #[inline(always)]
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count
     }
 
     /// row . w.
     #[inline(always)]
-    pub fn product(&self, row: &[T; B], w: &[T; B]) -> T {
+    pub(crate) fn product(&self, row: &[T; B], w: &[T; B]) -> T {
         let mut sum = T::ZERO;
         for (k, j) in self.joints() {
             sum = sum.add_product(row[k], w[j]);
@@ -141,7 +141,7 @@ impl<T: Real, const B: usize> Support<T, B> {
 
     /// A multiple of the row, with an entry for every joint.
     #[inline(always)]
-    pub fn spread(&self, row: &[T; B], factor: T, dense: &mut [T; B]) {
+    pub(crate) fn spread(&self, row: &[T; B], factor: T, dense: &mut [T; B]) {
         *dense = [T::ZERO; B];
         for (k, j) in self.joints() {
             dense[j] = factor * row[k];
@@ -150,7 +150,7 @@ impl<T: Real, const B: usize> Support<T, B> {
 
     /// [`Row::add_term`] for a row of any length.
     #[inline(always)]
-    pub fn add_term(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
+    pub(crate) fn add_term(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
         match self.count {
             1 => self.entries::<1>(row).add_term(a, b, tangent, p, w),
             2 => self.entries::<2>(row).add_term(a, b, tangent, p, w),
@@ -171,7 +171,7 @@ pub(crate) struct Row<T, const K: usize> {
 impl<T: Real, const K: usize> Row<T, K> {
     /// row . w.
     #[inline(always)]
-    pub fn product<const B: usize>(&self, w: &[T; B]) -> T {
+    pub(crate) fn product<const B: usize>(&self, w: &[T; B]) -> T {
         let mut sum = self.entry[0] * w[self.joint[0]];
         for k in 1..K {
             sum = sum.add_product(self.entry[k], w[self.joint[k]]);
@@ -182,7 +182,14 @@ impl<T: Real, const K: usize> Row<T, K> {
     /// Adds a force along the row (impulse p, tangent = -dp/d(row . w)) to the linearised step: A += tangent row^T row,
     /// b += row^T (p + tangent row . w).
     #[inline(always)]
-    pub fn add_term<const B: usize>(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], tangent: T, p: T, w: &[T; B]) {
+    pub(crate) fn add_term<const B: usize>(
+        &self,
+        a: &mut Symmetric<T, B>,
+        b: &mut [T; B],
+        tangent: T,
+        p: T,
+        w: &[T; B],
+    ) {
         let total = p.add_product(tangent, self.product(w));
         for k in 0..K {
             let i = self.joint[k];

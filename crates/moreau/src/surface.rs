@@ -51,13 +51,13 @@ pub(crate) struct Coupled<T> {
 }
 
 impl<T: Real> Coupled<T> {
-    pub fn nothing() -> Self {
+    pub(crate) fn nothing() -> Self {
         let zero = T::ZERO;
         Coupled { count: 0, zone: [0; COUPLED], give: [[zero; COUPLED]; COUPLED], told: [zero; COUPLED] }
     }
 
     /// What forces on the others add to the drift of one, m/s.
-    pub fn others(&self, one: usize, forces: &[T; COUPLED]) -> T {
+    pub(crate) fn others(&self, one: usize, forces: &[T; COUPLED]) -> T {
         let mut sum = T::ZERO;
         for other in 0..self.count {
             sum = sum.add_product(self.give[one][other], forces[other]);
@@ -67,11 +67,11 @@ impl<T: Real> Coupled<T> {
 }
 
 impl<T: Real> Yielding<T> {
-    pub fn still() -> Self {
+    pub(crate) fn still() -> Self {
         Yielding { offset: T::ZERO, drift: T::ZERO, give: T::ZERO, shared: false }
     }
 
-    pub fn of(surface: &Surface<T>, h: T, h_theta: T) -> Self {
+    pub(crate) fn of(surface: &Surface<T>, h: T, h_theta: T) -> Self {
         let drift = (surface.free - surface.displacement) / h;
         Yielding { offset: surface.displacement + h_theta * drift, drift, give: surface.compliance / h, shared: false }
     }

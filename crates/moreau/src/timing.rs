@@ -23,7 +23,7 @@ pub(crate) struct Timing<T> {
 }
 
 impl<T: Real> Timing<T> {
-    pub fn new(h: T, theta: T) -> Self {
+    pub(crate) fn new(h: T, theta: T) -> Self {
         let node = (T::ONE - theta) * h * T::from_f64(GAUSS_POINT);
         Timing { step: h, h_theta: h * theta, theta, node, reach: node * T::from_f64(CLOSING_SPEED) }
     }

@@ -40,7 +40,7 @@ pub(crate) struct Parent<T, const B: usize> {
 
 impl<T: Real, const B: usize> Tree<T, B> {
     /// Of as many trees as there are lanes, which must hang together in the same way.
-    pub fn of_lanes<'a, S: Scalar + 'a>(tree: impl Fn(usize) -> &'a Tree<S, B>) -> Self {
+    pub(crate) fn of_lanes<'a, S: Scalar + 'a>(tree: impl Fn(usize) -> &'a Tree<S, B>) -> Self {
         let first = tree(0);
         Tree {
             parent: first.parent,
@@ -61,18 +61,18 @@ impl<T: Real, const B: usize> Tree<T, B> {
 
     /// The bodies that are hinged on another body, parents first.
     #[inline(always)]
-    pub fn hinged(&self) -> &[usize] {
+    pub(crate) fn hinged(&self) -> &[usize] {
         &self.hinged[..self.hinged_count]
     }
 
     /// The bodies that others are hinged on, parents first.
     #[inline(always)]
-    pub fn parents(&self) -> &[Parent<T, B>] {
+    pub(crate) fn parents(&self) -> &[Parent<T, B>] {
         &self.parents[..self.parent_count]
     }
 
     /// Whether a body turns with a joint.
-    pub fn carries(&self, joint: usize, body: usize) -> bool {
+    pub(crate) fn carries(&self, joint: usize, body: usize) -> bool {
         let mut i = body;
         while i < B && i != joint {
             i = self.parent[i];
@@ -82,7 +82,7 @@ impl<T: Real, const B: usize> Tree<T, B> {
 
     /// w from v.
     #[inline(always)]
-    pub fn relative(&self, v: &[T; B]) -> [T; B] {
+    pub(crate) fn relative(&self, v: &[T; B]) -> [T; B] {
         let [first, further @ ..] = self.parents() else { return *v };
         let (speed, mut w) = (v[first.body], *v);
         for i in 0..B {
@@ -93,7 +93,7 @@ impl<T: Real, const B: usize> Tree<T, B> {
 
     /// v from w.
     #[inline(always)]
-    pub fn absolute(&self, w: &[T; B], v: &mut [T; B]) {
+    pub(crate) fn absolute(&self, w: &[T; B], v: &mut [T; B]) {
         let [first, further @ ..] = self.parents() else {
             *v = *w;
             return;
@@ -111,7 +111,7 @@ impl<T: Real, const B: usize> Tree<T, B> {
     /// Takes generalised forces for absolute velocities to relative ones: a joint carries everything beyond it. `on_parent` is what acts
     /// on each body's parent because of it, besides.
     #[inline(always)]
-    pub fn row_to_joints(&self, row: &mut [T; B], on_parent: &[T; B]) {
+    pub(crate) fn row_to_joints(&self, row: &mut [T; B], on_parent: &[T; B]) {
         let [first, further @ ..] = self.parents() else { return };
         if !further.is_empty() {
             *row = carried_beyond(further, *row, *on_parent);
@@ -120,7 +120,7 @@ impl<T: Real, const B: usize> Tree<T, B> {
     }
 
     /// The inverse of [`Tree::row_to_joints`].
-    pub fn row_to_angles(&self, row: &mut [T; B]) {
+    pub(crate) fn row_to_angles(&self, row: &mut [T; B]) {
         for &i in self.hinged() {
             let t = row[i];
             row[self.parent[i]] -= t;
@@ -130,7 +130,7 @@ impl<T: Real, const B: usize> Tree<T, B> {
 
 impl<T: Scalar, const B: usize> Tree<T, B> {
     /// Of bodies that have been checked; there are at most B.
-    pub fn of(bodies: &[Body<T>]) -> Self {
+    pub(crate) fn of(bodies: &[Body<T>]) -> Self {
         let zero = [T::ZERO; B];
         let mut tree = Tree {
             parent: [GROUND; B],

@@ -69,7 +69,7 @@ pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
 
 impl<T: Real, const B: usize, const Z: usize> Contacts<T, B, Z> {
     /// A zone that nobody has seen touched is: in its place among the others.
-    pub fn touch(&mut self, zone: usize) {
+    pub(crate) fn touch(&mut self, zone: usize) {
         let mut place = self.touched_count;
         while place > 0 && self.touched[place - 1] > zone {
             self.touched[place] = self.touched[place - 1];

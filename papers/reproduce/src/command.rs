@@ -62,7 +62,7 @@ impl ClaimReport {
 /// Computes the papers' figures and claims anew, and writes one page that shows which hold.
 #[derive(Debug, Parser)]
 #[command(name = "erard-reproduce", version = version(), about, max_term_width = 100)]
-pub struct Reproduce {
+pub(crate) struct Reproduce {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
     instrument: String,
@@ -131,14 +131,14 @@ impl Reproduce {
             reproduced.push(Reproduced { subject, section });
         }
         let html = page(&instrument.name, &reproduced);
-        output.stage("report.html", |w| w.write_all(html.as_bytes()))?;
+        output.text("report.html", &html)?;
         let mut written = vec!["report.html".to_owned()];
         if self.figures {
             for one in &reproduced {
                 for (index, chart) in one.section.charts.iter().enumerate() {
                     let id = format!("{}-{index}", one.subject.name);
                     let name = format!("{id}.svg");
-                    output.stage(&name, |w| w.write_all(chart_svg(chart, &id).as_bytes()))?;
+                    output.text(&name, &chart_svg(chart, &id))?;
                     written.push(name);
                 }
             }

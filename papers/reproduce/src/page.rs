@@ -8,7 +8,7 @@ use crate::subjects::{Claim, Section, Subject, Table};
 const STYLE: &str = include_str!("page.css");
 
 /// A subject with what came of it.
-pub struct Reproduced {
+pub(crate) struct Reproduced {
     /// What it is.
     pub subject: Subject,
     /// What came of it.
@@ -16,7 +16,7 @@ pub struct Reproduced {
 }
 
 /// The page. `instrument` is the name of what it was run on.
-pub fn page(instrument: &str, all: &[Reproduced]) -> String {
+pub(crate) fn page(instrument: &str, all: &[Reproduced]) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {

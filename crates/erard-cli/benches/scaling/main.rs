@@ -14,7 +14,7 @@ use erard::player::Input;
 use erard::run::Setup;
 use erard_figures::figure::chart_svg;
 use erard_figures::figure::png_from_svg;
-use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 use erard_workshop::benchmarks::callgrind::{CountError, instructions, is_available};
 use erard_workshop::benchmarks::{STEP_S, instrument};
 use erard_workshop::study::{Job, Lanes, Workers, play_all};
@@ -96,16 +96,7 @@ fn play(size: Option<&Size>, tree: Tree, stops: Stops, work: bool) {
 /// A study of so many strokes, each on an instrument of its own.
 fn study(strokes: usize) {
     let instruments = vec![instrument(); strokes];
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: STROKE_S,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(STROKE_S) };
     let job = |i: usize| Job { instrument: i, stroke: Box::new(move |_| Input::Force(4.0 + 0.01 * i as f64)) };
     // Four: whatever more the processor has, so that counts can be compared.
     let workers = Workers { threads: 1, lanes: if Lanes::Four.is_here() { Lanes::Four } else { Lanes::One } };
@@ -207,7 +198,7 @@ fn chart(all: &[Counted]) -> Chart {
         x: counted.sizes.clone(),
         y: counted.counts.iter().map(|count| count * scale).collect(),
         colour,
-        mark: Mark::Points,
+        mark: Dash::Points,
     };
     // A line of a known slope through a point.
     let slope = |power: i32, label: &str, through: [f64; 2], to: f64| ChartCurve {
@@ -215,7 +206,7 @@ fn chart(all: &[Counted]) -> Chart {
         x: vec![through[0], to],
         y: vec![through[1], through[1] * (to / through[0]).powi(power)],
         colour: 6,
-        mark: if power == 1 { Mark::Dashed } else { Mark::Dotted },
+        mark: if power == 1 { Dash::Dashed } else { Dash::Dotted },
     };
     let (strokes, steps): (Vec<&Counted>, Vec<&Counted>) = all.iter().partition(|c| c.series.per == 1);
     let mut of_strokes: Vec<ChartCurve> = strokes.iter().map(|c| curve(0, c, 1e-6)).collect();

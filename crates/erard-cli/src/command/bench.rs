@@ -21,7 +21,7 @@ single steps are those that the operating system interrupts. Nothing is written.
 /// Measures how fast this machine simulates: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Bench {
+pub(crate) struct Bench {
     /// Take a second instead of half a minute: shows that everything works, and little more
     #[arg(long)]
     quick: bool,
@@ -29,7 +29,7 @@ pub struct Bench {
 
 impl Bench {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut progress = Progress::new("measuring");
         let effort = if self.quick { Effort::QUICK } else { Effort::USUAL };
         let report = measure(&effort, &mut |what, share| {

@@ -26,7 +26,7 @@ use erard_workshop::trying::try_all;
 
 /// Checks a file and says what it holds: an instrument, keyboard or linkage, a stroke or recording, published measurements, or a result.
 #[derive(Debug, Args)]
-pub struct Check {
+pub(crate) struct Check {
     /// The file, or the name of something built in: what ends in `.toml` says itself what it is, a stroke ends in `.csv` or `.parquet`, a result
     /// in `.json`
     #[arg(value_name = "FILE")]
@@ -71,7 +71,7 @@ const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "parquet"];
 
 impl Check {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let checked = match extension.as_str() {
             "toml" => {

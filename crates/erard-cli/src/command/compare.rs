@@ -17,11 +17,11 @@ use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
-use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg};
+use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
 #[derive(Debug, Args)]
-pub struct Compare {
+pub(crate) struct Compare {
     /// Recording: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the hammer if it was measured
     /// too, as `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`, `hammer_head_m`
     #[arg(value_name = "MEASURED.csv")]
@@ -51,21 +51,12 @@ pub struct Compare {
 
 impl Compare {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         let Ready { name: title, prepared, position_of, .. } = self.recording.load(&self.file)?;
         let series = self.begun(prepared.series)?;
         let instrument = load_instrument(&self.instrument)?;
-        let setup = Setup {
-            settings,
-            start_s: 0.0,
-            duration_s: 1.0,
-            record_every: None,
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings, ..Setup::new(1.0) };
         check(&setup)?;
         let choice = Choice { position_of, ..self.choice() }.limited_by(&prepared.report);
         let mut names = vec!["compare.csv", "compare.json"];
@@ -79,15 +70,10 @@ impl Compare {
 
         output.stage("compare.csv", |w| write_csv(&comparison, w))?;
         let report = ComparisonReport::new(&comparison, &prepared.report, &title, &instrument.name);
-        output.stage("compare.json", |w| {
-            serde_json::to_writer_pretty(&mut *w, &report)?;
-            w.write_all(b"\n")
-        })?;
+        output.json("compare.json", &report)?;
         if !self.no_pictures {
             let svg = figure_svg(&figure(&comparison, &title, &instrument.name));
-            let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
-            output.stage("compare.svg", |w| w.write_all(svg.as_bytes()))?;
-            output.stage("compare.png", |w| w.write_all(&png))?;
+            output.figure("compare", &svg)?;
         }
         output.commit()?;
 
@@ -177,8 +163,7 @@ fn widened(curves: &[Trace]) -> (f64, f64) {
 
 /// The action in orange, one degree of freedom in blue dashes, and dotted in black over them what was measured, so that all of it is seen.
 fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
-    let curve =
-        |label: &str, y: Cow<'a, [f64]>, colour, dash| Trace { label: label.into(), x: &c.time_s, y, colour, dash };
+    let curve = |label: &str, y: Cow<'a, [f64]>, colour, dash| Trace::new(label, &c.time_s, y, colour, dash);
     let in_mm = |y: &[f64]| Cow::Owned(y.iter().map(|y| y * 1e3).collect::<Vec<f64>>());
     let mut panels = Vec::new();
     for driven in DRIVES {
@@ -199,54 +184,26 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
             Driven::ByForce => c.measured_position_m.as_ref().map(|m| in_mm(m)),
             Driven::ByMotion | Driven::Rigidly => c.measured_force_n.as_ref().map(|m| Cow::Borrowed(&m[..])),
         };
-        let measured = measured.map(|measured| curve("measured", measured, PALETTE[6], Dash::Dotted));
-        let action = action.map(|trial| curve("action", shown(trial), PALETTE[1], Dash::Solid));
-        let one_dof = one_dof.map(|trial| curve("one degree of freedom", shown(trial), PALETTE[0], Dash::Dashed));
+        let measured = measured.map(|measured| curve("measured", measured, 6, Dash::Dotted));
+        let action = action.map(|trial| curve("action", shown(trial), 1, Dash::Solid));
+        let one_dof = one_dof.map(|trial| curve("one degree of freedom", shown(trial), 0, Dash::Dashed));
         // Where the simple model is far off it may leave the frame, so that the others can be read.
         let near: Vec<Trace> = action.iter().chain(&measured).cloned().collect();
-        let y_range = (!near.is_empty()).then(|| widened(&near));
         let curves = one_dof.into_iter().chain(action).chain(measured).collect();
         panels.push(Panel {
-            quantity: quantity.into(),
-            unit,
-            height_px: 260.0,
-            layout: Layout::Together,
-            y_range,
-            curves,
+            y_range: (!near.is_empty()).then(|| widened(&near)),
+            ..Panel::new(quantity, unit, 260.0, curves)
         });
     }
     if let Some(measured) = &c.measured_hammer_m {
         let mut curves = Vec::new();
         for (n, trial) in c.trials.iter().filter(|t| !t.hammer_m.is_empty()).enumerate() {
             let how = if trial.driven == Driven::Rigidly { "rigidly" } else { trial.driven.name() };
-            let (label, colour) = (format!("action, {how} driven"), PALETTE[1 + n]);
-            curves.push(curve(&label, in_mm(&trial.hammer_m), colour, Dash::Solid));
+            curves.push(curve(&format!("action, {how} driven"), in_mm(&trial.hammer_m), 1 + n, Dash::Solid));
         }
-        curves.push(curve("measured", in_mm(measured), PALETTE[6], Dash::Dotted));
-        panels.push(Panel {
-            quantity: "hammer".into(),
-            unit: "mm",
-            height_px: 260.0,
-            layout: Layout::Together,
-            y_range: None,
-            curves,
-        });
+        curves.push(curve("measured", in_mm(measured), 6, Dash::Dotted));
+        panels.push(Panel::new("hammer", "mm", 260.0, curves));
     }
-    Figure {
-        title: title.into(),
-        subtitle: format!("beside {instrument}"),
-        width_px: 1180.0,
-        x_label: "time (ms)".into(),
-        x_unit: 1e3,
-        x_scale: Scale::Linear,
-        windows: vec![Window {
-            from: c.time_s[0],
-            to: c.time_s[c.time_s.len() - 1],
-            weight: 1.0,
-            heading: String::new(),
-            names_markers: true,
-        }],
-        panels,
-        markers: Vec::new(),
-    }
+    let window = Window::whole(c.time_s[0], c.time_s[c.time_s.len() - 1]);
+    Figure::over_time(title.into(), format!("beside {instrument}"), vec![window], panels)
 }

@@ -17,7 +17,7 @@ use erard_figures::figure::png_from_svg;
 
 /// Draws the action in one pose, as SVG and PNG.
 #[derive(Debug, Args)]
-pub struct Draw {
+pub(crate) struct Draw {
     #[command(flatten)]
     stroke: StrokeOptions,
     #[command(flatten)]
@@ -99,7 +99,7 @@ const LATEST_MS: f64 = 600_000.0;
 
 impl Draw {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let stroke = self.stroke.load()?;
         let Noted { instrument, changed } = self.instrument.load_noted()?;
         let setup = Setup {

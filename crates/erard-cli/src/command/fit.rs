@@ -7,7 +7,7 @@ use erard::instrument::{Instrument, InstrumentFile};
 use erard::recording::{LowPass, Preparation};
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
-use erard_figures::figure::{figure_svg, png_from_svg};
+use erard_figures::figure::figure_svg;
 use erard_workshop::cores;
 use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Native, Plan, Problem, course, free};
 
@@ -37,7 +37,7 @@ fit.svg and fit.png.";
 /// Fits numbers of an instrument to recordings, with their errors, and says what the recordings do not tell.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Instrument: a TOML file, or the name of a built-in one, where the fit starts
     #[arg(value_name = "INSTRUMENT")]
     instrument: String,
@@ -157,7 +157,7 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
 
 impl Fit {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         check(&Setup { settings, ..Setup::new(1.0) })?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
@@ -196,17 +196,12 @@ impl Fit {
         let recordings: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
         let fitted = found.rewrite(&text, &recordings).map_err(|error| Failure::Internal(error.to_string()))?;
         let report = Report::new(&found, &problem, &instrument.name);
-        output.stage("fit.json", |w| {
-            serde_json::to_writer_pretty(&mut *w, &report)?;
-            w.write_all(b"\n")
-        })?;
-        output.stage("fitted.toml", |w| w.write_all(fitted.as_bytes()))?;
+        output.json("fit.json", &report)?;
+        output.text("fitted.toml", &fitted)?;
         output.stage("fit.csv", |w| write_csv(&channels, problem.data.len(), w))?;
         if !self.no_pictures {
             let svg = figure_svg(&figure(&channels, &recordings, &instrument.name));
-            let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
-            output.stage("fit.svg", |w| w.write_all(svg.as_bytes()))?;
-            output.stage("fit.png", |w| w.write_all(&png))?;
+            output.figure("fit", &svg)?;
         }
         output.commit()?;
 

@@ -28,7 +28,7 @@ hammer_speed, string_force, blow_time, blow_speed, blows, and contact.ZONE. Ever
 /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Fmu {
+pub(crate) struct Fmu {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
     instrument: String,
@@ -61,7 +61,7 @@ const MARKS: [&[u8]; 2] = [b"fmi2DoStep", b"erard_action_new"];
 
 impl Fmu {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
         let file = self.file()?;
         let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));

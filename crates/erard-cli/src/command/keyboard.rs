@@ -10,12 +10,11 @@ use super::out::OutOptions;
 use super::weigh::WeighOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::keyboard::{doubts, figure_svg, pair, text, write_csv};
+use crate::keyboard::{doubts, pair, text, weighed_svg, write_csv};
 use crate::progress::Progress;
 use crate::say;
 use crate::say::verbatim;
 use crate::tell;
-use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -35,7 +34,7 @@ of keys is checked in the dynamic model.";
 /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument, or balances a piano's keys.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Keyboard {
+pub(crate) struct Keyboard {
     /// Keyboard: a TOML file, or the name of a built-in one. Of two, the second is laid beside the first
     #[arg(id = "keyboard", value_name = "KEYBOARD", default_value = "concert-grand", num_args = 1..=2)]
     keyboards: Vec<String>,
@@ -53,7 +52,7 @@ pub struct Keyboard {
 
 impl Keyboard {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         if let [first, second] = &self.keyboards[..] {
             return self.pair([first, second]);
         }
@@ -73,11 +72,9 @@ impl Keyboard {
         let weighed = weigh(&keys, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
         drop(progress);
-        let svg = figure_svg(&keyboard.name, &weighed);
-        let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+        let svg = weighed_svg(&keyboard.name, &weighed);
         output.stage("keyboard.csv", |w| write_csv(&weighed, w))?;
-        output.stage("keyboard.svg", |w| w.write_all(svg.as_bytes()))?;
-        output.stage("keyboard.png", |w| w.write_all(&png))?;
+        output.figure("keyboard", &svg)?;
         let written = output.commit()?;
         say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
         say!();

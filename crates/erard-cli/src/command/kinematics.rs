@@ -16,9 +16,7 @@ use crate::inputs::{self, shown};
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::summary::Summary;
 use crate::kinematics::{Shown, figures, table};
-use crate::output::Output;
 use crate::{say, tell};
-use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -33,7 +31,7 @@ they reach is written all the same.";
 /// The levers come from a linkage file with the lengths L1 to L10, or from the same instrument file that `press` uses.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Kinematics {
+pub(crate) struct Kinematics {
     /// Three levers by their lengths: a TOML file of kind `three-lever`, or c7f-like or steinway-o-like
     #[arg(value_name = "LINKAGE.toml", conflicts_with = "instrument")]
     linkage: Option<String>,
@@ -131,7 +129,7 @@ struct Cases {
 
 impl Kinematics {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         self.check()?;
         if self.equations {
             return self.print_equations();
@@ -153,12 +151,12 @@ impl Kinematics {
 
         let design = &subject.design;
         output.stage("kinematics.csv", |w| table::write_csv(&cases, w))?;
-        output.stage("summary.json", |w| summary.write_json(w))?;
-        stage_figure(&mut output, "sliding", &figures::sliding_svg(design, &cases, range))?;
-        stage_figure(&mut output, "leverage", &figures::leverage_svg(design, &cases, range))?;
+        output.json("summary.json", &summary)?;
+        output.figure("sliding", &figures::sliding_svg(design, &cases, range))?;
+        output.figure("leverage", &figures::leverage_svg(design, &cases, range))?;
         if let Some((press, agreement)) = &press {
             let svg = figures::dynamics_svg(design, unmoved, press, agreement.as_ref());
-            stage_figure(&mut output, "leverage-dynamics", &svg)?;
+            output.figure("leverage-dynamics", &svg)?;
         }
         let written = output.commit()?;
 
@@ -301,12 +299,6 @@ fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<
             None
         }
     }
-}
-
-fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failure> {
-    let png = png_from_svg(svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
-    output.stage(&format!("{name}.svg"), |w| w.write_all(svg.as_bytes()))?;
-    output.stage(&format!("{name}.png"), |w| w.write_all(&png))
 }
 
 /// Millimetres with at most two decimals.

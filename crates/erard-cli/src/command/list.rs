@@ -14,7 +14,7 @@ use crate::say::verbatim;
 
 /// Lists what is built in: instruments, keyboards, strokes, linkages; or prints one of them as the file that it is.
 #[derive(Debug, Args)]
-pub struct List {
+pub(crate) struct List {
     /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name
     #[arg(value_name = "NAME")]
     name: Option<String>,
@@ -57,7 +57,7 @@ fn all() -> Vec<BuiltIn> {
 }
 
 /// A built-in file by its name, with its kind; the kind may stand before it.
-pub fn built_in(asked: &str) -> Option<(&'static str, &'static str)> {
+pub(crate) fn built_in(asked: &str) -> Option<(&'static str, &'static str)> {
     let (kind, name) = asked.split_once(':').map_or((None, asked), |(kind, name)| (Some(kind), name));
     all()
         .into_iter()
@@ -67,7 +67,7 @@ pub fn built_in(asked: &str) -> Option<(&'static str, &'static str)> {
 
 impl List {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(name) = &self.name {
             let (_, text) = built_in(name).ok_or_else(|| {
                 let names: Vec<String> = all().into_iter().map(|one| one.name).collect();

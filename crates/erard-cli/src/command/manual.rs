@@ -13,7 +13,7 @@ use crate::say::verbatim;
 
 /// Prints a script that completes this program's arguments in a shell.
 #[derive(Debug, Args)]
-pub struct Completions {
+pub(crate) struct Completions {
     /// The shell
     #[arg(value_enum)]
     shell: Shell,
@@ -21,7 +21,7 @@ pub struct Completions {
 
 impl Completions {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::definition(), "erard", &mut script);
         verbatim(&String::from_utf8_lossy(&script));
@@ -31,7 +31,7 @@ impl Completions {
 
 /// Prints the manual page, or writes the pages of all commands into a folder.
 #[derive(Debug, Args)]
-pub struct Man {
+pub(crate) struct Man {
     /// Print the page of this command
     #[arg(value_name = "COMMAND", conflicts_with = "into")]
     command: Option<String>,
@@ -45,7 +45,7 @@ pub struct Man {
 
 impl Man {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut program = super::definition();
         program.build();
         if let Some(folder) = &self.into {

@@ -27,7 +27,6 @@ use crate::sheet::{self, Advised, Report, tasks};
 use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
-use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -40,7 +39,7 @@ range, timing and a drawing of each action at rest.";
 /// Several instruments stand side by side.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Measure {
+pub(crate) struct Measure {
     /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88); many keys (concert-grand:key=1..88,
     /// concert-grand:key=1,40,88) make one row each [default: concert-grand]
     #[arg(value_name = "INSTRUMENT")]
@@ -71,7 +70,7 @@ const MOST: usize = 12;
 
 impl Measure {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let asked = self.asked()?;
         let many = asked.len() > self.instruments.len() + self.more.len() && asked.len() > 1;
         if many || !self.only.is_empty() {
@@ -103,27 +102,19 @@ impl Measure {
 
         let figures = figures(&measured);
         for drawn in drawings.iter().chain(&figures) {
-            let png = png_from_svg(&drawn.svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
-            output.stage(&format!("{}.svg", drawn.name), |w| w.write_all(drawn.svg.as_bytes()))?;
-            output.stage(&format!("{}.png", drawn.name), |w| w.write_all(&png))?;
+            output.figure(&drawn.name, &drawn.svg)?;
         }
         let sheets: Vec<&Sheet> = measured.iter().map(|one| &one.sheet).collect();
-        output.stage("measure.json", |w| {
-            match sheets[..] {
-                [one] => serde_json::to_writer_pretty(&mut *w, one)?,
-                _ => serde_json::to_writer_pretty(&mut *w, &sheets)?,
-            }
-            w.write_all(b"\n")
-        })?;
+        match sheets[..] {
+            [one] => output.json("measure.json", one)?,
+            _ => output.json("measure.json", &sheets)?,
+        }
         let page = page::html(&measured, &drawings, &figures, &self.headed, self.lengths);
-        output.stage("measure.html", |w| w.write_all(page.as_bytes()))?;
+        output.text("measure.html", &page)?;
         if self.sheet {
             let reports: Vec<Report> = advised.iter().map(Report::new).collect();
-            output.stage("sheet.html", |w| w.write_all(sheet::html(&advised).as_bytes()))?;
-            output.stage("sheet.json", |w| {
-                serde_json::to_writer_pretty(&mut *w, &reports)?;
-                w.write_all(b"\n")
-            })?;
+            output.text("sheet.html", &sheet::html(&advised))?;
+            output.json("sheet.json", &reports)?;
         }
         let written = output.commit()?;
 
@@ -198,10 +189,7 @@ impl Measure {
             .collect();
         let columns = rows::columns(&lines, &measured);
         output.stage("measure.csv", |w| crate::table::write_optional_csv(&columns, w))?;
-        output.stage("measure.json", |w| {
-            serde_json::to_writer_pretty(&mut *w, &rows::json(&lines, &measured))?;
-            w.write_all(b"\n")
-        })?;
+        output.json("measure.json", &rows::json(&lines, &measured))?;
         output.commit()?;
         say!("{} measured", measured.len());
         say!();
@@ -279,16 +267,7 @@ impl Ending for Unmeasured {
 /// A drawing of each action at rest.
 fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
     const STEP_S: f64 = 50e-6;
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: STEP_S,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(STEP_S) };
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {
         let run = simulate(&one.instrument, &|_| player::Input::Free, &setup, &mut |_| true)?;

@@ -35,7 +35,7 @@ use crate::{answer, identity, output, progress, say, signals};
 /// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
 #[derive(Debug, Parser)]
 #[command(name = "erard", version = version(), about, max_term_width = 100)]
-pub struct Command {
+pub(crate) struct Command {
     #[command(subcommand)]
     subcommand: Sub,
     #[command(flatten)]
@@ -172,7 +172,7 @@ pub fn run_program<P: FromArgMatches>(
 }
 
 /// The program's arguments, as they are read, told by `--help`, and listed in the book.
-pub fn definition() -> clap::Command {
+pub(crate) fn definition() -> clap::Command {
     out::with_default_folders(Command::command())
 }
 

@@ -8,7 +8,7 @@ use erard::instrument_spec::{InstrumentSpec, KEY};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::run::{Setup, SimulationError};
-pub use erard::stroke::Stroke;
+pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
 use erard_workshop::measure::norms::{Line, lines};
 use moreau::{FrictionLaw, Settings, Solver};
@@ -22,7 +22,7 @@ use erard_figures::drawing::ChangedNote;
 
 /// Which instrument.
 #[derive(Debug, Args)]
-pub struct InstrumentOption {
+pub(crate) struct InstrumentOption {
     /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
@@ -33,7 +33,7 @@ pub struct InstrumentOption {
 
 /// Which model of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
+pub(crate) enum Model {
     /// All bodies and zones of the file
     Action,
     /// One degree of freedom: the whole action as inertia and constant moment on the key
@@ -42,7 +42,7 @@ pub enum Model {
 
 impl Model {
     /// Its name in files and on the command line.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Model::Action => "action",
             Model::OneDof => "one-dof",
@@ -52,7 +52,7 @@ impl Model {
 
 impl Model {
     /// This model of a full instrument.
-    pub fn reduce(self, full: Instrument) -> Result<Instrument, Failure> {
+    pub(crate) fn reduce(self, full: Instrument) -> Result<Instrument, Failure> {
         Ok(match self {
             Model::Action => full,
             Model::OneDof => one_dof::reduce(&full)?.instrument,
@@ -62,17 +62,17 @@ impl Model {
 
 impl InstrumentOption {
     /// What was asked for.
-    pub fn asked(&self) -> &str {
+    pub(crate) fn asked(&self) -> &str {
         &self.instrument
     }
 
     /// Loads the instrument, reduced to the model that was asked for.
-    pub fn load(&self) -> Result<Instrument, Failure> {
+    pub(crate) fn load(&self) -> Result<Instrument, Failure> {
         self.reduced(load_instrument(&self.instrument)?)
     }
 
     /// The same, with what its pictures mark as changed.
-    pub fn load_noted(&self) -> Result<Noted, Failure> {
+    pub(crate) fn load_noted(&self) -> Result<Noted, Failure> {
         let Some(path) = instrument_path(&self.instrument) else {
             return Ok(Noted { instrument: self.load()?, changed: Vec::new() });
         };
@@ -83,14 +83,14 @@ impl InstrumentOption {
     }
 
     /// A full instrument, reduced to the model that was asked for.
-    pub fn reduced(&self, full: Instrument) -> Result<Instrument, Failure> {
+    pub(crate) fn reduced(&self, full: Instrument) -> Result<Instrument, Failure> {
         self.model.reduce(full)
     }
 }
 
 /// An instrument, and the numbers of its file whose notes speak of what they were.
 #[derive(Debug)]
-pub struct Noted {
+pub(crate) struct Noted {
     /// The instrument.
     pub instrument: Instrument,
     /// The numbers; none in a built-in instrument, nor in a key of a keyboard, whose notes are written with its numbers.
@@ -99,7 +99,7 @@ pub struct Noted {
 
 /// One instrument, or two to be laid beside each other.
 #[derive(Debug, Args)]
-pub struct InstrumentsOption {
+pub(crate) struct InstrumentsOption {
     /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88. Given twice, both are
     /// played and shown on one page
     #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
@@ -111,7 +111,7 @@ pub struct InstrumentsOption {
 
 impl InstrumentsOption {
     /// Loads the instrument, or both, reduced to the model that was asked for.
-    pub fn load(&self) -> Result<Vec<Noted>, Failure> {
+    pub(crate) fn load(&self) -> Result<Vec<Noted>, Failure> {
         if self.instruments.len() > 2 {
             return Err(Failure::Usage(format!(
                 "--instrument is given {} times; expected one instrument, or two to be laid beside each other",
@@ -147,7 +147,7 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
 }
 
 /// The same, with the text it was read from.
-pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
+pub(crate) fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
     if let Some(one) = KeyboardKey::asked(asked)? {
         return Ok((one.instrument()?, one.text()?));
     }
@@ -160,7 +160,7 @@ pub fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Fai
 }
 
 /// The path of an instrument file; `None` where a name is meant.
-pub fn instrument_path(asked: &str) -> Option<&Path> {
+pub(crate) fn instrument_path(asked: &str) -> Option<&Path> {
     match InstrumentSpec::of(asked) {
         Ok(InstrumentSpec::File(path)) => Some(path),
         _ => None,
@@ -178,7 +178,7 @@ fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure>
 
 /// A key of a keyboard.
 #[derive(Debug)]
-pub struct KeyboardKey {
+pub(crate) struct KeyboardKey {
     /// The keyboard.
     pub keyboard: Keyboard,
     /// The key, from 1.
@@ -187,7 +187,7 @@ pub struct KeyboardKey {
 
 impl KeyboardKey {
     /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a keyboard.
-    pub fn asked(asked: &str) -> Result<Option<Self>, Failure> {
+    pub(crate) fn asked(asked: &str) -> Result<Option<Self>, Failure> {
         match InstrumentSpec::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
             InstrumentSpec::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
             _ => Ok(None),
@@ -203,14 +203,14 @@ impl KeyboardKey {
     }
 
     /// The text of its instrument file, which is sound.
-    pub fn text(&self) -> Result<String, Failure> {
+    pub(crate) fn text(&self) -> Result<String, Failure> {
         self.keyboard.key(self.key)?;
         Ok(self.keyboard.key_text(self.key))
     }
 }
 
 /// What is asked for in the place of an instrument, many keys of a keyboard (`concert-grand:key=1..88`, `:key=1,40,88`) one by one.
-pub fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
+pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
     let Some((keyboard, keys)) = asked.rsplit_once(KEY).filter(|(_, keys)| keys.contains("..") || keys.contains(','))
     else {
         return Ok(vec![asked.to_owned()]);
@@ -232,7 +232,7 @@ pub fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
 }
 
 /// The lines of the protocol sheet by their keys in measure.json; `option` is who asks.
-pub fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line>, Failure> {
+pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line>, Failure> {
     let find = |key: &String| {
         lines().find(|line| line.key == key.trim()).ok_or_else(|| {
             let known: Vec<&str> = lines().map(|line| line.key).collect();
@@ -243,12 +243,12 @@ pub fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line
 }
 
 /// The number of the key that is asked for in the place of an instrument; `None` where that is no key of a keyboard.
-pub fn key_number(asked: &str) -> Option<usize> {
+pub(crate) fn key_number(asked: &str) -> Option<usize> {
     asked.rsplit_once(KEY)?.1.parse().ok()
 }
 
 /// A keyboard by file or by name.
-pub fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
+pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
     if let Some(path) = instrument_path(file_or_name) {
         let (name, bytes) = inputs::bytes(path)?;
         let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
@@ -272,7 +272,7 @@ pub fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
 
 /// What the player does.
 #[derive(Debug, Args)]
-pub struct StrokeOptions {
+pub(crate) struct StrokeOptions {
     /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as `time_s`, `force_N` or
     /// `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
     #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
@@ -305,7 +305,7 @@ enum TouchName {
 
 /// What is prescribed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DriveName {
+pub(crate) enum DriveName {
     /// The force on the key
     Force,
     /// The motion of a soft finger that can only push
@@ -327,7 +327,7 @@ impl From<DriveName> for Prescribed {
 impl StrokeOptions {
     /// The same touch and drive with another stroke: `pp` to `ff`, a constant force such as `3N`, or a file.
     /// Of a file, `columns` are the titles, where they are given.
-    pub fn with(&self, other: &str, columns: Option<&Columns>) -> Self {
+    pub(crate) fn with(&self, other: &str, columns: Option<&Columns>) -> Self {
         let force = other.strip_suffix('N').and_then(|number| number.trim_end().parse().ok());
         let is_builtin = ["pp", "p", "mf", "f", "ff"].contains(&other);
         let is_file = force.is_none() && !is_builtin;
@@ -343,7 +343,7 @@ impl StrokeOptions {
     }
 
     /// The first of two strokes: what is said of recordings belongs to the other where that alone is a file.
-    pub fn beside(&self, other: &Self) -> Self {
+    pub(crate) fn beside(&self, other: &Self) -> Self {
         let own = self.file.is_some() || other.file.is_none();
         let recording = if own { self.recording.clone() } else { RecordingOptions::none() };
         StrokeOptions { file: self.file.clone(), stroke: self.stroke.clone(), recording, ..*self }
@@ -351,12 +351,12 @@ impl StrokeOptions {
 
     /// A constant force that is given otherwise: any stroke that is asked for contradicts it.
     /// Whether a constant force was asked for.
-    pub fn is_constant(&self) -> bool {
+    pub(crate) fn is_constant(&self) -> bool {
         self.force_step.is_some()
     }
 
     /// A constant force, and nothing else.
-    pub fn load_constant(&self) -> Result<Stroke, Failure> {
+    pub(crate) fn load_constant(&self) -> Result<Stroke, Failure> {
         if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != DriveName::Force) {
             return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));
         }
@@ -364,7 +364,7 @@ impl StrokeOptions {
     }
 
     /// Reads the stroke.
-    pub fn load(&self) -> Result<Stroke, Failure> {
+    pub(crate) fn load(&self) -> Result<Stroke, Failure> {
         if let Some(force_n) = self.force_step {
             if !(0.0..=erard::stroke::MAX_FORCE_N).contains(&force_n) {
                 let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
@@ -429,7 +429,7 @@ impl From<DrivingError> for Failure {
 
 /// How to step.
 #[derive(Debug, Args)]
-pub struct StepOptions {
+pub(crate) struct StepOptions {
     /// Step, s
     #[arg(long, value_name = "SECONDS", default_value_t = 50e-6, allow_negative_numbers = true)]
     dt: f64,
@@ -464,7 +464,7 @@ enum FrictionName {
 }
 
 /// Checks a setup whose numbers came from the command line, so that an error names the option.
-pub fn check(setup: &Setup) -> Result<(), Failure> {
+pub(crate) fn check(setup: &Setup) -> Result<(), Failure> {
     let Err(error) = setup.check() else { return Ok(()) };
     let option = match error {
         SimulationError::Step { .. } => "--dt",
@@ -479,7 +479,7 @@ pub fn check(setup: &Setup) -> Result<(), Failure> {
 
 impl StepOptions {
     /// The engine's settings.
-    pub fn settings(&self) -> Result<Settings<f64>, Failure> {
+    pub(crate) fn settings(&self) -> Result<Settings<f64>, Failure> {
         let width = self.friction_width;
         if !(width.is_finite() && width > 0.0) {
             return Err(Failure::Usage(format!("--friction-width {width}: expected a positive number of rad/s")));
@@ -499,7 +499,7 @@ impl StepOptions {
     }
 
     /// The solver's name in files and on the command line.
-    pub fn solver_name(&self) -> &'static str {
+    pub(crate) fn solver_name(&self) -> &'static str {
         match self.solver {
             SolverName::ActiveSet => "active-set",
             SolverName::ProjectedGaussSeidel => "projected-gauss-seidel",

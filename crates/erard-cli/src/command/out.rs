@@ -10,7 +10,7 @@ use crate::output::Output;
 /// What the default folder of every command begins with. It is the whole name for `press`.
 const DEFAULT: &str = "erard-out";
 
-/// Where results go. The default folder is the command's own: see [`with_default_folders`].
+/// Where results go. The default folder is the command's own: see `with_default_folders`.
 #[derive(Debug, Args)]
 pub struct OutOptions {
     /// Output folder
@@ -34,7 +34,7 @@ impl OutOptions {
 }
 
 /// Gives every subcommand that writes results a default folder of its own: `erard-out` to `press`, `erard-out-NAME` to the others.
-pub fn with_default_folders(program: clap::Command) -> clap::Command {
+pub(crate) fn with_default_folders(program: clap::Command) -> clap::Command {
     program.mut_subcommands(|subcommand| {
         let own = match subcommand.get_name() {
             "press" => return subcommand,

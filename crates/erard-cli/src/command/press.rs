@@ -18,19 +18,18 @@ use super::press_pair::{self, Played};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::inside::{self, LossReport, losses_svg, reactions_svg};
-use crate::output::Output;
 use crate::progress::Progress;
 use crate::say;
 use crate::spectrogram::spectrogram_svg;
 use crate::summary::Summary;
 use crate::table;
 use crate::tell;
-use erard_figures::figure::{png_from_svg, run_svg};
+use erard_figures::figure::run_svg;
 use erard_figures::page::{Shown, page_html};
 
 /// Simulates one key press and shows what happened.
 #[derive(Debug, Args)]
-pub struct Press {
+pub(crate) struct Press {
     #[command(flatten)]
     stroke: StrokeOptions,
     /// A second stroke, to be laid beside the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
@@ -92,7 +91,7 @@ fn wav_name(text: &str) -> Result<String, String> {
 
 impl Press {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
         let stroke = against.as_ref().map_or_else(|| self.stroke.load(), |other| self.stroke.beside(other).load())?;
@@ -135,20 +134,18 @@ impl Press {
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
         let svg = run_svg(&run, &stroke.title);
-        let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
         let shown_run = Shown { pins: &pins, changed, ..Shown::new(instrument, &run) };
         let page = page_html(&shown_run, &stroke.title, &summary.lines());
         let more = inside::columns(&pins);
         output.stage("run.csv", |w| table::write_csv(&run, &more, w))?;
         output.stage("run.parquet", |w| table::write_parquet(&run, &more, w))?;
-        output.stage("summary.json", |w| summary.write_json(w))?;
-        output.stage("run.svg", |w| w.write_all(svg.as_bytes()))?;
-        output.stage("run.png", |w| w.write_all(&png))?;
-        output.stage("run.html", |w| w.write_all(page.as_bytes()))?;
+        output.json("summary.json", &summary)?;
+        output.figure("run", &svg)?;
+        output.text("run.html", &page)?;
         let title = format!("{} - {}", run.instrument, stroke.title);
         if self.reactions {
-            stage_figure(&mut output, "reactions", &reactions_svg(&run, &title, &pins))?;
+            output.figure("reactions", &reactions_svg(&run, &title, &pins))?;
         }
         let sound = match &self.wav {
             Some(name) => listen(instrument, &stroke, &setup)?.map(|sound| (name, sound)),
@@ -156,16 +153,13 @@ impl Press {
         };
         if let Some((name, sound)) = &sound {
             output.stage(name, |w| crate::wav::write(sound, w))?;
-            stage_figure(&mut output, "spectrogram", &spectrogram_svg(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
+            output.figure("spectrogram", &spectrogram_svg(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
         }
         let mut lost = None;
         if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
             let report = LossReport::new(instrument, losses);
-            output.stage("losses.json", |w| {
-                serde_json::to_writer_pretty(&mut *w, &report)?;
-                w.write_all(b"\n")
-            })?;
-            stage_figure(&mut output, "losses", &losses_svg(&run, &title, recorded, &report))?;
+            output.json("losses.json", &report)?;
+            output.figure("losses", &losses_svg(&run, &title, recorded, &report))?;
             lost = Some(report);
         }
         let written = output.commit()?;
@@ -245,13 +239,6 @@ impl Press {
     }
 }
 
-/// A figure as SVG and PNG.
-fn stage_figure(output: &mut Output, name: &str, svg: &str) -> Result<(), Failure> {
-    let png = png_from_svg(svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
-    output.stage(&format!("{name}.svg"), |w| w.write_all(svg.as_bytes()))?;
-    output.stage(&format!("{name}.png"), |w| w.write_all(&png))
-}
-
 /// A stroke played once more, to be heard.
 fn listen(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Option<Sound>, Failure> {
     let mut progress = Progress::new("listening");
@@ -259,7 +246,7 @@ fn listen(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Opt
 }
 
 /// A stroke simulated before an observer.
-pub fn play_observed(
+pub(crate) fn play_observed(
     instrument: &Instrument,
     stroke: &Stroke,
     setup: &Setup,

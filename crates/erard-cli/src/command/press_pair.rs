@@ -3,7 +3,7 @@
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard_figures::drawing::ChangedNote;
-use erard_figures::figure::{pair_svg, png_from_svg};
+use erard_figures::figure::pair_svg;
 use erard_figures::page::{Shown, SummaryTable, pair_html};
 use serde_json::{Map, Value, json};
 
@@ -14,12 +14,12 @@ use crate::summary::Summary;
 use crate::table;
 
 /// What is written; the tables of the two runs are numbered.
-pub const FILES: [&str; 8] =
+pub(crate) const FILES: [&str; 8] =
     ["run-1.csv", "run-1.parquet", "run-2.csv", "run-2.parquet", "summary.json", "run.svg", "run.png", "run.html"];
 
 /// One of the two.
 #[derive(Debug)]
-pub struct Played<'a> {
+pub(crate) struct Played<'a> {
     /// What was played on.
     pub instrument: &'a Instrument,
     /// Numbers of its file whose notes speak of what they were.
@@ -48,7 +48,7 @@ const MEASURES: [Measure; 10] = [
 ];
 
 /// What the two are called: by what differs, the instrument or the stroke.
-pub fn names(played: &[Played<'_>; 2]) -> [String; 2] {
+pub(crate) fn names(played: &[Played<'_>; 2]) -> [String; 2] {
     let [a, b] = played;
     if a.stroke != b.stroke {
         [a.stroke.clone(), b.stroke.clone()]
@@ -98,7 +98,7 @@ fn rows(summaries: &[Value; 2]) -> Vec<(String, [String; 3])> {
 }
 
 /// Stages the page, the figure, the tables and the numbers.
-pub fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failure> {
+pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failure> {
     let (names, title, summaries) = (names(played), title(played), json_of(played)?);
     for (one, tables) in played.iter().zip([["run-1.csv", "run-1.parquet"], ["run-2.csv", "run-2.parquet"]]) {
         output.stage(tables[0], |w| table::write_csv(&one.run, &[], w))?;
@@ -113,14 +113,9 @@ pub fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failur
     }
     let rows = rows(&summaries);
     let both = json!({"names": names, "runs": summaries, "difference": difference});
-    output.stage("summary.json", |w| {
-        serde_json::to_writer_pretty(&mut *w, &both)?;
-        w.write_all(b"\n")
-    })?;
+    output.json("summary.json", &both)?;
     let svg = pair_svg(&title, [(&names[0], &played[0].run), (&names[1], &played[1].run)]);
-    let png = png_from_svg(&svg, 2.0).map_err(|e| Failure::Internal(e.to_string()))?;
-    output.stage("run.svg", |w| w.write_all(svg.as_bytes()))?;
-    output.stage("run.png", |w| w.write_all(&png))?;
+    output.figure("run", &svg)?;
     let shown = [0, 1].map(|index| Shown {
         name: names[index].clone(),
         changed: played[index].changed,
@@ -131,12 +126,12 @@ pub fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failur
         rows: rows.into_iter().map(|(name, values)| (name, values.to_vec())).collect(),
     };
     let page = pair_html(&title, &shown, &table);
-    output.stage("run.html", |w| w.write_all(page.as_bytes()))?;
+    output.text("run.html", &page)?;
     Ok(())
 }
 
 /// Prints the table of differences.
-pub fn tell(played: &[Played<'_>; 2]) {
+pub(crate) fn tell(played: &[Played<'_>; 2]) {
     let names = names(played);
     say!("{}", title(played));
     say!();

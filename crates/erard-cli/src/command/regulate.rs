@@ -43,7 +43,7 @@ the nearest that can be: the nearest is written, and the exit code is 1.";
 /// is disturbed by another.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Regulate {
+pub(crate) struct Regulate {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
     instrument: String,
@@ -120,7 +120,7 @@ impl Goals {
 
 impl Regulate {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let specification = self.specification()?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
         let file = self.file()?;
@@ -163,8 +163,8 @@ impl Regulate {
 
         let new_text = regulated.rewrite(&text).map_err(|e| Failure::Internal(e.to_string()))?;
         let report = Report::new(&regulated, soft, &self.instrument, &name, elapsed);
-        output.stage(&name, |w| w.write_all(new_text.as_bytes()))?;
-        output.stage(&report_name, |w| report.write_json(w))?;
+        output.text(&name, &new_text)?;
+        output.json(&report_name, &report)?;
         output.commit()?;
 
         say!(

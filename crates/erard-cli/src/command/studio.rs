@@ -25,7 +25,7 @@ The page computes in the browser, and needs no network. It is looked for in the 
 /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Studio {
+pub(crate) struct Studio {
     /// The port on this machine; 0 takes any that is free
     #[arg(long, value_name = "NUMBER", default_value_t = 8088)]
     port: u16,
@@ -53,7 +53,7 @@ enum Page {
 
 impl Studio {
     /// Runs the command, until it is interrupted.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let page = self.page()?;
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, self.port)).map_err(|error| {
             Failure::Usage(format!(

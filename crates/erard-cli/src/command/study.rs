@@ -24,7 +24,6 @@ use crate::study::{Axis, GRADING, Row, Source, Target, chart, columns, doubts, l
 use crate::table;
 use crate::tell;
 use erard_figures::figure::chart_svg;
-use erard_figures::figure::png_from_svg;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -43,7 +42,7 @@ at most six curves.";
 /// Plays a stroke on many variants of an instrument: a parameter study.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Study {
+pub(crate) struct Study {
     /// What is varied, from where to where and in how many values, or values with commas; may be repeated
     #[arg(
         long,
@@ -106,7 +105,7 @@ fn rows_shown(text: &str) -> Result<usize, String> {
 
 impl Study {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         if self.sensitivities {
             return self.tell_what_matters();
         }
@@ -117,16 +116,7 @@ impl Study {
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup = Setup {
-            settings,
-            start_s: stroke.start_s,
-            duration_s,
-            record_every: None,
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: self.hand.hand()?,
-        };
+        let setup = Setup { settings, start_s: stroke.start_s, hand: self.hand.hand()?, ..Setup::new(duration_s) };
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
@@ -140,9 +130,7 @@ impl Study {
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let svg = chart_svg(&chart, "study");
-            let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
-            output.stage("study.svg", |w| w.write_all(svg.as_bytes()))?;
-            output.stage("study.png", |w| w.write_all(&png))?;
+            output.figure("study", &svg)?;
             written.extend(["study.svg", "study.png"]);
         }
         output.commit()?;
@@ -178,12 +166,9 @@ impl Study {
         let setup = Setup {
             settings,
             start_s: stroke.start_s,
-            duration_s,
-            record_every: None,
-            tolerance: None,
             ledger: false,
-            pedal: erard::strings::Pedal::default(),
             hand: self.hand.hand()?,
+            ..Setup::new(duration_s)
         };
         check(&setup)?;
         let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];
@@ -195,13 +180,8 @@ impl Study {
         let found = sensitive::find(&instrument, by, of, &inputs, &setup)?;
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
         output.stage("sensitivities.csv", |w| sensitive::write_csv(&found, w))?;
-        output.stage("sensitivities.json", |w| {
-            serde_json::to_writer_pretty(&mut *w, &sensitive::report(&found, &instrument.name, &stroke.title))?;
-            Ok(())
-        })?;
-        let (svg, png) = sensitive::pictures(&found, &title)?;
-        output.stage("sensitivities.svg", |w| w.write_all(svg.as_bytes()))?;
-        output.stage("sensitivities.png", |w| w.write_all(&png))?;
+        output.json("sensitivities.json", &sensitive::report(&found, &instrument.name, &stroke.title))?;
+        output.figure("sensitivities", &sensitive::figure(&found, &title))?;
         output.commit()?;
 
         say!("{title}");

@@ -1,21 +1,17 @@
 //! `erard validate`.
 
-use clap::Args;
-use erard::keyboard::Keyboard;
-use erard_workshop::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
-use serde::Serialize;
-use std::io::Write;
-
 use super::options::{KeyboardKey, load_instrument};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::say;
-use crate::table::three;
-use erard_figures::figure::{
-    Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg, png_from_svg,
-};
+use crate::table::{three, write_records};
+use clap::Args;
+use erard::keyboard::Keyboard;
+use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
+use erard_workshop::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
+use serde::Serialize;
 
 /// What stands below the options.
 const AFTER: &str = "\
@@ -28,7 +24,7 @@ validate.json, validate.csv, and the order of events against loudness as SVG and
 /// Holds an instrument against what has been measured on real pianos.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
-pub struct Validate {
+pub(crate) struct Validate {
     /// Instrument: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
@@ -41,7 +37,7 @@ pub struct Validate {
 
 impl Validate {
     /// Runs the command.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let instrument = load_instrument(&self.instrument)?;
         let keyboard = match KeyboardKey::asked(&self.instrument)? {
             Some(one) => Some(one.keyboard),
@@ -57,15 +53,10 @@ impl Validate {
         drop(progress);
 
         let svg = order_svg(&validation, &published);
-        let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
         let report = Report::new(&validation, &published);
-        output.stage("validate.json", |w| {
-            serde_json::to_writer_pretty(&mut *w, &report)?;
-            w.write_all(b"\n")
-        })?;
-        output.stage("validate.csv", |w| write_csv(&report.rows, w))?;
-        output.stage("order-of-events.svg", |w| w.write_all(svg.as_bytes()))?;
-        output.stage("order-of-events.png", |w| w.write_all(&png))?;
+        output.json("validate.json", &report)?;
+        output.stage("validate.csv", |w| write_records(&report.rows, w))?;
+        output.figure("order-of-events", &svg)?;
         output.commit()?;
 
         say!("{} beside measured pianos", validation.instrument);
@@ -250,14 +241,6 @@ fn print_table(rows: &[RowReport]) {
     say!();
 }
 
-fn write_csv(rows: &[RowReport], writer: &mut dyn Write) -> std::io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
-    for row in rows {
-        csv.serialize(row)?;
-    }
-    csv.flush()
-}
-
 /// Hammer speeds that the figure names, m/s, and their marks: equal ratios from pp, 0.5, to ff, 5.
 const MARKS: [(f64, &str); 6] = [(0.5, "pp"), (0.79, "p"), (1.26, "mp"), (1.99, "mf"), (3.15, "f"), (5.0, "ff")];
 
@@ -327,40 +310,20 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
         bar("key_stroke_at_15_N", near(15.0)),
         None,
     ]);
-    let figure = Figure {
-        title: format!("{}: order of events against loudness", validation.instrument),
-        subtitle: "a hand whose force rises, and constant forces; bars: published, with the range that counts as met"
-            .into(),
-        width_px: 860.0,
-        x_label: "hammer speed at the string (m/s)".into(),
-        x_unit: 1.0,
-        x_scale: Scale::Linear,
-        windows: vec![Window {
-            from: 0.0,
-            to: 1.08 * pressed.speeds.iter().chain(&constant.speeds).copied().fold(5.0, f64::max),
-            weight: 1.0,
-            heading: String::new(),
-            names_markers: true,
-        }],
-        panels: vec![
-            panel(
-                "hammer before key bottom",
-                280.0,
-                [&pressed, &constant].map(|c| (&c.speeds, &c.ahead_ms)),
-                &orders,
-                true,
-            ),
-            panel(
-                "key start to key bottom",
-                180.0,
-                [&pressed, &constant].map(|c| (&c.speeds, &c.stroke_ms)),
-                &strokes,
-                false,
-            ),
-        ],
+    let ahead = [&pressed, &constant].map(|c| (&c.speeds, &c.ahead_ms));
+    let stroke = [&pressed, &constant].map(|c| (&c.speeds, &c.stroke_ms));
+    let panels = vec![
+        panel("hammer before key bottom", 280.0, ahead, &orders, true),
+        panel("key start to key bottom", 180.0, stroke, &strokes, false),
+    ];
+    let fastest = pressed.speeds.iter().chain(&constant.speeds).copied().fold(5.0, f64::max);
+    let title = format!("{}: order of events against loudness", validation.instrument);
+    let subtitle = "a hand whose force rises, and constant forces; bars: published, with the range that counts as met";
+    let over = "hammer speed at the string (m/s)";
+    figure_svg(&Figure {
         markers: MARKS.iter().map(|(x, label)| Marker { x: *x, label: (*label).into() }).collect(),
-    };
-    figure_svg(&figure)
+        ..Figure::over(over, (0.0, 1.08 * fastest), title, subtitle.into(), panels)
+    })
 }
 
 /// Abscissae of the line at zero.
@@ -373,29 +336,17 @@ fn panel<'a>(
     bars: &'a [Bar],
     zero: bool,
 ) -> Panel<'a> {
-    let curve = |label: &str, x: &'a [f64], y: &'a [f64], colour, dash| Trace {
-        label: label.into(),
-        x,
-        y: y.into(),
-        colour,
-        dash,
-    };
     let mut curves = vec![
-        curve("pressed by a hand", pressed.0, pressed.1, PALETTE[0], Dash::Solid),
-        curve("constant force", constant.0, constant.1, PALETTE[3], Dash::Dashed),
+        Trace::new("pressed by a hand", pressed.0, pressed.1, 0, Dash::Solid),
+        Trace::new("constant force", constant.0, constant.1, 3, Dash::Dashed),
     ];
     for (index, bar) in bars.iter().enumerate() {
-        curves.push(curve(if index == 0 { "published" } else { "" }, &bar.x, &bar.y, PALETTE[1], Dash::Solid));
-        curves.push(curve(
-            if index == 0 { "counts as met" } else { "" },
-            &bar.range[0],
-            &bar.range[1],
-            PALETTE[5],
-            Dash::Solid,
-        ));
+        let [published, met] = if index == 0 { ["published", "counts as met"] } else { [""; 2] };
+        curves.push(Trace::new(published, &bar.x, &bar.y[..], 1, Dash::Solid));
+        curves.push(Trace::new(met, &bar.range[0], &bar.range[1][..], 5, Dash::Solid));
     }
     if zero {
-        curves.push(curve("together", &EVERYWHERE, &[0.0; 2], PALETTE[6], Dash::Dotted));
+        curves.push(Trace::new("together", &EVERYWHERE, &[0.0; 2][..], 6, Dash::Dotted));
     }
-    Panel { quantity: quantity.into(), unit: "ms", height_px, layout: Layout::Together, y_range: None, curves }
+    Panel::new(quantity, "ms", height_px, curves)
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 use clap::Args;
 use erard::instrument::utf8;
 use erard::keyboard::{KEYS, Keyboard};
-use erard_figures::figure::png_from_svg;
 use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, Target, check, plan, read};
 use erard_workshop::cores::{self, do_all, job};
 use erard_workshop::measure::MeasureError;
@@ -17,11 +16,11 @@ use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
 use crate::units::Lengths;
-use crate::weigh::{Report, Work, figure_svg, html, text, write_csv};
+use crate::weigh::{Report, Work, html, text, weighed_svg, write_csv};
 
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
-pub struct WeighOptions {
+pub(crate) struct WeighOptions {
     /// A table of what was weighed on a piano: key (or note), strike weight, front weight, down-weight and up-weight, keys and cells may be
     /// missing; writes a work list of leads, hammers and capstans. The keyboard gives lengths and what no scale tells
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
@@ -49,12 +48,12 @@ const MOST_LEADS: usize = 12;
 
 impl WeighOptions {
     /// Whether a table is to be worked on.
-    pub fn asked(&self) -> Option<&Path> {
+    pub(crate) fn asked(&self) -> Option<&Path> {
         self.weigh.as_deref()
     }
 
     /// Runs the work.
-    pub fn run(&self, path: &Path, keyboard: &Keyboard, out: &OutOptions) -> Result<(), Failure> {
+    pub(crate) fn run(&self, path: &Path, keyboard: &Keyboard, out: &OutOptions) -> Result<(), Failure> {
         let target = self.target()?;
         let leads_g = self.leads_g()?;
         let (file, bytes) = inputs::bytes(path)?;
@@ -92,17 +91,12 @@ impl WeighOptions {
             headed: &self.headed,
             lengths: self.lengths,
         };
-        let svg = figure_svg(&work);
-        let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+        let svg = weighed_svg(&work);
         let page = html(&work, &svg);
         output.stage("weigh.csv", |w| write_csv(&work, w))?;
-        output.stage("weigh.json", |w| {
-            serde_json::to_writer_pretty(&mut *w, &Report::new(&work))?;
-            w.write_all(b"\n")
-        })?;
-        output.stage("weigh.html", |w| w.write_all(page.as_bytes()))?;
-        output.stage("weigh.svg", |w| w.write_all(svg.as_bytes()))?;
-        output.stage("weigh.png", |w| w.write_all(&png))?;
+        output.json("weigh.json", &Report::new(&work))?;
+        output.text("weigh.html", &page)?;
+        output.figure("weigh", &svg)?;
         let written = output.commit()?;
         say!("{} - {} keys weighed in {file}", keyboard.name, plan.keys.len());
         say!();

@@ -5,7 +5,7 @@ mod report;
 mod table;
 mod values;
 
-pub use figure::figure;
-pub use report::Report;
-pub use table::{lines, write_csv};
-pub use values::{column, value};
+pub(crate) use figure::figure;
+pub(crate) use report::Report;
+pub(crate) use table::{lines, write_csv};
+pub(crate) use values::{column, value};

@@ -7,7 +7,7 @@ use crate::compare::PreparedChannel;
 
 /// The whole of it. SI units.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     instrument: String,
     /// Why the solver ended.
     ended: String,
@@ -94,7 +94,7 @@ struct ChannelReport {
 
 impl Report {
     /// Of a fit.
-    pub fn new(found: &Found, problem: &Problem, instrument: &str) -> Self {
+    pub(crate) fn new(found: &Found, problem: &Problem, instrument: &str) -> Self {
         let recordings = problem.data.iter().zip(&problem.drive_sigma).map(|(one, sigma)| RecordingReport {
             name: one.name.clone(),
             drive: one.stroke.drive.name(),
@@ -158,7 +158,7 @@ impl Report {
     }
 
     /// What is to be said against it.
-    pub fn warnings(&self) -> &[String] {
+    pub(crate) fn warnings(&self) -> &[String] {
         &self.warnings
     }
 }

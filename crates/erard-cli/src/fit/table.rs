@@ -25,7 +25,7 @@ fn shown(x: f64, decimals: Option<usize>) -> String {
 }
 
 /// The report, line by line.
-pub fn lines(found: &Found, problem: &Problem, instrument: &str) -> Vec<String> {
+pub(crate) fn lines(found: &Found, problem: &Problem, instrument: &str) -> Vec<String> {
     let names: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
     let with = if found.differentiated > 0 {
         format!(" and {} with derivatives", found.differentiated)
@@ -103,7 +103,7 @@ pub fn lines(found: &Found, problem: &Problem, instrument: &str) -> Vec<String> 
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_csv(channels: &[Channel], recordings: usize, writer: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_csv(channels: &[Channel], recordings: usize, writer: &mut dyn Write) -> std::io::Result<()> {
     let mut names: Vec<&str> = channels.iter().map(|channel| channel.column).collect();
     names.sort_unstable();
     names.dedup();

@@ -7,7 +7,7 @@ use erard_workshop::regulate::screw_unit;
 use erard_workshop::study::{Change, Parameter, varied};
 
 /// The column of a channel.
-pub fn column(role: Role) -> &'static str {
+pub(crate) fn column(role: Role) -> &'static str {
     COLUMNS.iter().find(|(_, own, _)| *own == role).map_or("time_s", |(column, ..)| column)
 }
 
@@ -15,7 +15,7 @@ pub fn column(role: Role) -> &'static str {
 ///
 /// # Errors
 /// What was expected.
-pub fn value(instrument: &Instrument, text: &str, name: &str, written: &str) -> Result<f64, String> {
+pub(crate) fn value(instrument: &Instrument, text: &str, name: &str, written: &str) -> Result<f64, String> {
     let written = written.trim();
     let number: Option<f64> = written.parse().ok();
     // Who varies it says that it is not there.
@@ -43,7 +43,7 @@ pub fn value(instrument: &Instrument, text: &str, name: &str, written: &str) -> 
 }
 
 /// The unit in which an SI value is shown, and how many of these an SI unit is.
-pub fn unit_shown(si: &'static str) -> (f64, &'static str) {
+pub(crate) fn unit_shown(si: &'static str) -> (f64, &'static str) {
     match si {
         "kg" => (1e3, "g"),
         "m" => (1e3, "mm"),

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Where the energy went, largest loss first.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
-pub struct LossReport {
+pub(crate) struct LossReport {
     instrument: String,
     /// Sum of all, J.
     pub total_J: f64,
@@ -18,7 +18,7 @@ pub struct LossReport {
 /// One pin or contact, or what yields under the contacts: the strings, their bridge, dampers' felts where they are rocked.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
-pub struct Loss {
+pub(crate) struct Loss {
     /// The body of a pin, or the zone; of what yields `strings`, `bridge` or `rocking`.
     pub name: String,
     /// `pin`, `contact` or, of all that yields under the contacts, `strings`.
@@ -40,7 +40,7 @@ pub struct Loss {
 
 impl LossReport {
     /// Of a run.
-    pub fn new(instrument: &Instrument, losses: &Losses) -> Self {
+    pub(crate) fn new(instrument: &Instrument, losses: &Losses) -> Self {
         let all = losses.by_size();
         let total: f64 = all.iter().map(erard::player::Loss::all_j).sum();
         let of = |loss: erard::player::Loss| Loss {
@@ -57,7 +57,7 @@ impl LossReport {
     }
 
     /// The table.
-    pub fn lines(&self) -> Vec<String> {
+    pub(crate) fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!(
             "  {:<34}{:>12}{:>14}{:>10}{:>8}",
             "where the energy goes", "friction mJ", "felt, oil mJ", "all mJ", "share"

@@ -3,13 +3,13 @@
 mod figure;
 mod losses;
 
-pub use figure::{losses_svg, reactions_svg};
-pub use losses::LossReport;
+pub(crate) use figure::{losses_svg, reactions_svg};
+pub(crate) use losses::LossReport;
 
 use erard::player::PinSeries;
 
 /// Name and values of the columns of pins and accelerations.
-pub fn columns(pins: &[PinSeries]) -> Vec<(String, &[f64])> {
+pub(crate) fn columns(pins: &[PinSeries]) -> Vec<(String, &[f64])> {
     let of = |pin: &'_ PinSeries| {
         [
             (format!("{}_rad_per_s2", pin.name), 0_usize),

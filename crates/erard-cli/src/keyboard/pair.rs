@@ -1,26 +1,23 @@
 //! Two keyboards beside each other: both tables, what differs, both in one figure and on one page.
 
-use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use erard_figures::figure::{COINCIDE, Dash, Layout, PALETTE, Panel, Trace, png_from_svg};
+use erard_figures::figure::{COINCIDE, Dash, Panel, Trace};
 use erard_workshop::weighing::WeighedKey;
-use maud::{DOCTYPE, Markup, html};
+use maud::{Markup, html};
 use serde_json::{Map, Value, json};
 
 use super::{COLUMNS, numbers, over_the_keys, samples, write_csv};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paper::html_head;
-use crate::table::shortest;
+use crate::paper::{self, picture};
+use crate::table::write_rows;
 
 const STYLE: &str = include_str!("../paper.css");
 
 /// What is written.
-pub const FILES: [&str; 7] = [
+pub(crate) const FILES: [&str; 7] = [
     "keyboard.json",
     "keyboard-1.csv",
     "keyboard-2.csv",
@@ -32,7 +29,7 @@ pub const FILES: [&str; 7] = [
 
 /// A keyboard, and its keys as weighed.
 #[derive(Debug)]
-pub struct Side {
+pub(crate) struct Side {
     /// What it is called; two of one name are told apart by their order.
     pub name: String,
     /// The same keys of both.
@@ -63,7 +60,7 @@ const QUANTITIES: [Quantity; 8] = [
 ];
 
 /// Both names, told apart.
-pub fn names([a, b]: [&str; 2]) -> [String; 2] {
+pub(crate) fn names([a, b]: [&str; 2]) -> [String; 2] {
     if a == b { [format!("{a}, first"), format!("{b}, second")] } else { [a.to_owned(), b.to_owned()] }
 }
 
@@ -84,7 +81,7 @@ fn shown(value: f64, decimals: usize, is_difference: bool) -> String {
 }
 
 /// Sample notes as text.
-pub fn text(sides: &[Side; 2]) -> String {
+pub(crate) fn text(sides: &[Side; 2]) -> String {
     let places = samples(&sides[0].weighed);
     let mut out = String::new();
     let mut row = |name: &str, which: &str, cells: Vec<String>, unit: &str| {
@@ -119,22 +116,14 @@ fn columns() -> impl Iterator<Item = (usize, &'static str)> {
 
 /// Second less first, key by key: the columns of keyboard.csv; an empty field where either has no number.
 fn write_difference(sides: &[Side; 2], writer: &mut dyn Write) -> std::io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(["key", "note"].into_iter().chain(columns().map(|(_, name)| name)))?;
-    for (a, b) in sides[0].weighed.iter().zip(&sides[1].weighed) {
-        csv.write_field(a.key.to_string())?;
-        csv.write_field(&a.note)?;
-        for (index, _) in columns() {
-            let mut text = String::new();
-            let difference = numbers(b)[index] - numbers(a)[index];
-            if difference.is_finite() {
-                shortest(difference, &mut text);
-            }
-            csv.write_field(&text)?;
-        }
-        csv.write_record(None::<&[u8]>)?;
-    }
-    csv.flush()
+    let heads: Vec<&str> = ["key", "note"].into_iter().chain(columns().map(|(_, name)| name)).collect();
+    let rows = sides[0].weighed.iter().zip(&sides[1].weighed).map(|(a, b)| {
+        let difference = move |(index, _): (usize, &str)| {
+            Some(numbers(b)[index] - numbers(a)[index]).filter(|by: &f64| by.is_finite())
+        };
+        ([a.key.to_string(), a.note.clone()], columns().map(difference))
+    });
+    write_rows(&heads, rows, writer)
 }
 
 fn json_of(sides: &[Side; 2]) -> Value {
@@ -162,24 +151,11 @@ fn figure(sides: &[Side; 2]) -> String {
     let mut panels = Vec::new();
     for quantity in &QUANTITIES {
         let all: Vec<[f64; 3]> = (0..keys.len()).map(|at| values(quantity, sides, at)).collect();
-        let curve = |label: &str, which: usize, colour, dash| Trace {
-            label: label.into(),
-            x: &keys,
-            y: Cow::Owned(all.iter().map(|three| three[which]).collect()),
-            colour,
-            dash,
+        let curve = |label: &str, which: usize, colour, dash| {
+            Trace::new(label, &keys, all.iter().map(|three| three[which]).collect::<Vec<f64>>(), colour, dash)
         };
-        let panel = |quantity: String, unit, curves| Panel {
-            quantity,
-            unit,
-            height_px: 122.0,
-            layout: Layout::Together,
-            y_range: None,
-            curves,
-        };
-        let both =
-            vec![curve(&sides[0].name, 0, PALETTE[0], Dash::Solid), curve(&sides[1].name, 1, PALETTE[1], Dash::Dashed)];
-        panels.push(panel(quantity.name.into(), quantity.unit, both));
+        let both = vec![curve(&sides[0].name, 0, 0, Dash::Solid), curve(&sides[1].name, 1, 1, Dash::Dashed)];
+        panels.push(Panel::new(quantity.name, quantity.unit, 122.0, both));
         let span = |range: std::ops::Range<usize>| {
             let numbers = || all.iter().flat_map(|three| &three[range.clone()]).copied().filter(|x| x.is_finite());
             [numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max)]
@@ -187,8 +163,9 @@ fn figure(sides: &[Side; 2]) -> String {
         let ([low, high], [least, most]) = (span(0..2), span(2..3));
         let largest = least.abs().max(most.abs());
         if largest.is_finite() && largest > 0.0 && largest < COINCIDE * (high - low) {
-            let difference = curve("difference", 2, PALETTE[6], Dash::Solid);
-            panels.push(panel(format!("{}, second \u{2212} first", quantity.name), quantity.unit, vec![difference]));
+            let name = format!("{}, second \u{2212} first", quantity.name);
+            let difference = vec![curve("difference", 2, 6, Dash::Solid)];
+            panels.push(Panel::new(name, quantity.unit, 122.0, difference));
         }
     }
     over_the_keys(format!("{} beside {}", sides[0].name, sides[1].name), panels)
@@ -197,32 +174,25 @@ fn figure(sides: &[Side; 2]) -> String {
 /// The page: both figures, and a row for every key.
 fn page(sides: &[Side; 2], figure: &str) -> String {
     let title = format!("{} beside {}", sides[0].name, sides[1].name);
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            (html_head(&title, &format!("{STYLE}@page{{size:A4 landscape}}body{{max-width:75rem}}")))
-            body {
-                main {
-                    header {
-                        h1 { (title) }
-                        dl {
-                            div { dt { "1" } dd { (sides[0].name) } }
-                            div { dt { "2" } dd { (sides[1].name) } }
-                        }
-                    }
-                    figure {
-                        img alt="Weights and hammer speeds of both keyboards over the number of the key; the table below holds the numbers"
-                            src={ "data:image/svg+xml;base64," (STANDARD.encode(figure.as_bytes())) };
-                    }
-                    div.wide tabindex="0" role="region" aria-label="Every key" { (table(sides)) }
-                    p.soft {
-                        "Touch weights as measured in a slow loop, dampers lifted. Hammer speed: pressed once with a mezzo forte."
-                    }
+    let body = html! {
+        main {
+            header {
+                h1 { (title) }
+                dl {
+                    div { dt { "1" } dd { (sides[0].name) } }
+                    div { dt { "2" } dd { (sides[1].name) } }
                 }
+            }
+            figure {
+                (picture("Weights and hammer speeds of both keyboards over the number of the key; the table below holds the numbers", figure))
+            }
+            div.wide tabindex="0" role="region" aria-label="Every key" { (table(sides)) }
+            p.soft {
+                "Touch weights as measured in a slow loop, dampers lifted. Hammer speed: pressed once with a mezzo forte."
             }
         }
     };
-    page.into_string() + "\n"
+    paper::page(&title, &format!("{STYLE}@page{{size:A4 landscape}}body{{max-width:75rem}}"), &body)
 }
 
 fn table(sides: &[Side; 2]) -> Markup {
@@ -263,20 +233,15 @@ fn table(sides: &[Side; 2]) -> Markup {
 ///
 /// # Errors
 /// [`Failure::Write`].
-pub fn write(sides: &[Side; 2], output: &mut Output) -> Result<(), Failure> {
+pub(crate) fn write(sides: &[Side; 2], output: &mut Output) -> Result<(), Failure> {
     let svg = figure(sides);
-    let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
     let page = page(sides, &svg);
-    output.stage("keyboard.json", |w| {
-        serde_json::to_writer_pretty(&mut *w, &json_of(sides))?;
-        w.write_all(b"\n")
-    })?;
+    output.json("keyboard.json", &json_of(sides))?;
     output.stage("keyboard-1.csv", |w| write_csv(&sides[0].weighed, w))?;
     output.stage("keyboard-2.csv", |w| write_csv(&sides[1].weighed, w))?;
     output.stage("difference.csv", |w| write_difference(sides, w))?;
-    output.stage("keyboard.svg", |w| w.write_all(svg.as_bytes()))?;
-    output.stage("keyboard.png", |w| w.write_all(&png))?;
-    output.stage("keyboard.html", |w| w.write_all(page.as_bytes()))
+    output.figure("keyboard", &svg)?;
+    output.text("keyboard.html", &page)
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use moreau_linkage::three_lever::Move;
 
 /// Name of the case in which nothing is moved.
-pub const UNMOVED: &str = "unmoved";
+pub(crate) const UNMOVED: &str = "unmoved";
 /// The same for people.
-pub const AS_IT_IS: &str = "as it is";
+pub(crate) const AS_IT_IS: &str = "as it is";
 
 /// Farthest that anything is moved, mm: an action is half a metre long, and its parts are not.
 const FARTHEST_MM: f64 = 200.0;
@@ -29,7 +29,7 @@ const PARTS: [(&str, Make); 10] = [
 
 /// One `--move`: one part moved, or several at once, separated by commas.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MoveOption {
+pub(crate) struct MoveOption {
     /// As in files: `capstan=-10mm`, several separated by a blank.
     pub name: String,
     /// For people: `capstan −10 mm`.
@@ -42,7 +42,7 @@ pub struct MoveOption {
 ///
 /// # Errors
 /// One sentence that says what is wrong and what would be right.
-pub fn parse(text: &str) -> Result<MoveOption, String> {
+pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
     let (mut names, mut labels, mut moves) = (Vec::new(), Vec::new(), Vec::new());
     for one in text.split(',') {
         let (part, distance) = one

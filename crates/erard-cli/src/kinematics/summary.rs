@@ -1,7 +1,6 @@
 //! The numbers of all cases: printed side by side, and as `summary.json`.
 
 use std::fmt;
-use std::io::Write;
 
 use erard_workshop::kinematics::{Agreement, Derived, Design, Spot};
 use moreau_linkage::three_lever::LeverArms;
@@ -11,7 +10,7 @@ use super::Shown;
 
 /// The numbers. `None` (JSON `null`) is what cannot be reached or is not known.
 #[derive(Debug, Clone, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Name of linkage or instrument.
     pub name: String,
     /// `linkage` or `instrument`.
@@ -34,7 +33,7 @@ pub struct Summary {
 
 /// One case.
 #[derive(Debug, Clone, Serialize)]
-pub struct CaseNumbers {
+pub(crate) struct CaseNumbers {
     /// As on the command line and in the table.
     pub case: String,
     /// For people.
@@ -62,7 +61,7 @@ pub struct CaseNumbers {
 
 /// Leverage at rest, half-way to let-off, and at let-off.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Leverages {
+pub(crate) struct Leverages {
     /// At rest.
     pub start: At,
     /// Half-way to let-off.
@@ -73,7 +72,7 @@ pub struct Leverages {
 
 /// Leverage at a key position.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct At {
+pub(crate) struct At {
     /// mm.
     pub key_mm: f64,
     /// Hammer-head speed over key-front speed.
@@ -88,7 +87,7 @@ impl From<Spot> for At {
 
 /// The six classical lever arms, mm.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Arms {
+pub(crate) struct Arms {
     /// Key pivot to finger.
     pub key_front: f64,
     /// Key pivot to capstan contact.
@@ -118,7 +117,7 @@ impl From<LeverArms> for Arms {
 
 /// Agreement with a slow press of the dynamic model.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Dynamics {
+pub(crate) struct Dynamics {
     /// Largest deviation of leverage, a part of it.
     pub largest_deviation: f64,
     /// From this key position, where play and felts are taken up, mm,
@@ -165,7 +164,7 @@ impl CaseNumbers {
 
 impl Summary {
     /// The numbers of a design and its cases; `derived` and `dynamics` for an instrument.
-    pub fn new(
+    pub(crate) fn new(
         design: &Design,
         regulated: bool,
         cases: &[Shown],
@@ -183,15 +182,6 @@ impl Summary {
             dynamics: dynamics.map(Dynamics::from),
             notes: derived.map_or(Vec::new(), |derived| derived.notes.clone()),
         }
-    }
-
-    /// Writes the JSON.
-    ///
-    /// # Errors
-    /// Of the writer.
-    pub fn write_json(&self, writer: &mut dyn Write) -> std::io::Result<()> {
-        serde_json::to_writer_pretty(&mut *writer, self)?;
-        writer.write_all(b"\n")
     }
 
     /// The rows: what, and one value per case.

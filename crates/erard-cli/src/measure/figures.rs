@@ -1,19 +1,14 @@
 //! The figures: hysteresis loop, inertia through the stroke, hammer speed against force, timing.
 
-use std::borrow::Cow;
-
 use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
-use erard_figures::figure::{Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg};
-
-/// Width of a figure, px: a page's text is as wide.
-const WIDTH_PX: f64 = 860.0;
+use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
 
 /// A figure's file name, without extension, what it shows, and itself as SVG.
 #[derive(Debug, Clone)]
-pub struct Drawn {
+pub(crate) struct Drawn {
     /// Stem of its files.
     pub name: String,
     /// For people who cannot see it.
@@ -23,7 +18,7 @@ pub struct Drawn {
 }
 
 /// All figures, in the order of the page.
-pub fn figures(measured: &[Measured]) -> Vec<Drawn> {
+pub(crate) fn figures(measured: &[Measured]) -> Vec<Drawn> {
     vec![
         drawn("hysteresis", "Force over key travel, slowly down and up", hysteresis(measured)),
         drawn("inertia", "Effective inertia at the key front through the stroke", inertia(measured)),
@@ -34,10 +29,6 @@ pub fn figures(measured: &[Measured]) -> Vec<Drawn> {
 
 fn drawn(name: &str, alt: &str, svg: String) -> Drawn {
     Drawn { name: name.to_owned(), alt: alt.to_owned(), svg }
-}
-
-fn colour(index: usize) -> &'static str {
-    PALETTE[index % PALETTE.len()]
 }
 
 /// What a curve is called: alone it needs no owner, beside others its owner's letter.
@@ -77,43 +68,6 @@ fn subtitled(measured: &[Measured], what: &str) -> String {
     names.collect::<Vec<_>>().join(";  ")
 }
 
-fn figure<'a>(
-    title: String,
-    subtitle: &str,
-    x_label: &str,
-    range: (f64, f64),
-    panels: Vec<Panel<'a>>,
-    markers: Vec<Marker>,
-) -> Figure<'a> {
-    Figure {
-        title,
-        subtitle: subtitle.into(),
-        width_px: WIDTH_PX,
-        x_label: x_label.into(),
-        x_unit: 1.0,
-        x_scale: Scale::Linear,
-        windows: vec![Window {
-            from: range.0,
-            to: range.1,
-            weight: 1.0,
-            heading: String::new(),
-            names_markers: !markers.is_empty(),
-        }],
-        panels,
-        markers,
-    }
-}
-
-fn panel<'a>(
-    quantity: &str,
-    unit: &'static str,
-    height_px: f64,
-    y_range: Option<(f64, f64)>,
-    curves: Vec<Trace<'a>>,
-) -> Panel<'a> {
-    Panel { quantity: quantity.into(), unit, height_px, layout: Layout::Together, y_range, curves }
-}
-
 fn largest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
     values.copied().filter(|x| x.is_finite()).fold(0.0, f64::max)
 }
@@ -137,10 +91,9 @@ fn hysteresis(measured: &[Measured]) -> String {
     let mut curves = Vec::new();
     for (index, (one, up)) in measured.iter().zip(&turned).enumerate() {
         let pedal = &one.sheet.hysteresis;
-        let colour = colour(index);
         let mut push = |what: &str, x, y: &[f64], dash| {
             let label = if what.is_empty() { String::new() } else { label(measured, index, what) };
-            curves.push(Trace { label, x, y: Cow::Owned(y.to_vec()), colour, dash });
+            curves.push(Trace::new(label, x, y.to_vec(), index, dash));
         };
         push("pedal down", &pedal.down_key_mm[..], &pedal.down_force_N, Dash::Solid);
         push("", &up[0][..], &up[1], Dash::Solid);
@@ -153,8 +106,10 @@ fn hysteresis(measured: &[Measured]) -> String {
     // The bottom rises to several newtons; what is felt on the way is below two.
     let close = 2.0;
     let whole = curves.clone();
-    let panels =
-        vec![panel("force", "N", 300.0, Some((0.0, close)), curves), panel("to the bottom", "N", 130.0, None, whole)];
+    let panels = vec![
+        Panel::new("force", "N", 300.0, curves).within(0.0, close),
+        Panel::new("to the bottom", "N", 130.0, whole),
+    ];
     let what =
         "so slow that weights, felts, springs and friction are left; the ripple is the hammer swinging on its felts";
     let markers = match measured {
@@ -164,7 +119,9 @@ fn hysteresis(measured: &[Measured]) -> String {
         _ => Vec::new(),
     };
     let title = titled(measured, "slow loop");
-    figure_svg(&figure(title, &subtitled(measured, what), "key front, down (mm)", (0.0, far.max(0.1)), panels, markers))
+    let over = (0.0, far.max(0.1));
+    let figure = Figure::over("key front, down (mm)", over, title, subtitled(measured, what), panels);
+    figure_svg(&Figure { markers, ..figure })
 }
 
 fn inertia(measured: &[Measured]) -> String {
@@ -172,8 +129,7 @@ fn inertia(measured: &[Measured]) -> String {
     for (index, one) in measured.iter().enumerate() {
         let numbers = &one.sheet.inertia;
         let mut push = |what: &str, y: &'_ Vec<f64>, dash| {
-            let label = label(measured, index, what);
-            curves.push(Trace { label, x: &numbers.key_mm, y: Cow::Owned(y.clone()), colour: colour(index), dash });
+            curves.push(Trace::new(label(measured, index, what), &numbers.key_mm, y.clone(), index, dash));
         };
         if one.sheet.dampers_down.is_some() {
             push("dampers down", &numbers.dampers_down_kg, Dash::Dashed);
@@ -182,17 +138,11 @@ fn inertia(measured: &[Measured]) -> String {
     }
     let far = largest(measured.iter().flat_map(|one| &one.sheet.inertia.key_mm));
     let high = 1.15 * largest(measured.iter().flat_map(|one| &one.sheet.inertia.dampers_down_kg));
-    let panels = vec![panel("effective inertia", "kg", 300.0, Some((0.0, high.max(0.01))), curves)];
+    let panels = vec![Panel::new("effective inertia", "kg", 300.0, curves).within(0.0, high.max(0.01))];
     let what = "mass at the key front with the same kinetic energy, from rest to where let-off begins";
     let title = titled(measured, "inertia through the stroke");
-    figure_svg(&figure(
-        title,
-        &subtitled(measured, what),
-        "key front, down (mm)",
-        (0.0, far.max(0.1)),
-        panels,
-        Vec::new(),
-    ))
+    let over = (0.0, far.max(0.1));
+    figure_svg(&Figure::over("key front, down (mm)", over, title, subtitled(measured, what), panels))
 }
 
 fn range(measured: &[Measured]) -> String {
@@ -201,25 +151,19 @@ fn range(measured: &[Measured]) -> String {
     let curves = |value: &dyn Fn(&erard_workshop::measure::range::Loudness) -> Option<f64>| -> Vec<Trace<'_>> {
         let each = measured.iter().zip(&forces).enumerate();
         each.map(|(index, (one, x))| {
-            let y = one.sheet.dynamic_range.iter().map(|l| value(l).unwrap_or(f64::NAN)).collect();
-            Trace { label: label(measured, index, ""), x, y: Cow::Owned(y), colour: colour(index), dash: Dash::Solid }
+            let y: Vec<f64> = one.sheet.dynamic_range.iter().map(|l| value(l).unwrap_or(f64::NAN)).collect();
+            Trace::new(label(measured, index, ""), x, y, index, Dash::Solid)
         })
         .collect()
     };
     let panels = vec![
-        panel("hammer speed", "m/s", 240.0, None, curves(&|l| l.hammer_speed_m_s)),
-        panel("MIDI velocity", "1-127", 180.0, Some((0.0, 127.0)), curves(&|l| l.midi_velocity.map(f64::from))),
+        Panel::new("hammer speed", "m/s", 240.0, curves(&|l| l.hammer_speed_m_s)),
+        Panel::new("MIDI velocity", "1-127", 180.0, curves(&|l| l.midi_velocity.map(f64::from))).within(0.0, 127.0),
     ];
     let far = largest(forces.iter().flatten());
     let title = titled(measured, "hammer speed against a constant force");
-    figure_svg(&figure(
-        title,
-        &subtitled(measured, MIDI_MAP),
-        "force on the key front (N)",
-        (0.0, far),
-        panels,
-        Vec::new(),
-    ))
+    let x_label = "force on the key front (N)";
+    figure_svg(&Figure::over(x_label, (0.0, far), title, subtitled(measured, MIDI_MAP), panels))
 }
 
 fn timing(measured: &[Measured]) -> String {
@@ -233,7 +177,7 @@ fn timing(measured: &[Measured]) -> String {
     let touches = [("pressed", Dash::Solid), ("struck", Dash::Dashed)];
     struct Strokes {
         label: String,
-        colour: &'static str,
+        colour: usize,
         dash: Dash,
         speeds: Vec<f64>,
         rows: Vec<TimingRow>,
@@ -243,33 +187,27 @@ fn timing(measured: &[Measured]) -> String {
         for (touch, dash) in touches {
             let rows = sounded(one, touch);
             let speeds = rows.iter().filter_map(|row| row.hammer_speed_m_s).collect();
-            series.push(Strokes { label: label(measured, index, touch), colour: colour(index), dash, speeds, rows });
+            series.push(Strokes { label: label(measured, index, touch), colour: index, dash, speeds, rows });
         }
     }
     let curves = |value: fn(&TimingRow) -> Option<f64>| -> Vec<Trace<'_>> {
         series
             .iter()
             .map(|one| {
-                let y = one.rows.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect();
-                Trace { label: one.label.clone(), x: &one.speeds, y: Cow::Owned(y), colour: one.colour, dash: one.dash }
+                let y: Vec<f64> = one.rows.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect();
+                Trace::new(&one.label, &one.speeds, y, one.colour, one.dash)
             })
             .collect()
     };
     let panels = vec![
-        panel("hammer contact", "ms", 190.0, None, curves(|row| row.hammer_contact_ms)),
-        panel("key bottom", "ms", 190.0, None, curves(|row| row.key_bottom_ms)),
-        panel("hammer ahead", "ms", 150.0, None, curves(|row| row.hammer_before_bottom_ms)),
-        panel("free flight", "ms", 150.0, None, curves(|row| row.free_flight_ms)),
+        Panel::new("hammer contact", "ms", 190.0, curves(|row| row.hammer_contact_ms)),
+        Panel::new("key bottom", "ms", 190.0, curves(|row| row.key_bottom_ms)),
+        Panel::new("hammer ahead", "ms", 150.0, curves(|row| row.hammer_before_bottom_ms)),
+        Panel::new("free flight", "ms", 150.0, curves(|row| row.free_flight_ms)),
     ];
     let far = largest(series.iter().flat_map(|one| &one.speeds));
     let title = titled(measured, "timing");
     let what = "after key start; hammer ahead of key bottom; from let-off to the string. pp, p, mf, f, ff";
-    figure_svg(&figure(
-        title,
-        &subtitled(measured, what),
-        "hammer speed (m/s)",
-        (0.0, 1.04 * far.max(0.1)),
-        panels,
-        Vec::new(),
-    ))
+    let over = (0.0, 1.04 * far.max(0.1));
+    figure_svg(&Figure::over("hammer speed (m/s)", over, title, subtitled(measured, what), panels))
 }

@@ -5,7 +5,7 @@ use erard_workshop::measure::norms::Line;
 use crate::units::Lengths;
 
 /// A value with its unit, lengths as the ruler shows them.
-pub fn shown(line: &Line, value: Option<f64>, lengths: Lengths) -> String {
+pub(crate) fn shown(line: &Line, value: Option<f64>, lengths: Lengths) -> String {
     match value {
         Some(mm) if line.unit == "mm" => lengths.text(mm, line.decimals),
         value => line.text(value),
@@ -13,7 +13,7 @@ pub fn shown(line: &Line, value: Option<f64>, lengths: Lengths) -> String {
 }
 
 /// What is usual, lengths as the ruler shows them.
-pub fn usual(line: &Line, key: usize, lengths: Lengths) -> String {
+pub(crate) fn usual(line: &Line, key: usize, lengths: Lengths) -> String {
     if line.unit != "mm" {
         return line.usual(key);
     }

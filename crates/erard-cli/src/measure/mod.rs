@@ -1,19 +1,19 @@
 //! What `erard measure` makes of the sheets: the table, the figures, the page.
 
-pub mod figures;
+pub(crate) mod figures;
 mod lines;
-pub mod page;
-pub mod rows;
-pub mod table;
+pub(crate) mod page;
+pub(crate) mod rows;
+pub(crate) mod table;
 
-pub use lines::{shown, usual};
+pub(crate) use lines::{shown, usual};
 
 use erard::instrument::Instrument;
 use erard::trust::worst_of_each;
 use erard_workshop::measure::Sheet;
 
 /// Why presses of a sheet are not to be trusted: of every kind and part how many, and the worst of them.
-pub fn doubts(sheet: &Sheet) -> Vec<String> {
+pub(crate) fn doubts(sheet: &Sheet) -> Vec<String> {
     let presses = sheet.timing.len() + sheet.dynamic_range.len();
     worst_of_each(sheet.warnings.iter().map(|doubt| &doubt.warning))
         .into_iter()
@@ -26,7 +26,7 @@ pub fn doubts(sheet: &Sheet) -> Vec<String> {
 
 /// One action that was measured.
 #[derive(Debug, Clone)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// What it is called beside the others.
     pub label: String,
     /// The action.

@@ -9,47 +9,45 @@ use super::figures::Drawn;
 use super::shown;
 use super::table::usual_of;
 use super::{Measured, doubts};
-use crate::paper::{Headed, html_head};
+use crate::paper::{Headed, page, picture};
 use crate::units::Lengths;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use maud::{DOCTYPE, Markup, html};
+use maud::{Markup, html};
 
 const STYLE: &str = include_str!("page.css");
 
 /// The page: flags first, then the pictures, the table and the timing sheets.
-pub fn html(measured: &[Measured], drawings: &[Drawn], figures: &[Drawn], headed: &Headed, lengths: Lengths) -> String {
+pub(crate) fn html(
+    measured: &[Measured],
+    drawings: &[Drawn],
+    figures: &[Drawn],
+    headed: &Headed,
+    lengths: Lengths,
+) -> String {
     let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
     let title = names.join(" beside ");
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            (html_head(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, headed))))
-            body {
-                main {
-                    h1 { (title) }
-                    @if headed.serial.is_some() || headed.date.is_some() {
-                        p {
-                            @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
-                            @if let Some(date) = &headed.date { (date) }
-                        }
-                    }
-                    @if let Some(note) = &headed.note { p { (note) } }
-                    p.soft {
-                        "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
-                         Grams on the key are gram weights on the key front."
-                    }
-                    @for one in measured { (flags(one, measured.len() > 1)) }
-                    h2 { "Pictures" }
-                    @for drawn in drawings { (picture(drawn, None, &at_night(&drawn.svg))) }
-                    @for drawn in figures { (picture(drawn, Some("plot"), &drawn.svg)) }
-                    (table(measured, lengths))
-                    @for one in measured { (timing(one, measured.len() > 1)) }
+    let body = html! {
+        main {
+            h1 { (title) }
+            @if headed.serial.is_some() || headed.date.is_some() {
+                p {
+                    @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
+                    @if let Some(date) = &headed.date { (date) }
                 }
             }
+            @if let Some(note) = &headed.note { p { (note) } }
+            p.soft {
+                "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
+                 Grams on the key are gram weights on the key front."
+            }
+            @for one in measured { (flags(one, measured.len() > 1)) }
+            h2 { "Pictures" }
+            @for drawn in drawings { (captioned(drawn, None, &at_night(&drawn.svg))) }
+            @for drawn in figures { (captioned(drawn, Some("plot"), &drawn.svg)) }
+            (table(measured, lengths))
+            @for one in measured { (timing(one, measured.len() > 1)) }
         }
     };
-    page.into_string() + "\n"
+    page(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, headed)), &body)
 }
 
 /// A style that prints the action's name, and what else identifies it, at the head of every page.
@@ -123,15 +121,8 @@ fn row(line: &Line, measured: &[Measured], lengths: Lengths) -> Markup {
     }
 }
 
-/// A picture as data: in a document of its own its names cannot clash with another's.
-fn picture(drawn: &Drawn, class: Option<&str>, svg: &str) -> Markup {
-    let data = STANDARD.encode(svg.as_bytes());
-    html! {
-        figure class=[class] {
-            img alt=(drawn.alt) src={ "data:image/svg+xml;base64," (data) };
-            figcaption { (drawn.alt) }
-        }
-    }
+fn captioned(drawn: &Drawn, class: Option<&str>, svg: &str) -> Markup {
+    html! { figure class=[class] { (picture(&drawn.alt, svg)) figcaption { (drawn.alt) } } }
 }
 
 /// Headings of the timing sheet.

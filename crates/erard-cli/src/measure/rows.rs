@@ -6,7 +6,7 @@ use erard_workshop::measure::norms::{Line, lines};
 
 /// One action: what it is called, and the values of the lines.
 #[derive(Debug, Clone)]
-pub struct MeasuredRow {
+pub(crate) struct MeasuredRow {
     /// What it is called beside the others.
     pub label: String,
     /// The number of its key; `None` where nobody says.
@@ -35,7 +35,7 @@ const USUAL: [(&str, &str); 15] = [
 ];
 
 /// The lines of a usual row.
-pub fn usual() -> Vec<&'static Line> {
+pub(crate) fn usual() -> Vec<&'static Line> {
     USUAL.iter().filter_map(|(key, _)| lines().find(|line| line.key == *key)).collect()
 }
 
@@ -44,7 +44,7 @@ fn heading(line: &Line) -> &'static str {
 }
 
 /// The table.
-pub fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
+pub(crate) fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
     let name = |row: &MeasuredRow| row.label.clone();
     let wide = rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
     let mut out = format!("  {:<wide$}", "");
@@ -64,7 +64,7 @@ pub fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
 }
 
 /// Name and values of the columns: the key's number, and the lines by their keys in measure.json.
-pub fn columns(lines: &[&Line], rows: &[MeasuredRow]) -> Vec<(String, Vec<Option<f64>>)> {
+pub(crate) fn columns(lines: &[&Line], rows: &[MeasuredRow]) -> Vec<(String, Vec<Option<f64>>)> {
     let keys = rows.iter().map(|row| row.key.map(|key| key as f64)).collect();
     let values = lines
         .iter()
@@ -74,7 +74,7 @@ pub fn columns(lines: &[&Line], rows: &[MeasuredRow]) -> Vec<(String, Vec<Option
 }
 
 /// The same for programs: a list of objects.
-pub fn json(lines: &[&Line], rows: &[MeasuredRow]) -> serde_json::Value {
+pub(crate) fn json(lines: &[&Line], rows: &[MeasuredRow]) -> serde_json::Value {
     let object = |row: &MeasuredRow| {
         let mut object = serde_json::Map::new();
         object.insert("instrument".into(), row.label.clone().into());

@@ -25,14 +25,14 @@ fn cell(line: &Line, sheet: &Sheet, lengths: Lengths) -> String {
 }
 
 /// What is usual, where it is the same for all of the sheets.
-pub fn usual_of(line: &Line, measured: &[Measured], lengths: Lengths) -> String {
+pub(crate) fn usual_of(line: &Line, measured: &[Measured], lengths: Lengths) -> String {
     let mut all = measured.iter().map(|one| usual(line, one.sheet.norms_for_key, lengths));
     let first = all.next().unwrap_or_default();
     if all.all(|other| other == first) { first } else { "by the key".to_owned() }
 }
 
 /// The table, the timing sheets and the red flags.
-pub fn text(measured: &[Measured], lengths: Lengths) -> String {
+pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     let mut out = String::new();
     let widths: Vec<usize> = measured
         .iter()

@@ -8,7 +8,7 @@ use std::path::Path;
 /// # Errors
 /// Of the file system.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
-pub fn exchange(a: &Path, b: &Path) -> io::Result<bool> {
+pub(crate) fn exchange(a: &Path, b: &Path) -> io::Result<bool> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     use rustix::io::Errno;
     match renameat_with(CWD, a, CWD, b, RenameFlags::EXCHANGE) {
@@ -23,6 +23,6 @@ pub fn exchange(a: &Path, b: &Path) -> io::Result<bool> {
 /// # Errors
 /// None.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
-pub fn exchange(_: &Path, _: &Path) -> io::Result<bool> {
+pub(crate) fn exchange(_: &Path, _: &Path) -> io::Result<bool> {
     Ok(false)
 }

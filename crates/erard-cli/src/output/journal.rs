@@ -26,7 +26,12 @@ struct Journal {
 }
 
 /// Renames the files of a stage into a folder. A failure names the file, and leaves the folder as it was.
-pub fn publish(stage: &Path, folder: &Path, install: &[String], remove: &[String]) -> Result<(), (String, io::Error)> {
+pub(crate) fn publish(
+    stage: &Path,
+    folder: &Path,
+    install: &[String],
+    remove: &[String],
+) -> Result<(), (String, io::Error)> {
     let journal = Journal { format: FORMAT.into(), install: install.to_vec(), remove: remove.to_vec() };
     journal.write(stage).map_err(|error| (String::new(), error))?;
     journal.finish(stage, folder).inspect_err(|_| {
@@ -36,7 +41,7 @@ pub fn publish(stage: &Path, folder: &Path, install: &[String], remove: &[String
 }
 
 /// Finishes or undoes what a killed process had begun.
-pub fn recover(stage: &Path, folder: &Path) -> io::Result<()> {
+pub(crate) fn recover(stage: &Path, folder: &Path) -> io::Result<()> {
     let Ok(text) = fs::read_to_string(stage.join(NAME)) else { return Ok(()) };
     let journal: Journal = serde_json::from_str(&text)?;
     if journal.format != FORMAT || !journal.names().all(|name| is_plain(name)) {

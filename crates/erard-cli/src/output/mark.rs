@@ -8,14 +8,14 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 /// Its name.
-pub const NAME: &str = ".erard.json";
+pub(crate) const NAME: &str = ".erard.json";
 const FORMAT: &str = "erard-results/1";
 /// Most bytes that are read of it: thousands of names.
 const MOST_BYTES: u64 = 1 << 20;
 
 /// Whose results a folder holds.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Mark {
+pub(crate) struct Mark {
     format: String,
     /// Whether the folder was not there before.
     pub made_folder: bool,
@@ -25,7 +25,7 @@ pub struct Mark {
 
 impl Mark {
     /// The same after a command has written these files, and no others of its own any more.
-    pub fn with(before: Option<Self>, made_folder: bool, command: &str, files: &[String]) -> Self {
+    pub(crate) fn with(before: Option<Self>, made_folder: bool, command: &str, files: &[String]) -> Self {
         let mut results = before.map(|mark| mark.results).unwrap_or_default();
         for others in results.values_mut() {
             others.retain(|name| !files.contains(name));
@@ -37,13 +37,13 @@ impl Mark {
 
     /// A command's results.
     #[must_use]
-    pub fn of(&self, command: &str) -> &[String] {
+    pub(crate) fn of(&self, command: &str) -> &[String] {
         self.results.get(command).map_or(&[], Vec::as_slice)
     }
 
     /// The command that wrote a file.
     #[must_use]
-    pub fn owner(&self, name: &str) -> Option<&str> {
+    pub(crate) fn owner(&self, name: &str) -> Option<&str> {
         self.results
             .iter()
             .find(|(_, files)| files.iter().any(|file| file == name))
@@ -52,13 +52,13 @@ impl Mark {
 
     /// Whether it knows of no other command.
     #[must_use]
-    pub fn is_only(&self, command: &str) -> bool {
+    pub(crate) fn is_only(&self, command: &str) -> bool {
         self.results.keys().all(|known| known == command)
     }
 
     /// A folder's; `None` where it has none that can be understood: then nothing in it is known to be Erard's.
     #[must_use]
-    pub fn read(folder: &Path) -> Option<Self> {
+    pub(crate) fn read(folder: &Path) -> Option<Self> {
         let path = folder.join(NAME);
         // A pipe of this name would be waited for.
         path.symlink_metadata().ok().filter(|found| found.is_file())?;
@@ -72,7 +72,7 @@ impl Mark {
     ///
     /// # Errors
     /// Of the file system.
-    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> std::io::Result<()> {
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
         let mut file = fs::File::create_new(path)?;
@@ -82,7 +82,7 @@ impl Mark {
 }
 
 /// Whether a name is that of a file in the folder itself, and not a way out of it.
-pub fn is_plain(name: &str) -> bool {
+pub(crate) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(std::path::Component::Normal(part)), None) if part == name)
 }

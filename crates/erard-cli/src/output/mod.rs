@@ -18,14 +18,17 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use erard_figures::figure::png_from_svg;
+use serde::Serialize;
+
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
 use crate::table::{self, TABLE, beside, is_beside_a_table};
 use crate::{answer, identity};
-pub use mark::Mark;
+pub(crate) use mark::Mark;
 use stage::Stage;
-pub use stage::clear as clear_stages;
+pub(crate) use stage::clear as clear_stages;
 
 /// Files that a command collects for a folder. Nothing stands there under its own name before [`Output::commit`].
 #[derive(Debug)]
@@ -48,7 +51,12 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Usage`] where something stands in the way.
-    pub fn results(folder: &Path, command: &'static str, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+    pub(crate) fn results(
+        folder: &Path,
+        command: &'static str,
+        force: bool,
+        certain: &[&str],
+    ) -> Result<Self, Failure> {
         Self::prepare(folder, Some(command), force, certain)
     }
 
@@ -56,7 +64,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::results`].
-    pub fn files(folder: &Path, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+    pub(crate) fn files(folder: &Path, force: bool, certain: &[&str]) -> Result<Self, Failure> {
         Self::prepare(folder, None, force, certain)
     }
 
@@ -86,7 +94,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`].
-    pub fn stage(
+    pub(crate) fn stage(
         &mut self,
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -94,6 +102,35 @@ impl Output {
         // What follows is compiled once, not for each caller.
         let mut write = Some(write);
         self.stage_by(name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
+    }
+
+    /// Writes text.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub fn text(&mut self, name: &str, text: &str) -> Result<(), Failure> {
+        self.stage(name, |writer| writer.write_all(text.as_bytes()))
+    }
+
+    /// Writes a value as JSON, indented.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub(crate) fn json(&mut self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+        self.stage(name, |writer| {
+            serde_json::to_writer_pretty(&mut *writer, value)?;
+            writer.write_all(b"\n")
+        })
+    }
+
+    /// Writes a figure twice: `NAME.svg`, and `NAME.png` of twice its size.
+    ///
+    /// # Errors
+    /// [`Failure::Write`]; [`Failure::Internal`] where it cannot be drawn.
+    pub(crate) fn figure(&mut self, name: &str, svg: &str) -> Result<(), Failure> {
+        let png = png_from_svg(svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
+        self.text(&format!("{name}.svg"), svg)?;
+        self.stage(&format!("{name}.png"), |writer| writer.write_all(&png))
     }
 
     fn stage_by(&mut self, name: &str, write: &mut Writes) -> Result<(), Failure> {

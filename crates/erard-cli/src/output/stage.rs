@@ -24,7 +24,7 @@ const WITHIN: &str = ".erard.";
 const LOCK: &str = "lock";
 const RESULTS: &str = "results";
 /// What was there before.
-pub const OLD: &str = "old";
+pub(crate) const OLD: &str = "old";
 
 /// Stages of this process, and the folders made for them: for who ends the process from outside. Held while one is made, so that whoever
 /// clears up knows of all that stand; and from then on for ever, so that no other is made.
@@ -32,7 +32,7 @@ static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A stage of this process; gone when dropped, with what is in it.
 #[derive(Debug)]
-pub struct Stage {
+pub(crate) struct Stage {
     folder: TempDir,
     /// Held open for its lock.
     _lock: File,
@@ -43,7 +43,7 @@ pub struct Stage {
 
 impl Stage {
     /// Beside a folder, which need not exist yet.
-    pub fn beside(folder: &Path) -> io::Result<Self> {
+    pub(crate) fn beside(folder: &Path) -> io::Result<Self> {
         let parent = parent(folder);
         let mut made: Vec<PathBuf> = parent
             .ancestors()
@@ -65,12 +65,12 @@ impl Stage {
     }
 
     /// Within a folder that exists.
-    pub fn within(folder: &Path) -> io::Result<Self> {
+    pub(crate) fn within(folder: &Path) -> io::Result<Self> {
         Self::new(WITHIN, folder, &mut open())
     }
 
     /// What a stage beside a folder holds, within it.
-    pub fn moved_into(folder: &Path, other: &Stage) -> io::Result<Self> {
+    pub(crate) fn moved_into(folder: &Path, other: &Stage) -> io::Result<Self> {
         let stage = Self::within(folder)?;
         fs::remove_dir(stage.results())?;
         fs::rename(other.results(), stage.results())?;
@@ -101,22 +101,22 @@ impl Stage {
     }
 
     /// The stage's own folder.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.folder.path()
     }
 
     /// Where files are written.
-    pub fn results(&self) -> PathBuf {
+    pub(crate) fn results(&self) -> PathBuf {
         self.folder.path().join(RESULTS)
     }
 
     /// Whether it stands beside the folder.
-    pub fn is_beside(&self) -> bool {
+    pub(crate) fn is_beside(&self) -> bool {
         self.beside
     }
 
     /// The results become the folder; what it held before goes into the stage.
-    pub fn take_the_place_of(&self, folder: &Path) -> io::Result<()> {
+    pub(crate) fn take_the_place_of(&self, folder: &Path) -> io::Result<()> {
         let results = self.results();
         if !folder.exists() {
             return fs::rename(results, folder);
@@ -132,7 +132,7 @@ impl Stage {
     }
 
     /// Something has come of it.
-    pub fn keep_parents(&mut self) {
+    pub(crate) fn keep_parents(&mut self) {
         let made = std::mem::take(&mut self.made);
         open().retain(|folder| !made.contains(folder));
     }
@@ -148,7 +148,7 @@ impl Drop for Stage {
 }
 
 /// Clears what this process has begun to write. For its end: whoever still writes then finds that there is no folder.
-pub fn clear() {
+pub(crate) fn clear() {
     let mut open = open();
     let folders = std::mem::take(&mut *open);
     // Never given back.
@@ -170,7 +170,7 @@ pub fn clear() {
 ///
 /// # Errors
 /// Of the file system, where a decided exchange can be neither finished nor undone.
-pub fn recover(folder: &Path) -> io::Result<()> {
+pub(crate) fn recover(folder: &Path) -> io::Result<()> {
     for stage in stages(&parent(folder), &prefix(folder)) {
         let Some(_lock) = take_over(&stage) else { continue };
         let old = stage.join(OLD);

@@ -3,8 +3,8 @@
 mod page;
 mod report;
 
-pub use page::html;
-pub use report::Report;
+pub(crate) use page::html;
+pub(crate) use report::Report;
 
 use erard_workshop::advice::{Advice, WeightWork};
 use erard_workshop::regulate::{Achieved, Goal, Handwork, Turned, known_screw, turns_text};
@@ -15,7 +15,7 @@ use crate::units::Lengths;
 
 /// An action with what to do about it.
 #[derive(Debug)]
-pub struct Advised<'a> {
+pub(crate) struct Advised<'a> {
     /// The action, and what was measured.
     pub measured: &'a Measured,
     /// What to do.
@@ -30,7 +30,7 @@ pub struct Advised<'a> {
 
 /// One thing to do: what, how far, and why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Task {
+pub(crate) struct Task {
     /// What is worked on: `drop screw`.
     pub what: String,
     /// Which way and how far.
@@ -41,7 +41,7 @@ pub struct Task {
 }
 
 /// What to do, in the order of work.
-pub fn tasks(one: &Advised<'_>) -> Vec<Task> {
+pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
     let mut tasks: Vec<Task> = one.advice.weights.iter().map(|work| weight_task(work, one.lengths)).collect();
     if let Some(regulated) = &one.advice.regulated {
         for turned in &regulated.turned {

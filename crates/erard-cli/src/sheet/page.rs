@@ -1,15 +1,13 @@
 //! The page.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use erard::keyboard::note_name;
 use erard_workshop::measure::norms::lines;
 use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
-use maud::{DOCTYPE, Markup, html};
+use maud::{Markup, html};
 
 use super::{Advised, tasks};
 use crate::measure::{shown, usual};
-use crate::paper::html_head;
+use crate::paper::{page, picture};
 use crate::units::Lengths;
 
 const STYLE: &str = include_str!("../paper.css");
@@ -47,19 +45,12 @@ const PLAYING: [Value; 3] = [
 ];
 
 /// A page for every action.
-pub fn html(all: &[Advised<'_>]) -> String {
+pub(crate) fn html(all: &[Advised<'_>]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
     let paper = all.first().map_or("A4", |one| one.headed.paper.css());
     let title = format!("{}: technician's sheet", names.join(", "));
     let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}");
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            (html_head(&title, &style))
-            body { @for one in all { (sheet(one)) } }
-        }
-    };
-    page.into_string() + "\n"
+    page(&title, &style, &html! { @for one in all { (sheet(one)) } })
 }
 
 fn sheet(one: &Advised<'_>) -> Markup {
@@ -87,8 +78,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
             h2 { "To do, in this order" }
             (to_do(one))
             figure.action {
-                img alt={ (measured.label) ", at rest" }
-                    src={ "data:image/svg+xml;base64," (STANDARD.encode(one.drawing.as_bytes())) };
+                (picture(&format!("{}, at rest", measured.label), one.drawing))
             }
             footer.soft {
                 "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))

@@ -6,7 +6,7 @@ use super::{Advised, Task, tasks};
 
 /// What `sheet.json` holds of one action.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     instrument: String,
     norms_for_key: usize,
     serial: Option<String>,
@@ -18,7 +18,7 @@ pub struct Report {
 
 impl Report {
     /// Of an action.
-    pub fn new(one: &Advised<'_>) -> Self {
+    pub(crate) fn new(one: &Advised<'_>) -> Self {
         let mut out: Vec<&'static str> = one.measured.sheet.flags.iter().map(|flag| flag.key).collect();
         out.dedup();
         Report {

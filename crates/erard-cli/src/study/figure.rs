@@ -1,7 +1,7 @@
 //! A study as a figure: what came of the strokes over what was varied first.
 
 use erard::run::Events;
-use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
+use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 
 use super::{Axis, Row};
 
@@ -19,7 +19,7 @@ const QUANTITIES: [Quantity; 3] = [
 
 /// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the order of the axes, the
 /// last one fastest.
-pub fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
+pub(crate) fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
     let (first, others) = axes.split_first()?;
     let curves: usize = others.iter().map(|axis| axis.shown.len()).product();
     if first.shown.len() < 2 || curves > MOST_CURVES {
@@ -42,7 +42,7 @@ pub fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
                     Some((row.values[0], get(events)?))
                 });
                 let (x, y) = points.unzip();
-                ChartCurve { label: label(k), x, y, colour: k, mark: Mark::Points }
+                ChartCurve { label: label(k), x, y, colour: k, mark: Dash::Points }
             })
             .collect(),
     };

@@ -1,10 +1,10 @@
 //! What `erard study` is asked and answers: what is varied, the table, the figure.
 
 mod figure;
-pub mod sensitivities;
+pub(crate) mod sensitivities;
 mod table;
 mod vary;
 
-pub use figure::chart;
-pub use table::{Row, columns, doubts, lines};
-pub use vary::{Axis, GRADING, Source, Target};
+pub(crate) use figure::chart;
+pub(crate) use table::{Row, columns, doubts, lines};
+pub(crate) use vary::{Axis, GRADING, Source, Target};

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use erard::instrument::Instrument;
 use erard::run::Setup;
-use erard_figures::figure::{Bar, Tornado, TornadoPanel, png_from_svg, tornado_svg};
+use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_svg};
 use erard_workshop::sensitivities::{
     Mark, Quantity, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
     sensitivities, threads,
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::table::three;
+use crate::table::{three, write_records};
 
 /// Bars of a panel of the figure.
 const MOST_BARS: usize = 14;
@@ -22,7 +22,7 @@ const MOST_BARS: usize = 14;
 ///
 /// # Errors
 /// A key that does not exist.
-pub fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
+pub(crate) fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
     let all = quantities();
     let asked: Vec<&str> = if keys.is_empty() { USUAL.to_vec() } else { keys.iter().map(String::as_str).collect() };
     let mut found: Vec<Quantity> = Vec::new();
@@ -43,7 +43,7 @@ pub fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
 ///
 /// # Errors
 /// A number that does not exist, or that stands at an end of its range.
-pub fn variables(
+pub(crate) fn variables(
     instrument: &Instrument,
     text: &str,
     names: &[String],
@@ -71,7 +71,7 @@ pub fn variables(
 ///
 /// # Errors
 /// What cannot be differentiated, and an interruption.
-pub fn find<'a>(
+pub(crate) fn find<'a>(
     instrument: &Instrument,
     by: Vec<Variable>,
     of: Vec<Quantity>,
@@ -91,7 +91,7 @@ pub fn find<'a>(
 
 /// A row of sensitivities.json and sensitivities.csv.
 #[derive(Debug, Serialize)]
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     of: &'a str,
     by: &'a str,
     per: &'a str,
@@ -108,7 +108,7 @@ pub struct Row<'a> {
 
 /// sensitivities.json.
 #[derive(Debug, Serialize)]
-pub struct Report<'a> {
+pub(crate) struct Report<'a> {
     instrument: &'a str,
     stroke: &'a str,
     values: Vec<Value<'a>>,
@@ -143,7 +143,7 @@ fn row<'a>(all: &'a Sensitivities, one: &'a Sensitivity) -> Row<'a> {
 }
 
 /// All of it, to be written as JSON.
-pub fn report<'a>(all: &'a Sensitivities, instrument: &'a str, stroke: &'a str) -> Report<'a> {
+pub(crate) fn report<'a>(all: &'a Sensitivities, instrument: &'a str, stroke: &'a str) -> Report<'a> {
     let values = all.of.iter().zip(&all.values);
     Report {
         instrument,
@@ -159,12 +159,8 @@ pub fn report<'a>(all: &'a Sensitivities, instrument: &'a str, stroke: &'a str) 
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_csv(all: &Sensitivities, to: &mut dyn Write) -> std::io::Result<()> {
-    let mut csv = csv::Writer::from_writer(to);
-    for one in &all.rows {
-        csv.serialize(row(all, one))?;
-    }
-    csv.flush()
+pub(crate) fn write_csv(all: &Sensitivities, to: &mut dyn Write) -> std::io::Result<()> {
+    write_records(all.rows.iter().map(|one| row(all, one)), to)
 }
 
 /// So many units of the number, as its label says them.
@@ -182,8 +178,8 @@ fn heading(all: &Sensitivities, k: usize) -> String {
     format!("{}: {value}", of.label)
 }
 
-/// The figure.
-pub fn figure(all: &Sensitivities, title: &str) -> Tornado {
+/// The figure, as SVG.
+pub(crate) fn figure(all: &Sensitivities, title: &str) -> String {
     let panel = |k: usize| TornadoPanel {
         title: heading(all, k),
         unit: all.of[k].unit.to_owned(),
@@ -203,22 +199,12 @@ pub fn figure(all: &Sensitivities, title: &str) -> Tornado {
             })
             .collect(),
     };
-    Tornado {
+    tornado_svg(&Tornado {
         title: title.to_owned(),
         // As long as one panel is wide.
         subtitle: "what a usual change does to first order; hollow: not to be trusted farther away".to_owned(),
         panels: (0..all.of.len()).map(panel).filter(|panel| !panel.bars.is_empty()).collect(),
-    }
-}
-
-/// The figure as SVG and PNG.
-///
-/// # Errors
-/// A fault of the renderer.
-pub fn pictures(all: &Sensitivities, title: &str) -> Result<(String, Vec<u8>), Failure> {
-    let svg = tornado_svg(&figure(all, title));
-    let png = png_from_svg(&svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
-    Ok((svg, png))
+    })
 }
 
 /// Three digits of a number of any size.
@@ -231,7 +217,7 @@ fn digits(x: f64) -> String {
 }
 
 /// The table for people: of every quantity at most so many rows.
-pub fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
+pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let wide = all.by.iter().map(|one| one.name.chars().count()).max().unwrap_or(0).max(12);
     for (k, of) in all.of.iter().enumerate() {

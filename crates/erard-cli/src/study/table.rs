@@ -10,7 +10,7 @@ use crate::table::three;
 
 /// One stroke of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub(crate) struct Row {
     /// What was varied, as shown, one for each axis.
     pub values: Vec<f64>,
     /// What came of it, or why nothing did.
@@ -21,13 +21,13 @@ pub struct Row {
 
 impl Row {
     /// Whether it was played and nothing speaks against it.
-    pub fn is_trusted(&self) -> bool {
+    pub(crate) fn is_trusted(&self) -> bool {
         self.outcome.as_ref().is_ok_and(|played| played.warnings.is_empty())
     }
 }
 
 /// What speaks against the strokes of a study: of every kind and part how many strokes, and the worst of them as a sentence.
-pub fn doubts(rows: &[Row]) -> Vec<String> {
+pub(crate) fn doubts(rows: &[Row]) -> Vec<String> {
     let warnings = rows.iter().filter_map(|row| row.outcome.as_ref().ok()).flat_map(|played| &played.warnings);
     let each = worst_of_each(warnings).into_iter();
     each.map(|(count, worst)| format!("{count} of {} strokes; the worst: {worst}", rows.len())).collect()
@@ -35,7 +35,7 @@ pub fn doubts(rows: &[Row]) -> Vec<String> {
 
 /// Name and values of every column: what was varied, what came of it, what was measured, whether the stroke failed (1, and nothing came of it),
 /// whether it can be trusted (1) and what of its energy is not explained.
-pub fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
+pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
     let varied = axes.iter().enumerate().map(|(i, axis)| {
         let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
         (axis.column(), values)
@@ -67,7 +67,7 @@ const SHOWN: [Shown; 5] = [
 ];
 
 /// The table for people, at most so many rows of it, the first and the last among them.
-pub fn lines(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Vec<String> {
+pub(crate) fn lines(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Vec<String> {
     let mut head = String::from(" ");
     for axis in axes {
         head += &format!(" {:>width$}", axis.column(), width = width(axis));

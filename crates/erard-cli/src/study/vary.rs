@@ -8,7 +8,7 @@ use erard_workshop::study::Parameter;
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Target {
+pub(crate) enum Target {
     /// A number of the instrument.
     Parameter(Parameter),
     /// The constant force on the key.
@@ -23,7 +23,7 @@ pub enum Target {
 
 /// What is varied, as it was read.
 #[derive(Debug)]
-pub enum Source {
+pub(crate) enum Source {
     /// An instrument's text.
     Text(String),
     /// A keyboard, and the key that is played where keys are not varied (`None`: its own instrument's).
@@ -67,7 +67,7 @@ impl Source {
     ///
     /// # Errors
     /// What the reader says of such an instrument.
-    pub fn instrument(&self, axes: &[Axis], indices: &[usize]) -> Option<Result<Instrument, String>> {
+    pub(crate) fn instrument(&self, axes: &[Axis], indices: &[usize]) -> Option<Result<Instrument, String>> {
         let each = || axes.iter().zip(indices);
         let key = each().find(|(axis, _)| axis.target == Target::Key).map(|(axis, &i)| axis.shown[i] as usize);
         let changes: Vec<(&str, usize, f64)> = each()
@@ -97,7 +97,7 @@ impl Source {
 
 /// One `--vary`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// As it was asked for, e.g. `let_off`.
     pub name: String,
     /// Of the shown values, e.g. `mm`; empty for a factor.
@@ -116,7 +116,7 @@ const FORCE: &str = "force";
 const MOST_TURNED_DEG: f64 = 90.0;
 const KEY: &str = "key";
 /// What the name of a grading of a keyboard begins with.
-pub const GRADING: &str = "grading.";
+pub(crate) const GRADING: &str = "grading.";
 /// Most values of one axis.
 const MOST: usize = 100_000;
 
@@ -125,7 +125,7 @@ impl Axis {
     ///
     /// # Errors
     /// One sentence that says what is wrong and what would be right.
-    pub fn parse(text: &str, instrument: &Instrument, source: &Source) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str, instrument: &Instrument, source: &Source) -> Result<Self, String> {
         let (name, values) = text
             .split_once('=')
             .ok_or_else(|| format!("`{text}`: expected a name, `=`, and values such as `let_off=-1mm..1mm:41`"))?;
@@ -239,12 +239,12 @@ impl Axis {
     }
 
     /// A value in SI units, or the factor.
-    pub fn si(&self, index: usize) -> f64 {
+    pub(crate) fn si(&self, index: usize) -> f64 {
         self.shown[index] / self.per_si
     }
 
     /// The name of its column: with the unit, as all columns.
-    pub fn column(&self) -> String {
+    pub(crate) fn column(&self) -> String {
         if matches!(self.target, Target::Key | Target::Number(..)) {
             return self.name.clone();
         }

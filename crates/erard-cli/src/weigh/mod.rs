@@ -4,9 +4,9 @@ mod figure;
 mod page;
 mod table;
 
-pub use figure::figure_svg;
-pub use page::html;
-pub use table::{Report, text, write_csv};
+pub(crate) use figure::weighed_svg;
+pub(crate) use page::html;
+pub(crate) use table::{Report, text, write_csv};
 
 use erard_workshop::balance::{Checked, Lead, LeadWork, Plan};
 
@@ -15,7 +15,7 @@ use crate::units::Lengths;
 
 /// A plan with what belongs to its pages.
 #[derive(Debug)]
-pub struct Work<'a> {
+pub(crate) struct Work<'a> {
     /// What is weighed: the keyboard's name and the table's.
     pub name: &'a str,
     /// The table's name.
@@ -34,7 +34,7 @@ pub struct Work<'a> {
 const HAMMER_OFF_G: f64 = 0.3;
 
 /// What is done to a key's leads, in words.
-pub fn leads_text(work: &LeadWork, lengths: Lengths) -> String {
+pub(crate) fn leads_text(work: &LeadWork, lengths: Lengths) -> String {
     if work.put.is_empty() && work.out.is_empty() {
         return "leave".to_owned();
     }

@@ -1,51 +1,42 @@
 //! The work list on paper.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use maud::{DOCTYPE, Markup, html};
+use maud::{Markup, html};
 
 use super::table::remarks;
 use super::{Work, capstan_text, leads_text};
-use crate::paper::html_head;
+use crate::paper::{page, picture};
 use erard_workshop::balance::BalancedKey;
 
 const STYLE: &str = include_str!("../paper.css");
 
 /// The page: head, list, remarks, figure.
-pub fn html(work: &Work<'_>, figure: &str) -> String {
+pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
     let headed = work.headed;
     let title = format!("{}: work list", work.name);
     let style = format!("{STYLE}@page{{size:{}}}", headed.paper.css());
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            (html_head(&title, &style))
-            body {
-                header {
-                    h1 { "Work list: " (work.name) }
-                    dl {
-                        div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
-                        div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
-                        div { dt { "weighed" } dd { (work.file) } }
-                    }
-                }
-                @if let Some(note) = &headed.note { p.note { (note) } }
-                p.aim { (remarks(work).first().map_or("", String::as_str)) }
-                div.wide { (list(work)) }
-                @for remark in remarks(work).iter().skip(1) { p.soft { (remark) } }
-                p.soft {
-                    "Weights in grams, inertia in kilograms at the key's front; places of leads count from the balance pin, in front of it where nothing \
-                     else is said; a capstan goes forward to the player. Inertia is an estimate: the hammer's from its strike weight and ratio, \
-                     the key's and the whippen's from the keyboard's model."
-                }
-                figure {
-                    img alt="Strike weight, front weight, balance weight, friction weight, ratio and inertia over the keyboard"
-                        src={ "data:image/svg+xml;base64," (STANDARD.encode(figure.as_bytes())) };
-                }
+    let body = html! {
+        header {
+            h1 { "Work list: " (work.name) }
+            dl {
+                div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
+                div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
+                div { dt { "weighed" } dd { (work.file) } }
             }
         }
+        @if let Some(note) = &headed.note { p.note { (note) } }
+        p.aim { (remarks(work).first().map_or("", String::as_str)) }
+        div.wide { (list(work)) }
+        @for remark in remarks(work).iter().skip(1) { p.soft { (remark) } }
+        p.soft {
+            "Weights in grams, inertia in kilograms at the key's front; places of leads count from the balance pin, in front of it where nothing \
+             else is said; a capstan goes forward to the player. Inertia is an estimate: the hammer's from its strike weight and ratio, \
+             the key's and the whippen's from the keyboard's model."
+        }
+        figure {
+            (picture("Strike weight, front weight, balance weight, friction weight, ratio and inertia over the keyboard", figure))
+        }
     };
-    page.into_string() + "\n"
+    page(&title, &style, &body)
 }
 
 fn list(work: &Work<'_>) -> Markup {

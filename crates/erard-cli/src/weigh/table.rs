@@ -11,7 +11,7 @@ use super::{HAMMER_OFF_G, Work, capstan_text, leads_text};
 use crate::table::shortest;
 
 /// The list for people: every key that was weighed, and what was checked.
-pub fn text(work: &Work<'_>) -> String {
+pub(crate) fn text(work: &Work<'_>) -> String {
     let plan = work.plan;
     let mut out = String::new();
     let number =
@@ -49,7 +49,7 @@ pub fn text(work: &Work<'_>) -> String {
 }
 
 /// What is worth saying below the list.
-pub fn remarks(work: &Work<'_>) -> Vec<String> {
+pub(crate) fn remarks(work: &Work<'_>) -> Vec<String> {
     let plan = work.plan;
     let mut lines = vec![format!(
         "Aim: a balance weight of {:.1} g{}. Each of leads, strike weight and capstan (forward: to the player) would do it alone{}.",
@@ -107,7 +107,7 @@ fn checked_text(one: &Checked, work: &Work<'_>) -> String {
 ///
 /// # Errors
 /// Of the writer.
-pub fn write_csv(work: &Work<'_>, writer: &mut dyn Write) -> std::io::Result<()> {
+pub(crate) fn write_csv(work: &Work<'_>, writer: &mut dyn Write) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     csv.write_record([
         "key",
@@ -168,7 +168,7 @@ pub fn write_csv(work: &Work<'_>, writer: &mut dyn Write) -> std::io::Result<()>
 
 /// The plan for programs.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     keyboard: String,
     measured: String,
     target_balance_weight_g: f64,
@@ -227,7 +227,7 @@ struct CheckReport {
 
 impl Report {
     /// Of a plan.
-    pub fn new(work: &Work<'_>) -> Self {
+    pub(crate) fn new(work: &Work<'_>) -> Self {
         let plan = work.plan;
         let leads = |key: &BalancedKey| {
             let pairs = |leads: &[Lead]| leads.iter().map(|lead| [lead.mass_g, lead.at_mm]).collect();

@@ -19,7 +19,7 @@ pub enum ArrowKind {
 
 impl ArrowKind {
     /// Its class in the picture.
-    pub fn class(self) -> &'static str {
+    pub(crate) fn class(self) -> &'static str {
         match self {
             ArrowKind::Contact => "contact",
             ArrowKind::Finger => "touch",

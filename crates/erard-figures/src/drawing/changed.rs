@@ -75,7 +75,7 @@ fn place(instrument: &Instrument, key: &str) -> Option<(Option<usize>, Vec2)> {
 
 /// The marks: a ring with the number of its line at every place, moving with its body.
 #[must_use]
-pub fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], placed: &[Placement]) -> String {
+pub(crate) fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], placed: &[Placement]) -> String {
     if changed.is_empty() {
         return String::new();
     }

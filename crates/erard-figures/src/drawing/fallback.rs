@@ -15,7 +15,7 @@ const SLAB: f64 = 2.5e-3;
 const POINT: f64 = 0.8e-3;
 
 /// Pieces made up from bodies and zones.
-pub fn pieces(instrument: &Instrument) -> Vec<Piece> {
+pub(crate) fn pieces(instrument: &Instrument) -> Vec<Piece> {
     let mut out = Vec::new();
     for (index, body) in instrument.bodies.iter().enumerate() {
         for reach in reaches(instrument, index) {

@@ -99,16 +99,7 @@ pub(crate) fn two_levers_run(frames: usize) -> Run {
 
 fn at_rest() -> Run {
     let grand = Instrument::builtin("concert-grand").unwrap();
-    let setup = Setup {
-        settings: Settings::new(100e-6),
-        start_s: 0.0,
-        duration_s: 200e-6,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(100e-6), ..Setup::new(200e-6) };
     let mut run = simulate(&grand, &|_| player::Input::Free, &setup, &mut |_| true).unwrap();
     run.events = erard::run::Events::default();
     run

@@ -10,7 +10,7 @@ use erard::run::Run;
 ///
 /// Every contact pushes both ways; one arrow reads better than two. Bodies are listed from the key to the hammer, so
 /// the later one is the one being driven, and what the ground does to a body is what is worth seeing.
-pub fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
+pub(crate) fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
     let zone = &instrument.zones[zone];
     if zone.disc_body >= zone.curve_body { 1.0 } else { -1.0 }
 }
@@ -68,7 +68,7 @@ pub fn angles_at(run: &Run, frame: usize) -> Vec<f64> {
 
 /// How long an arrow is and what it says. The page's script is given these numbers, so that both draw alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ArrowLaw {
+pub(crate) struct ArrowLaw {
     /// Length of the arrow of a vanishing force, mm.
     pub base_mm: f64,
     /// Growth per factor of ten, mm: logarithmic, since weights at rest are tenths of a newton and blows a hundred.
@@ -82,18 +82,18 @@ pub struct ArrowLaw {
 }
 
 /// The arrows of all pictures.
-pub const ARROW: ArrowLaw =
+pub(crate) const ARROW: ArrowLaw =
     ArrowLaw { base_mm: 7.0, per_decade_mm: 9.0, knee_n: 0.1, smallest_drawn_n: 0.02, smallest_labelled_n: 0.2 };
 
 impl ArrowLaw {
     /// Length of an arrow, mm.
-    pub fn length_mm(&self, normal_n: f64) -> f64 {
+    pub(crate) fn length_mm(&self, normal_n: f64) -> f64 {
         self.base_mm + self.per_decade_mm * (1.0 + normal_n / self.knee_n).log10()
     }
 }
 
 /// A force with as many digits as an eye can use.
-pub fn force_label(normal_n: f64) -> String {
+pub(crate) fn force_label(normal_n: f64) -> String {
     match normal_n {
         n if n >= 99.95 => format!("{n:.0} N"),
         n if n >= 9.995 => format!("{n:.1} N"),

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 /// How a finish is painted: lit from above, with a darker edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Paint {
+pub(crate) struct Paint {
     /// Identifier of the gradient, and class of the shapes.
     pub id: &'static str,
     /// Colour at the upper side.
@@ -67,7 +67,7 @@ impl From<Material> for Finish {
 }
 
 /// All finishes, in the order their gradients are written.
-pub const ALL: [Finish; 13] = [
+pub(crate) const ALL: [Finish; 13] = [
     Finish::Wood,
     Finish::DarkWood,
     Finish::Felt,
@@ -84,7 +84,7 @@ pub const ALL: [Finish; 13] = [
 ];
 
 /// The look of a finish.
-pub const fn paint(finish: Finish) -> Paint {
+pub(crate) const fn paint(finish: Finish) -> Paint {
     let (id, light, shade, edge) = match finish {
         Finish::Wood => ("wood", "#ecd3a8", "#d3ac77", "#8a683c"),
         Finish::DarkWood => ("dark-wood", "#8f6a4b", "#6c4a31", "#452d1b"),
@@ -104,7 +104,7 @@ pub const fn paint(finish: Finish) -> Paint {
 }
 
 /// The gradients of all finishes, for a document's `<defs>`.
-pub fn gradients() -> String {
+pub(crate) fn gradients() -> String {
     let mut out = String::new();
     for paint in ALL.map(paint) {
         let _ = write!(

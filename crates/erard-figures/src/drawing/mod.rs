@@ -17,13 +17,17 @@ mod material;
 mod outline;
 mod piece;
 
-pub use arrows::{Arrow, ArrowKind, arrows};
-pub use changed::{ChangedNote, changed_marks};
-pub use force::{ARROW, ArrowLaw, angles_at, arrow_sign, force_label, forces_at, pins_at};
+pub use arrows::{ArrowKind, arrows};
+
+pub(crate) use arrows::Arrow;
+pub use changed::ChangedNote;
+pub(crate) use changed::changed_marks;
+pub(crate) use force::{ARROW, arrow_sign, force_label};
+pub use force::{angles_at, forces_at, pins_at};
 pub(crate) use labels::named_points;
-pub use material::{Finish, Paint, gradients, paint};
-pub use outline::{path, transform};
-pub use piece::{Carrier, Piece};
+pub(crate) use material::{gradients, paint};
+pub(crate) use outline::{path, transform};
+pub(crate) use piece::{Carrier, Piece};
 
 use crate::svg::{escape, number};
 use erard::instrument::{Instrument, Placement};
@@ -31,7 +35,7 @@ pub(crate) use outline::MM;
 use std::fmt::Write;
 
 /// The fonts asked for, the one bundled for PNGs first.
-pub const FONTS: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
+pub(crate) const FONTS: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 
 /// What to show beside the wood.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,7 +96,7 @@ pub fn drawing(instrument: &Instrument) -> Drawing {
 }
 
 /// The style of everything in a picture of the action; the page inlines the same.
-pub const STYLE: &str = include_str!("drawing.css");
+pub(crate) const STYLE: &str = include_str!("drawing.css");
 
 /// The action with its bodies at the given absolute angles (rad, in the instrument's order; what is missing is drawn
 /// as in the file), as an SVG document.
@@ -174,7 +178,7 @@ const NIGHT: &str = "@media (prefers-color-scheme:dark){.paper{fill:#26272b}.lab
 /// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with `data-point` it follows
 /// that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without turning, with `data-guided` up and down only. `data-rail` says that the sustain
 /// pedal lifts it.
-pub fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
+pub(crate) fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
     let mut out = String::from("<g class=\"parts\">");
     for piece in &drawing.pieces {
         let drawn = path(piece);
@@ -221,7 +225,7 @@ pub(super) fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
 
 /// `[left, top, right, bottom]` in picture millimetres, with a margin, holding the pieces both in this pose and as
 /// drawn, so that pictures of neighbouring poses match.
-pub fn view(instrument: &Instrument, pieces: &[Piece], placed: &[Placement]) -> [f64; 4] {
+pub(crate) fn view(instrument: &Instrument, pieces: &[Piece], placed: &[Placement]) -> [f64; 4] {
     const MARGIN: f64 = 8.0;
     let drawn = instrument.drawn();
     let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];

@@ -71,7 +71,7 @@ fn along(from: Vec2, to: Vec2, distance: f64, step: f64) -> Vec2 {
 }
 
 /// The `transform` attribute that carries a body's frame into the picture.
-pub fn transform(placement: &Placement) -> String {
+pub(crate) fn transform(placement: &Placement) -> String {
     format!(
         "translate({} {}) rotate({})",
         number(placement.pivot_m[0] * MM),
@@ -83,7 +83,8 @@ pub fn transform(placement: &Placement) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{Carrier, Finish};
+    use crate::drawing::Carrier;
+    use crate::drawing::material::Finish;
 
     fn square(smooth: bool) -> Piece {
         Piece {

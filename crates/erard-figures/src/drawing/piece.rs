@@ -20,7 +20,7 @@ pub struct Piece {
 
 impl Piece {
     /// A part that the instrument file draws itself.
-    pub fn of_file(part: &Part) -> Self {
+    pub(crate) fn of_file(part: &Part) -> Self {
         Piece {
             name: part.name.clone(),
             carrier: part.body.map_or(Carrier::Ground, Carrier::Body),
@@ -56,7 +56,7 @@ pub enum Carrier {
 
 impl Carrier {
     /// Where its frame is, for bodies that are placed so.
-    pub fn placement(&self, placed: &[Placement]) -> Placement {
+    pub(crate) fn placement(&self, placed: &[Placement]) -> Placement {
         match *self {
             Carrier::Ground | Carrier::Rail => Placement::GROUND,
             Carrier::Body(body) => placed[body],
@@ -69,7 +69,7 @@ impl Carrier {
     }
 
     /// The body that it moves with.
-    pub fn body(&self) -> Option<usize> {
+    pub(crate) fn body(&self) -> Option<usize> {
         match *self {
             Carrier::Ground | Carrier::Rail => None,
             Carrier::Body(body) | Carrier::Point { body, .. } => Some(body),

@@ -22,20 +22,20 @@ pub(super) struct Axis {
 
 impl Axis {
     /// From one value to another.
-    pub fn between(scale: Scale, (low, high): (f64, f64)) -> Self {
+    pub(crate) fn between(scale: Scale, (low, high): (f64, f64)) -> Self {
         let axis = Axis { scale, low: 0.0, high: 1.0 };
         Axis { low: axis.measure(low), high: axis.measure(high), ..axis }
     }
 
     /// A little longer than all values need that have a place.
-    pub fn around(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn around(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
         let axis = Axis { scale, low: 0.0, high: 1.0 };
         let (low, high) = range(values.map(|value| axis.measure(value)));
         Axis { low, high, ..axis }
     }
 
     /// A value in the axis' own measure; not finite where it has no place.
-    pub fn measure(&self, value: f64) -> f64 {
+    pub(crate) fn measure(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
             Scale::Logarithmic => value.log10(),
@@ -43,12 +43,12 @@ impl Axis {
     }
 
     /// Where a value in the axis' own measure stands: 0 at the low end, 1 at the high one.
-    pub fn share(&self, measure: f64) -> f64 {
+    pub(crate) fn share(&self, measure: f64) -> f64 {
         (measure - self.low) / (self.high - self.low)
     }
 
     /// Round numbers along the axis, about `most` of them: where they stand, and their labels.
-    pub fn ticks(&self, most: usize) -> Vec<(f64, String)> {
+    pub(crate) fn ticks(&self, most: usize) -> Vec<(f64, String)> {
         match self.scale {
             Scale::Linear => {
                 let marks = ticks((self.low, self.high), most);

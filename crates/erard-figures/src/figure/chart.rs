@@ -1,6 +1,6 @@
 //! A chart: panels of curves over one abscissa, with a caption, as a figure.
 
-use super::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg_named, padded_range};
+use super::{Dash, Figure, Layout, Panel, Scale, Trace, figure_svg_named, padded_range};
 
 /// Panels of curves over one abscissa.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,19 +30,6 @@ pub struct ChartPanel {
     pub curves: Vec<ChartCurve>,
 }
 
-/// How a curve is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// A line.
-    Line,
-    /// A broken line.
-    Dashed,
-    /// A dotted line.
-    Dotted,
-    /// Points joined by a line.
-    Points,
-}
-
 /// One curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartCurve {
@@ -55,7 +42,7 @@ pub struct ChartCurve {
     /// Which colour; the same number is the same colour in all figures. 0 is the one-degree-of-freedom model's blue.
     pub colour: usize,
     /// How it is drawn.
-    pub mark: Mark,
+    pub mark: Dash,
 }
 
 /// Width, px: as wide as a page's text.
@@ -68,46 +55,24 @@ const PANEL: f64 = 230.0;
 
 /// The chart as an SVG document. The same chart gives the same bytes. `id` makes its clip paths unique within a page.
 pub fn chart_svg(chart: &Chart, id: &str) -> String {
-    let (from, to) = abscissae(chart);
+    let panels = chart.panels.iter().map(panel).collect();
     let labels = chart.panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.label.chars().count());
     let longest = labels.max().unwrap_or(0);
     let figure = Figure {
-        title: chart.title.clone(),
-        subtitle: String::new(),
         width_px: WIDTH + CHARACTER * longest.saturating_sub(ROOM) as f64,
-        x_label: chart.x_label.clone(),
-        x_unit: 1.0,
         x_scale: if chart.x_log { Scale::Logarithmic } else { Scale::Linear },
-        windows: vec![Window { from, to, weight: 1.0, heading: String::new(), names_markers: false }],
-        panels: chart.panels.iter().map(panel).collect(),
-        markers: Vec::new(),
+        ..Figure::over(&chart.x_label, abscissae(chart), chart.title.clone(), String::new(), panels)
     };
     figure_svg_named(&figure, id)
 }
 
 fn panel(panel: &ChartPanel) -> Panel<'_> {
+    let curves =
+        panel.curves.iter().map(|curve| Trace::new(&curve.label, &curve.x, &curve.y, curve.colour, curve.mark));
     Panel {
-        quantity: panel.y_label.clone(),
-        unit: "",
-        height_px: PANEL,
         layout: if panel.y_log { Layout::Logarithmic } else { Layout::Together },
         y_range: panel.y_range,
-        curves: panel
-            .curves
-            .iter()
-            .map(|curve| Trace {
-                label: curve.label.clone(),
-                x: &curve.x,
-                y: (&curve.y).into(),
-                colour: PALETTE[curve.colour % PALETTE.len()],
-                dash: match curve.mark {
-                    Mark::Line => Dash::Solid,
-                    Mark::Dashed => Dash::Dashed,
-                    Mark::Dotted => Dash::Dotted,
-                    Mark::Points => Dash::Points,
-                },
-            })
-            .collect(),
+        ..Panel::new(&panel.y_label, "", PANEL, curves.collect())
     }
 }
 
@@ -117,7 +82,7 @@ fn abscissae(chart: &Chart) -> (f64, f64) {
     let place = |x: f64| if chart.x_log { x.log10() } else { x };
     let places = || curves().flat_map(|curve| &curve.x).map(|x| place(*x)).filter(|x| x.is_finite());
     let (low, high) = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    let has_points = curves().any(|curve| curve.mark == Mark::Points);
+    let has_points = curves().any(|curve| curve.mark == Dash::Points);
     let (low, high) = if has_points || low >= high { padded_range(places()) } else { (low, high) };
     if chart.x_log { (10f64.powf(low), 10f64.powf(high)) } else { (low, high) }
 }
@@ -128,7 +93,7 @@ mod tests {
 
     fn chart(x_log: bool, y_log: bool, y: Vec<f64>) -> Chart {
         let x = (1..=y.len()).map(|i| i as f64).collect();
-        let curve = ChartCurve { label: "<a>".into(), x, y, colour: 1, mark: Mark::Points };
+        let curve = ChartCurve { label: "<a>".into(), x, y, colour: 1, mark: Dash::Points };
         let panels = vec![ChartPanel { y_label: "y & z".into(), y_log, y_range: None, curves: vec![curve] }];
         Chart { title: "<t>".into(), caption: String::new(), x_label: "x".into(), x_log, panels }
     }

@@ -6,7 +6,7 @@
 /// polyline through them covers the same pixels as the polyline through all, so a contact that lasts two samples of a
 /// million still shows with its full height. One sample beyond either end is kept, so that curves reach the frame.
 /// Samples that are not finite break the curve.
-pub fn decimate(x: &[f64], y: &[f64], (from, to): (f64, f64), columns: usize) -> Vec<Vec<(f64, f64)>> {
+pub(crate) fn decimate(x: &[f64], y: &[f64], (from, to): (f64, f64), columns: usize) -> Vec<Vec<(f64, f64)>> {
     let samples = x.len().min(y.len());
     let first = x[..samples].partition_point(|&t| t < from).saturating_sub(1);
     let last = (x[..samples].partition_point(|&t| t <= to) + 1).min(samples);

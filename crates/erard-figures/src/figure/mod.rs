@@ -20,13 +20,14 @@ mod ticks;
 mod tornado;
 
 pub use axis::Scale;
-pub use chart::{Chart, ChartCurve, ChartPanel, Mark, chart_svg};
-pub use decimate::decimate;
-pub(crate) use pair::paired_zones;
-pub use pair::{COINCIDE, pair_figure, pair_svg};
+pub use chart::{Chart, ChartCurve, ChartPanel, chart_svg};
+pub(crate) use decimate::decimate;
+pub use pair::{COINCIDE, pair_svg};
+pub(crate) use pair::{pair_figure, paired_zones};
 #[cfg(feature = "png")]
 pub use png::{PngError, png_from_svg};
-pub use run::{events, instants, run_figure, run_svg, windows};
+pub(crate) use run::run_figure;
+pub use run::{events, instants, over_run, run_svg};
 pub use ticks::range as padded_range;
 pub use tornado::{Bar, Tornado, TornadoPanel, tornado_svg};
 
@@ -71,6 +72,19 @@ pub struct Trace<'a> {
     pub dash: Dash,
 }
 
+impl<'a> Trace<'a> {
+    /// A curve in a colour of [`PALETTE`], which begins again after its last.
+    pub fn new(
+        label: impl Into<String>,
+        x: &'a [f64],
+        y: impl Into<Cow<'a, [f64]>>,
+        colour: usize,
+        dash: Dash,
+    ) -> Self {
+        Trace { label: label.into(), x, y: y.into(), colour: PALETTE[colour % PALETTE.len()], dash }
+    }
+}
+
 /// How a panel's curves share it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Layout {
@@ -107,6 +121,18 @@ pub struct Panel<'a> {
     pub curves: Vec<Trace<'a>>,
 }
 
+impl<'a> Panel<'a> {
+    /// Curves over one axis that fits them.
+    pub fn new(quantity: impl Into<String>, unit: &'static str, height_px: f64, curves: Vec<Trace<'a>>) -> Self {
+        Panel { quantity: quantity.into(), unit, height_px, layout: Layout::Together, y_range: None, curves }
+    }
+
+    /// The panel with another axis.
+    pub fn within(self, low: f64, high: f64) -> Self {
+        Panel { y_range: Some((low, high)), ..self }
+    }
+}
+
 /// An instant, drawn as a thin line through all panels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
@@ -131,6 +157,13 @@ pub struct Window {
     pub names_markers: bool,
 }
 
+impl Window {
+    /// All that is shown; markers are named.
+    pub fn whole(from: f64, to: f64) -> Self {
+        Window { from, to, weight: 1.0, heading: String::new(), names_markers: true }
+    }
+}
+
 /// A whole figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure<'a> {
@@ -152,6 +185,39 @@ pub struct Figure<'a> {
     pub panels: Vec<Panel<'a>>,
     /// The instants.
     pub markers: Vec<Marker>,
+}
+
+impl<'a> Figure<'a> {
+    /// Panels over time in seconds, which the axis shows in milliseconds.
+    pub fn over_time(title: String, subtitle: String, windows: Vec<Window>, panels: Vec<Panel<'a>>) -> Self {
+        Figure {
+            title,
+            subtitle,
+            width_px: 1180.0,
+            x_label: "time (ms)".into(),
+            x_unit: 1e3,
+            x_scale: Scale::Linear,
+            windows,
+            panels,
+            markers: Vec::new(),
+        }
+    }
+
+    /// Panels over another quantity in the data's own unit, as wide as a page's text.
+    pub fn over(
+        x_label: &str,
+        (from, to): (f64, f64),
+        title: String,
+        subtitle: String,
+        panels: Vec<Panel<'a>>,
+    ) -> Self {
+        Figure {
+            width_px: 860.0,
+            x_label: x_label.into(),
+            x_unit: 1.0,
+            ..Figure::over_time(title, subtitle, vec![Window::whole(from, to)], panels)
+        }
+    }
 }
 
 /// A rectangle of the figure, px.
@@ -195,7 +261,7 @@ pub fn figure_svg(figure: &Figure) -> String {
 }
 
 /// The same for a page that holds several: `name` makes its clip paths its own.
-pub fn figure_svg_named(figure: &Figure, name: &str) -> String {
+pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
     let named = figure.windows.iter().any(|window| window.names_markers) && !figure.markers.is_empty();
     let heading = if figure.windows.iter().all(|window| window.heading.is_empty()) { 0.0 } else { 18.0 };
     let top = 30.0 + if figure.subtitle.is_empty() { 0.0 } else { 18.0 } + heading;
@@ -340,33 +406,11 @@ mod tests {
     /// Areas stand one upon the other: parts of 1 and 3 end at 1 and at 4 of an axis that ends at 4.2, a twentieth above the whole.
     #[test]
     fn stacked_areas_end_at_their_sums() {
-        let trace = |label: &str, y: f64, colour| Trace {
-            label: label.into(),
-            x: &[0.0, 1.0],
-            y: vec![y, y].into(),
-            colour,
-            dash: Dash::Solid,
-        };
-        let panels = vec![Panel {
-            quantity: "lost".into(),
-            unit: "mJ",
-            height_px: 210.0,
-            layout: Layout::Stacked,
-            y_range: None,
-            curves: vec![trace("one", 1.0, PALETTE[0]), trace("other", 3.0, PALETTE[1])],
-        }];
-        let window = Window { from: 0.0, to: 1.0, weight: 1.0, heading: String::new(), names_markers: false };
-        let figure = Figure {
-            title: "t".into(),
-            subtitle: String::new(),
-            width_px: 600.0,
-            x_label: "x".into(),
-            x_unit: 1.0,
-            x_scale: Scale::Linear,
-            windows: vec![window],
-            panels,
-            markers: Vec::new(),
-        };
+        let trace = |label: &str, y: f64, colour| Trace::new(label, &[0.0, 1.0], vec![y, y], colour, Dash::Solid);
+        let curves = vec![trace("one", 1.0, 0), trace("other", 3.0, 1)];
+        let panel = Panel { layout: Layout::Stacked, ..Panel::new("lost", "mJ", 210.0, curves) };
+        let figure =
+            Figure { width_px: 600.0, ..Figure::over("x", (0.0, 1.0), "t".into(), String::new(), vec![panel]) };
         let svg = figure_svg(&figure);
         let tops: Vec<f64> = svg
             .split("<polygon ")

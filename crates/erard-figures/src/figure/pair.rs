@@ -2,9 +2,8 @@
 
 use super::run::{FORCE_FLOOR, scaled, windows};
 use super::ticks::range;
-use super::{Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, figure_svg};
+use super::{Dash, Figure, Layout, Marker, Panel, Trace, figure_svg};
 use erard::run::Run;
-use std::borrow::Cow;
 
 /// Two curves whose largest difference is below this share of what they span are taken to coincide.
 pub const COINCIDE: f64 = 0.1;
@@ -25,7 +24,7 @@ const QUANTITIES: [Quantity; 3] = [
 ];
 
 /// The figure of two runs, each with its name.
-pub fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure<'a> {
+pub(crate) fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure<'a> {
     let mut panels = Vec::new();
     for (quantity, unit, factor, of) in QUANTITIES {
         let series: Vec<(usize, &str, &Run)> = runs
@@ -39,68 +38,35 @@ pub fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure<'a> {
         }
         let curves: Vec<Trace> = series
             .iter()
-            .map(|&(index, name, run)| Trace {
-                label: name.to_owned(),
-                x: &run.time_s,
-                y: scaled(of(run), factor),
-                colour: PALETTE[index],
-                dash: DASHES[index],
-            })
+            .map(|&(index, name, run)| Trace::new(name, &run.time_s, scaled(of(run), factor), index, DASHES[index]))
             .collect();
         let y_range = range(curves.iter().flat_map(|curve| curve.y.iter().copied()).chain([0.0]));
         let difference = if let [first, second] = &curves[..] { difference(first, second) } else { None };
-        panels.push(Panel {
-            quantity: quantity.into(),
-            unit,
-            height_px: 120.0,
-            layout: Layout::Together,
-            y_range: Some(y_range),
-            curves,
-        });
+        panels.push(Panel::new(quantity, unit, 120.0, curves).within(y_range.0, y_range.1));
         let largest = difference.iter().flatten().fold(0.0, |most, d: &f64| f64::max(most, d.abs()));
         // A force that is prescribed is the same, and differs nowhere.
         let is_told_apart = largest >= COINCIDE * (y_range.1 - y_range.0);
         if let Some(y) = difference.filter(|_| !is_told_apart && (largest > 0.0 || quantity != "force")) {
-            panels.push(Panel {
-                quantity: format!("{quantity}, second − first"),
-                unit,
-                height_px: 120.0,
-                layout: Layout::Together,
-                y_range: Some(range(y.iter().copied().chain([0.0]))),
-                curves: vec![Trace {
-                    label: "difference".into(),
-                    x: &runs[0].1.time_s,
-                    y: Cow::Owned(y),
-                    colour: PALETTE[6],
-                    dash: Dash::Solid,
-                }],
-            });
+            let (low, high) = range(y.iter().copied().chain([0.0]));
+            let curve = Trace::new("difference", &runs[0].1.time_s, y, 6, Dash::Solid);
+            let quantity = format!("{quantity}, second − first");
+            panels.push(Panel::new(quantity, unit, 120.0, vec![curve]).within(low, high));
         }
     }
     let zones = paired_zones([runs[0].1, runs[1].1]);
     let peak = runs.iter().flat_map(|(_, run)| run.zones.iter().flat_map(|zone| zone.normal_n.iter().copied()));
     let peak = peak.filter(|force| force.is_finite()).fold(10.0, f64::max);
     if !zones.is_empty() {
+        let curve = |&(index, zone): &(usize, usize)| {
+            let (name, run) = runs[index];
+            let series = &run.zones[zone];
+            let label = if index == 0 { series.label.clone() } else { format!("    {name}") };
+            Trace::new(label, &run.time_s, &series.normal_n, index, Dash::Solid)
+        };
+        let curves = zones.iter().map(curve).collect();
         panels.push(Panel {
-            quantity: "contact forces".into(),
-            unit: "N",
-            height_px: 27.0 * zones.len() as f64,
             layout: Layout::Lanes { floor: FORCE_FLOOR, ceiling: 1.5 * peak },
-            y_range: None,
-            curves: zones
-                .iter()
-                .map(|&(index, zone)| {
-                    let (name, run) = runs[index];
-                    let series = &run.zones[zone];
-                    Trace {
-                        label: if index == 0 { series.label.clone() } else { format!("    {name}") },
-                        x: &run.time_s,
-                        y: Cow::Borrowed(&series.normal_n),
-                        colour: PALETTE[index],
-                        dash: Dash::Solid,
-                    }
-                })
-                .collect(),
+            ..Panel::new("contact forces", "N", 27.0 * zones.len() as f64, curves)
         });
     }
     let speed =
@@ -119,23 +85,10 @@ pub fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure<'a> {
     {
         (shown[1].from, shown[1].to) = (first.from.min(second.from), first.to.max(second.to));
     }
-    Figure {
-        title: title.to_owned(),
-        subtitle: format!(
-            "hammer at the string: {}, {} - {}, {}",
-            runs[0].0,
-            speed(runs[0].1),
-            runs[1].0,
-            speed(runs[1].1)
-        ),
-        width_px: 1180.0,
-        x_label: "time (ms)".into(),
-        x_unit: 1e3,
-        x_scale: Scale::Linear,
-        windows: shown,
-        panels,
-        markers: runs.into_iter().filter_map(blow).collect(),
-    }
+    let speeds = runs.map(|(name, run)| format!("{name}, {}", speed(run)));
+    let subtitle = format!("hammer at the string: {}", speeds.join(" - "));
+    let markers = runs.into_iter().filter_map(blow).collect();
+    Figure { markers, ..Figure::over_time(title.to_owned(), subtitle, shown, panels) }
 }
 
 /// The zones of two runs, by run and index: those of one name stand together.
@@ -196,13 +149,7 @@ mod tests {
 
     #[test]
     fn differences_are_taken_between_rows_and_end_with_the_shorter_run() {
-        let trace = |x: &'static [f64], y: &[f64]| Trace {
-            label: String::new(),
-            x,
-            y: Cow::Owned(y.to_vec()),
-            colour: "",
-            dash: Dash::Solid,
-        };
+        let trace = |x: &'static [f64], y: &[f64]| Trace::new("", x, y.to_vec(), 0, Dash::Solid);
         let found = difference(&trace(&[0.0, 1.0, 2.0, 3.0], &[0.0; 4]), &trace(&[0.0, 2.0], &[0.0, 4.0])).unwrap();
         assert_eq!(found[..3], [0.0, 2.0, 4.0]);
         assert!(found[3].is_nan());

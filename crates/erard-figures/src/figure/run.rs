@@ -1,7 +1,7 @@
 //! The figure of one run: force, key, hammer, angles and contact forces over time.
 
 use super::ticks::range;
-use super::{Dash, Figure, Layout, Marker, PALETTE, Panel, Scale, Trace, Window, figure_svg};
+use super::{Dash, Figure, Layout, Marker, Panel, Trace, Window, figure_svg};
 use erard::run::{Events, Run};
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ pub fn run_svg(run: &Run, stroke: &str) -> String {
 }
 
 /// The run's figure: the whole run and, where the blow takes only a small part of it, the blow beside it.
-pub fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
+pub(crate) fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     let mut panels = vec![
         panel(run, ("force", "N"), 110.0, [("finger on key", Cow::Borrowed(&run.force_n[..]))]),
         panel(run, ("key", "mm"), 110.0, [("key front, down", scaled(&run.key_m, 1e3))]),
@@ -37,19 +37,17 @@ pub fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
         panels.push(forces);
     }
     let speed = run.events.hammer_speed_m_s().filter(|speed| speed.is_finite());
+    let title = if stroke.is_empty() { run.instrument.clone() } else { format!("{}: {stroke}", run.instrument) };
+    let subtitle = speed.map_or(String::new(), |speed| format!("hammer at the string: {speed:.2} m/s"));
+    over_run(run, title, subtitle, panels)
+}
+
+/// Panels over a run's time, with its events.
+pub fn over_run<'a>(run: &Run, title: String, subtitle: String, panels: Vec<Panel<'a>>) -> Figure<'a> {
+    let markers = instants(&run.events).into_iter();
     Figure {
-        title: if stroke.is_empty() { run.instrument.clone() } else { format!("{}: {stroke}", run.instrument) },
-        subtitle: speed.map_or(String::new(), |speed| format!("hammer at the string: {speed:.2} m/s")),
-        width_px: 1180.0,
-        x_label: "time (ms)".into(),
-        x_unit: 1e3,
-        x_scale: Scale::Linear,
-        windows: windows(run),
-        panels,
-        markers: instants(&run.events)
-            .into_iter()
-            .map(|(name, x)| Marker { x, label: format!("{name} {:.1}", x * 1e3) })
-            .collect(),
+        markers: markers.map(|(name, x)| Marker { x, label: format!("{name} {:.1}", x * 1e3) }).collect(),
+        ..Figure::over_time(title, subtitle, windows(run), panels)
     }
 }
 
@@ -76,10 +74,10 @@ pub fn events(events: &Events) -> Vec<(&'static str, f64)> {
 }
 
 /// The whole run and, where it takes only a small part of it, the first blow.
-pub fn windows(run: &Run) -> Vec<Window> {
+pub(crate) fn windows(run: &Run) -> Vec<Window> {
     let end = run.time_s.last().copied().filter(|t| *t > 0.0 && t.is_finite()).unwrap_or(1.0);
     let begin = run.time_s.first().copied().filter(|t| *t < end).unwrap_or(0.0);
-    let whole = Window { from: begin, to: end, weight: 1.0, heading: String::new(), names_markers: true };
+    let whole = Window::whole(begin, end);
     let instants = events(&run.events);
     let first = instants.iter().map(|(_, x)| *x).fold(f64::INFINITY, f64::min);
     let last = instants.iter().map(|(_, x)| *x).fold(f64::NEG_INFINITY, f64::max);
@@ -120,21 +118,11 @@ fn contact_forces(run: &Run) -> Option<Panel<'_>> {
         .zones
         .iter()
         .enumerate()
-        .map(|(index, zone)| Trace {
-            label: zone.label.clone(),
-            x: &run.time_s,
-            y: Cow::Borrowed(&zone.normal_n),
-            colour: PALETTE[index % PALETTE.len()],
-            dash: Dash::Solid,
-        })
+        .map(|(index, zone)| Trace::new(&zone.label, &run.time_s, &zone.normal_n, index, Dash::Solid))
         .collect();
     (!curves.is_empty()).then(|| Panel {
-        quantity: "contact forces".into(),
-        unit: "N",
-        height_px: 34.0 * curves.len() as f64,
         layout: Layout::Lanes { floor: FORCE_FLOOR, ceiling: 1.5 * peak.max(10.0) },
-        y_range: None,
-        curves,
+        ..Panel::new("contact forces", "N", 34.0 * curves.len() as f64, curves)
     })
 }
 
@@ -147,26 +135,12 @@ fn panel<'a>(
     let curves: Vec<(&str, Cow<[f64]>)> = curves.into_iter().collect();
     // all of these quantities start from nothing, and a curve is misread on an axis without its zero
     let values = curves.iter().flat_map(|(_, y)| y.iter().copied());
-    let y_range = Some(range(values.chain([0.0])));
+    let (low, high) = range(values.chain([0.0]));
     let dashes = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dotted];
-    Panel {
-        quantity: quantity.into(),
-        unit,
-        height_px,
-        layout: Layout::Together,
-        y_range,
-        curves: curves
-            .into_iter()
-            .enumerate()
-            .map(|(index, (label, y))| Trace {
-                label: label.into(),
-                x: &run.time_s,
-                y,
-                colour: PALETTE[index % PALETTE.len()],
-                dash: dashes[index % dashes.len()],
-            })
-            .collect(),
-    }
+    let curves = curves.into_iter().enumerate();
+    let curves =
+        curves.map(|(index, (label, y))| Trace::new(label, &run.time_s, y, index, dashes[index % dashes.len()]));
+    Panel::new(quantity, unit, height_px, curves.collect()).within(low, high)
 }
 
 pub(super) fn scaled(values: &[f64], factor: f64) -> Cow<'_, [f64]> {

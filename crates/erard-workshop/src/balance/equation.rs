@@ -41,7 +41,7 @@ impl Parts {
 
 /// What the hand weighs on a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Balance {
+pub(crate) struct Balance {
     /// D, g.
     pub down_weight_g: f64,
     /// U, g.
@@ -51,13 +51,13 @@ pub struct Balance {
 impl Balance {
     /// BW = (D + U) / 2, g.
     #[must_use]
-    pub fn balance_weight_g(&self) -> f64 {
+    pub(crate) fn balance_weight_g(&self) -> f64 {
         0.5 * (self.down_weight_g + self.up_weight_g)
     }
 
     /// F = (D - U) / 2, g.
     #[must_use]
-    pub fn friction_weight_g(&self) -> f64 {
+    pub(crate) fn friction_weight_g(&self) -> f64 {
         0.5 * (self.down_weight_g - self.up_weight_g)
     }
 }

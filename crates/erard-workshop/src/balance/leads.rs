@@ -12,13 +12,13 @@ pub struct Lead {
 impl Lead {
     /// What it adds to the front weight of a key whose front is so far from the pin, g.
     #[must_use]
-    pub fn front_weight_g(&self, key_front_mm: f64) -> f64 {
+    pub(crate) fn front_weight_g(&self, key_front_mm: f64) -> f64 {
         self.mass_g * self.at_mm / key_front_mm
     }
 
     /// What it adds to the inertia at the key's front, g.
     #[must_use]
-    pub fn inertia_g(&self, key_front_mm: f64) -> f64 {
+    pub(crate) fn inertia_g(&self, key_front_mm: f64) -> f64 {
         self.mass_g * (self.at_mm / key_front_mm).powi(2)
     }
 }
@@ -27,9 +27,9 @@ impl Lead {
 /// 1/2, 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter. An estimate.
 pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
 /// Most leads that are added to a key.
-pub const MOST_LEADS: usize = 3;
+pub(crate) const MOST_LEADS: usize = 3;
 /// A change of front weight below this is left, g: half of what a scale in grams can tell.
-pub const FEWEST_GRAMS: f64 = 0.5;
+pub(crate) const FEWEST_GRAMS: f64 = 0.5;
 /// What leads give may be off by this, g.
 const CLOSE_G: f64 = 0.25;
 /// Leads are put no nearer to the pin than this, and no nearer to the key's front, mm: balance hole and front pin's mortise need their wood.
@@ -56,7 +56,7 @@ pub struct LeadWork {
 /// put where one of them stays. `None` where nothing reaches it to a quarter of a gram: a key from whose front more must be taken than its
 /// known leads weigh, say.
 #[must_use]
-pub fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
+pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
     if change_g.abs() < FEWEST_GRAMS {
         return Some(LeadWork::default());
     }

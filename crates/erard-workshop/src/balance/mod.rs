@@ -20,9 +20,11 @@ mod plan;
 mod smooth;
 
 pub use check::{Checked, check};
-pub use equation::{Balance, Parts};
-pub use leads::{FEWEST_GRAMS, LEADS_G, Lead, LeadWork, MOST_LEADS, lead_work};
+
+pub use equation::Parts;
+pub(crate) use leads::lead_work;
+pub use leads::{LEADS_G, Lead, LeadWork};
 pub use measured::{MeasuredError, MeasuredKey, read};
 pub use model::KeyModel;
 pub use plan::{BalancedKey, Curves, Plan, Remedy, Target, plan};
-pub use smooth::{HALF_GAIN_KEYS, smooth};
+pub use smooth::smooth;

@@ -78,7 +78,7 @@ impl KeyModel {
     /// Effective inertia at the key's front of a key with these weights, kg: the hammer's from its strike weight and ratio, the key's with its
     /// leads changed for its front weight (at `LEADS_AT`), the whippen's as the model's.
     #[must_use]
-    pub fn inertia_kg(&self, strike_weight_g: f64, front_weight_g: f64, ratio: f64) -> f64 {
+    pub(crate) fn inertia_kg(&self, strike_weight_g: f64, front_weight_g: f64, ratio: f64) -> f64 {
         let hammer_g = self.hammer_factor * strike_weight_g * ratio * ratio;
         1e-3 * (hammer_g + self.whippen_inertia_g + self.key_g(front_weight_g))
     }
@@ -91,7 +91,7 @@ impl KeyModel {
 
     /// The strike weight with which a key has an inertia, its leads giving a balance weight meanwhile, g: inertia is a straight line of it.
     #[must_use]
-    pub fn strike_weight_for_inertia(
+    pub(crate) fn strike_weight_for_inertia(
         &self,
         inertia_kg: f64,
         ratio: f64,
@@ -108,13 +108,13 @@ impl KeyModel {
     /// By what factor action weight (KR WW and R SW alike) changes when the capstan goes `by_mm` toward the player: the key's arm gets shorter,
     /// the whippen's longer.
     #[must_use]
-    pub fn capstan_factor(&self, by_mm: f64) -> f64 {
+    pub(crate) fn capstan_factor(&self, by_mm: f64) -> f64 {
         (self.capstan_mm - by_mm) / self.capstan_mm * self.heel_mm / (self.heel_mm + by_mm)
     }
 
     /// How far the capstan goes toward the player for such a factor, mm: the inverse of [`KeyModel::capstan_factor`].
     #[must_use]
-    pub fn capstan_move_mm(&self, factor: f64) -> f64 {
+    pub(crate) fn capstan_move_mm(&self, factor: f64) -> f64 {
         let (c, h) = (self.capstan_mm, self.heel_mm);
         c * h * (1.0 - factor) / (h + factor * c)
     }

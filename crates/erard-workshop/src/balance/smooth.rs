@@ -7,7 +7,7 @@
 use erard::keyboard::KEYS;
 
 /// A wave over so many keys keeps half of its height; shorter ones go, longer ones stay.
-pub const HALF_GAIN_KEYS: f64 = 30.0;
+pub(crate) const HALF_GAIN_KEYS: f64 = 30.0;
 /// Rounds in which weights are found from residuals.
 const ROUNDS: usize = 8;
 /// Tukey's constant: residuals beyond so many standard deviations count nothing.

@@ -16,9 +16,9 @@ pub const STEPS: u64 = 20_000;
 pub const MF_N: f64 = 5.0;
 
 /// The grand's engine size: six bodies, fourteen zones.
-pub type GrandModel = Model<f64, 6, 14>;
+pub(crate) type GrandModel = Model<f64, 6, 14>;
 /// The same.
-pub type GrandState = State<f64, 6, 14>;
+pub(crate) type GrandState = State<f64, 6, 14>;
 /// The same; ten set-valued laws, one of them a rigid drive's.
 pub type GrandWorkspace = Workspace<f64, 6, 14, 10>;
 

@@ -120,7 +120,7 @@ pub struct KeyboardTimes {
 
 impl KeyboardTimes {
     /// Measures; `None` where `progress` ended the work.
-    pub fn measure(ticks: usize, progress: &mut Progress<'_>) -> Option<Self> {
+    pub(crate) fn measure(ticks: usize, progress: &mut Progress<'_>) -> Option<Self> {
         let instruments = keyboard();
         let tremolo = Ticks::measure(&instruments, TEN, ticks, &mut |share| progress(0.5 * share))?;
         let asleep = Ticks::measure(&instruments, 0, ticks, &mut |share| progress(0.5 + 0.1 * share))?;

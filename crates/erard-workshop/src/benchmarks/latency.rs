@@ -67,7 +67,7 @@ pub struct Latencies {
 
 impl Latencies {
     /// Of single steps and of group steps.
-    pub fn new(one: &Latency, group: &Latency) -> Self {
+    pub(crate) fn new(one: &Latency, group: &Latency) -> Self {
         Latencies {
             steps_timed: one.steps,
             step_ns_p50: one.p50_ns,
@@ -124,11 +124,11 @@ pub(super) struct Histogram {
 }
 
 impl Histogram {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Histogram { bins: vec![0; BINS], slow: Vec::new(), count: 0 }
     }
 
-    pub fn add(&mut self, ns: u64) {
+    pub(crate) fn add(&mut self, ns: u64) {
         self.count += 1;
         match self.bins.get_mut(ns as usize) {
             Some(bin) => *bin += 1,
@@ -149,7 +149,7 @@ impl Histogram {
         self.slow.get((rank - seen) as usize).or(self.slow.last()).copied().unwrap_or(0)
     }
 
-    pub fn latency(mut self) -> Latency {
+    pub(crate) fn latency(mut self) -> Latency {
         self.slow.sort_unstable();
         let fast = self.bins.iter().rposition(|&n| n > 0).map_or(0, |ns| ns as u64);
         Latency {

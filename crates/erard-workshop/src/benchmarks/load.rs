@@ -83,12 +83,12 @@ impl Load {
     }
 
     /// Number of its groups of [`WIDEST`].
-    pub fn groups(&self) -> usize {
+    pub(crate) fn groups(&self) -> usize {
         self.grands.len() / WIDEST
     }
 
     /// Steps that playing so many of its groups takes, of all their grands.
-    pub fn count(&self, groups: usize) -> f64 {
+    pub(crate) fn count(&self, groups: usize) -> f64 {
         (groups * WIDEST) as f64 * self.steps as f64
     }
 
@@ -96,7 +96,7 @@ impl Load {
     ///
     /// # Panics
     /// If a number becomes infinite; so do the others.
-    pub fn one_by_one(&self, groups: usize) -> f64 {
+    pub(crate) fn one_by_one(&self, groups: usize) -> f64 {
         let mut sum = 0.0;
         for (i, grand) in self.grands.iter().take(groups * WIDEST).enumerate() {
             let model: GrandModel = grand.model().expect("of the grand's size");
@@ -112,7 +112,7 @@ impl Load {
         sum
     }
 
-    /// Plays so many groups one after the other, each in lanes; as [`Load::one_by_one`].
+    /// Plays so many groups one after the other, each in lanes; as `Load::one_by_one`.
     pub fn in_lanes(&self, groups: usize, lanes: Lanes) -> f64 {
         (0..groups).map(|g| self.play_group(g, lanes)).sum()
     }
@@ -121,7 +121,7 @@ impl Load {
     ///
     /// # Panics
     /// If a thread dies.
-    pub fn on_cores(&self, lanes: Lanes, threads: usize) -> f64 {
+    pub(crate) fn on_cores(&self, lanes: Lanes, threads: usize) -> f64 {
         let mut sums = vec![None; self.groups()];
         let jobs = sums.iter_mut().enumerate().map(|(g, sum)| job(sum, move |_| Ok(self.play_group(g, lanes))));
         do_all::<SimulationError>(jobs.collect(), threads, &mut |_| true).expect("nobody interrupts");

@@ -55,7 +55,7 @@ pub struct Many {
 
 impl Many {
     /// Measures; `None` where `progress` ended the work.
-    pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
+    pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
         let groups = effort.groups_per_core * cores::count();
         let load = Load::parameter_study(groups, effort.steps);
         let study = load_times(&load, effort.rounds, &mut |share| progress(0.4 * share))?;
@@ -98,27 +98,27 @@ pub struct LoadTimes {
 
 impl LoadTimes {
     /// In some lanes, on one core.
-    pub fn of(&self, lanes: Lanes) -> Option<Times> {
+    pub(crate) fn of(&self, lanes: Lanes) -> Option<Times> {
         self.lanes.iter().find(|(kind, _)| *kind == lanes).map(|(_, times)| *times)
     }
 
     /// Some lanes over one after the other, on one core.
-    pub fn speedup(&self, lanes: Lanes) -> Option<f64> {
+    pub(crate) fn speedup(&self, lanes: Lanes) -> Option<f64> {
         self.of(lanes).map(|times| self.one_by_one.median / times.median)
     }
 
     /// In the most lanes of doubles, on one core.
-    pub fn most_lanes(&self) -> Times {
+    pub(crate) fn most_lanes(&self) -> Times {
         self.of(Lanes::most()).unwrap_or(self.one_by_one)
     }
 
     /// The most lanes of doubles over one after the other, on one core.
-    pub fn speedup_per_core(&self) -> f64 {
+    pub(crate) fn speedup_per_core(&self) -> f64 {
         self.one_by_one.median / self.most_lanes().median
     }
 
     /// The most lanes on all cores over one after the other on one core.
-    pub fn speedup_all_cores(&self) -> f64 {
+    pub(crate) fn speedup_all_cores(&self) -> f64 {
         self.one_by_one.median / self.all_cores.median
     }
 }
@@ -159,16 +159,7 @@ pub fn load_times(load: &Load, rounds: usize, progress: &mut Progress<'_>) -> Op
 fn strokes(count: usize, effort: &Effort, progress: &mut Progress<'_>) -> Option<Times> {
     let instruments = vec![instrument(); count];
     let duration_s = 0.5 * effort.steps as f64 * STEP_S;
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s,
-        record_every: None,
-        tolerance: None,
-        ledger: false,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(STEP_S), ledger: false, ..Setup::new(duration_s) };
     let job = |i: usize| {
         let force = MF_N * (0.8 + 0.4 * i as f64 / count as f64);
         let held_s = 0.6 * duration_s;

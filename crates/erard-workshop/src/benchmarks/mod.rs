@@ -12,15 +12,15 @@ mod many;
 mod sampling;
 mod single;
 
-pub use grand::{
-    GrandModel, GrandState, GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note,
-    press,
-};
-pub use keys::{KeyboardTimes, Ticks, keyboard};
+pub use grand::{GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press};
+
+pub(crate) use keys::KeyboardTimes;
+pub use keys::{Ticks, keyboard};
 pub use load::{Load, WIDEST};
 pub use many::{LoadTimes, Many, load_times};
-pub use sampling::{Timed, Times, in_turn};
-pub use single::Single;
+pub use sampling::Times;
+pub(crate) use sampling::{Timed, in_turn};
+pub(crate) use single::Single;
 
 use moreau_kernels::Lanes;
 use serde::Serialize;

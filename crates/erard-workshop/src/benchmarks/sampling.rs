@@ -23,7 +23,7 @@ impl Times {
     ///
     /// # Panics
     /// If there is none.
-    pub fn of(mut ns: Vec<f64>) -> Self {
+    pub(crate) fn of(mut ns: Vec<f64>) -> Self {
         ns.sort_unstable_by(f64::total_cmp);
         // Linear between the ranks.
         let quantile = |share: f64| {
@@ -40,13 +40,13 @@ impl Times {
     }
 
     /// Distance of the quartiles over the median: how far the clock is to be trusted.
-    pub fn spread(&self) -> f64 {
+    pub(crate) fn spread(&self) -> f64 {
         (self.upper_quartile - self.lower_quartile) / self.median
     }
 }
 
 /// Something to be timed: what it does, and how many things of its kind it then has done.
-pub struct Timed<'a> {
+pub(crate) struct Timed<'a> {
     /// Steps, poses or presses done in one go.
     pub count: f64,
     /// Does them.
@@ -55,7 +55,7 @@ pub struct Timed<'a> {
 
 /// Times several things in turn, round after round, after one round that does not count. Time of each per thing done, ns; `None` where
 /// `progress`, told the share done, ended the work by returning false.
-pub fn in_turn(rounds: usize, subjects: &mut [Timed<'_>], progress: &mut Progress<'_>) -> Option<Vec<Times>> {
+pub(crate) fn in_turn(rounds: usize, subjects: &mut [Timed<'_>], progress: &mut Progress<'_>) -> Option<Vec<Times>> {
     let mut ns = vec![Vec::with_capacity(rounds); subjects.len()];
     let all = ((rounds + 1) * subjects.len()) as f64;
     for round in 0..=rounds {

@@ -43,21 +43,12 @@ impl Single {
     ///
     /// # Panics
     /// If what is built in cannot be simulated.
-    pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
+    pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
         let (grand, settings) = (grand(), Settings::new(STEP_S));
         let instrument = instrument();
         let series = Series::builtin("mf", Touch::Pressed).expect("built in");
         let duration_s = series.end_s() - series.start_s() + AFTERWARDS_S;
-        let setup = Setup {
-            settings,
-            start_s: series.start_s(),
-            duration_s,
-            record_every: None,
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings, start_s: series.start_s(), ..Setup::new(duration_s) };
         let drive = player::force(series.force.as_ref().expect("has a force").drive());
         let levers = ThreeLever::c7f_like().assemble().expect("built in");
         let mut poses = Vec::with_capacity(POSES);

@@ -6,7 +6,7 @@ use rustfft::num_complex::Complex;
 use super::RATE_HZ;
 
 /// Edges of the frequency bands, Hz.
-pub const BANDS_HZ: [f64; 5] = [0.0, 10.0, 50.0, 200.0, 1000.0];
+pub(crate) const BANDS_HZ: [f64; 5] = [0.0, 10.0, 50.0, 200.0, 1000.0];
 /// Longest delay that is looked for, s.
 const LONGEST_DELAY_S: f64 = 0.02;
 

@@ -10,7 +10,7 @@
 
 mod errors;
 
-pub use errors::{BANDS_HZ, Band, Errors};
+pub use errors::{Band, Errors};
 
 use thiserror::Error;
 
@@ -78,7 +78,7 @@ impl Which {
 }
 
 /// Both models.
-pub const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
+pub(crate) const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
 
 /// What is compared with what.
 #[derive(Debug, Clone, PartialEq)]

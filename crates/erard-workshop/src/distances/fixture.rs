@@ -45,7 +45,7 @@ pub(super) struct Fixture<'i> {
 
 impl<'i> Fixture<'i> {
     /// The action at rest, nothing touching the key.
-    pub fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
+    pub(crate) fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
         let action = Action::with(instrument, Settings::new(step_s))?;
         let view =
             View { key_m: 0.0, below_string_m: -action.compression(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
@@ -62,22 +62,22 @@ impl<'i> Fixture<'i> {
     }
 
     /// What is to be seen now.
-    pub fn view(&self) -> View {
+    pub(crate) fn view(&self) -> View {
         self.before
     }
 
     /// Simulated time since rest, s.
-    pub fn time_s(&self) -> f64 {
+    pub(crate) fn time_s(&self) -> f64 {
         self.steps as f64 * self.action.settings().step
     }
 
     /// Compression of a zone, m; negative where it is open.
-    pub fn compression(&self, zone: usize) -> f64 {
+    pub(crate) fn compression(&self, zone: usize) -> f64 {
         self.action.compression(zone)
     }
 
     /// A point of a body in the world, m.
-    pub fn point(&self, body: Option<usize>, point: Vec2) -> Vec2 {
+    pub(crate) fn point(&self, body: Option<usize>, point: Vec2) -> Vec2 {
         self.action.point(body, point)
     }
 
@@ -123,7 +123,7 @@ impl<'i> Fixture<'i> {
 
     /// Moves the finger at a speed (m/s, down positive), gathered gently, until `seen` says stop or the finger has reached
     /// `until_m`. Whether it was `seen`.
-    pub fn move_finger(
+    pub(crate) fn move_finger(
         &mut self,
         speed_m_s: f64,
         until_m: f64,
@@ -140,7 +140,7 @@ impl<'i> Fixture<'i> {
     }
 
     /// Stops the finger and holds it for a time; `seen` is told every step, and ends the time.
-    pub fn hold(
+    pub(crate) fn hold(
         &mut self,
         for_s: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
@@ -158,7 +158,7 @@ impl<'i> Fixture<'i> {
     }
 
     /// Presses with a constant force, N, for a time; `seen` is told every step, and ends the time.
-    pub fn press(
+    pub(crate) fn press(
         &mut self,
         force_n: f64,
         for_s: f64,
@@ -187,11 +187,11 @@ pub(super) struct Still {
 }
 
 impl Still {
-    pub fn new(below_m_s: f64, for_s: f64) -> Self {
+    pub(crate) fn new(below_m_s: f64, for_s: f64) -> Self {
         Still { below_m_s, for_s, since_s: None }
     }
 
-    pub fn seen(&mut self, fixture: &Fixture<'_>) -> bool {
+    pub(crate) fn seen(&mut self, fixture: &Fixture<'_>) -> bool {
         let now = fixture.time_s();
         if fixture.view().rise_m_s.abs() > self.below_m_s {
             self.since_s = None;

@@ -42,7 +42,7 @@ pub struct Distances {
     pub dip_m: Option<f64>,
     /// Blow: strike point to string with the action at rest, m.
     pub blow_m: Option<f64>,
-    /// Lost motion: travel of the key front before the hammer has risen by [`MOVED_M`], m.
+    /// Lost motion: travel of the key front before the hammer has risen by `MOVED_M`, m.
     pub lost_motion_m: Option<f64>,
     /// Let-off: nearest approach of the strike point to the string on a slow key, m. Not positive where the hammer is pressed
     /// against the string (it blocks): minus what the string's felt gives.
@@ -59,7 +59,7 @@ pub struct Distances {
     /// Lever height: step from the jack's top up to the repetition lever's, under the knuckle, with the hammer lifted off, m.
     /// Positive: the jack is lower and slips back freely.
     pub lever_height_m: Option<f64>,
-    /// Damper timing: travel of the key front when the damper has risen by [`MOVED_M`], as a share of the dip.
+    /// Damper timing: travel of the key front when the damper has risen by `MOVED_M`, as a share of the dip.
     pub damper_start: Option<f64>,
     /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m. `None` where it
     /// is not caught.
@@ -75,7 +75,7 @@ pub struct Distances {
 }
 
 /// A part has moved, to a technician's eye, when it is this far from its rest, m.
-pub const MOVED_M: f64 = 1e-4;
+pub(crate) const MOVED_M: f64 = 1e-4;
 
 /// The hammer has been let off once it is this far below its highest point, m: a fifth of a usual drop, ten times what the
 /// hammer swings on its felts under a slow finger.
@@ -112,7 +112,7 @@ pub enum DistanceError {
 
 /// What is done with the action to measure it. Each trial starts from rest and gives some of the distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trial {
+pub(crate) enum Trial {
     /// Pressed slowly, held at let-off, pressed on to the bottom.
     SlowKey,
     /// The hammer lifted off jack and lever, which are looked at.
@@ -123,13 +123,13 @@ pub enum Trial {
 
 impl Trial {
     /// All of them.
-    pub const ALL: [Trial; 3] = [Trial::SlowKey, Trial::LiftedHammer, Trial::MediumBlow];
+    pub(crate) const ALL: [Trial; 3] = [Trial::SlowKey, Trial::LiftedHammer, Trial::MediumBlow];
 
     /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are added.
     ///
     /// # Errors
     /// See [`DistanceError`].
-    pub fn run(
+    pub(crate) fn run(
         self,
         instrument: &Instrument,
         protocol: &Protocol,

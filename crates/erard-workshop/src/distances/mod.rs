@@ -6,4 +6,6 @@
 mod fixture;
 mod measure;
 
-pub use measure::{DistanceError, Distances, MOVED_M, Protocol, Trial, measure};
+pub use measure::{DistanceError, Distances, Protocol, measure};
+
+pub(crate) use measure::Trial;

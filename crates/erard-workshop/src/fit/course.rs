@@ -70,7 +70,7 @@ pub trait Host {
     fn solve(&mut self, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, Self::Error>;
 }
 
-/// The problem with [`solver`] for its solver.
+/// The problem with `solver` for its solver.
 pub struct Native<'a>(pub &'a mut Problem);
 
 /// A problem with differences of one step.

@@ -144,7 +144,7 @@ impl Data {
     }
 
     /// Root mean square of a column's noise, N or m, as its rest or its spectrum tells it.
-    pub fn noise(&self, column: &str) -> Option<f64> {
+    pub(crate) fn noise(&self, column: &str) -> Option<f64> {
         let (_, role, _) = COLUMNS.iter().find(|(own, ..)| *own == column)?;
         Some(self.prepared.report.channel(*role)?.noise?.rms)
     }

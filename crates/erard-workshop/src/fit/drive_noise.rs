@@ -12,14 +12,14 @@ pub(super) const DISTURBED: usize = 48;
 
 /// How residuals move when the drive is disturbed: for each recording that has noise of its own, as many columns as were played.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Disturbed {
+pub(crate) struct Disturbed {
     /// All columns; rows of other recordings are nothing.
     pub columns: Columns,
 }
 
 impl Disturbed {
     /// What the reduced chi2 should be: 1, and what a typical disturbance adds, recording by recording.
-    pub fn explained(&self, rows: usize) -> f64 {
+    pub(crate) fn explained(&self, rows: usize) -> f64 {
         let typical = |own: &[Vec<f64>]| {
             let mut squares: Vec<f64> = own.iter().map(|column| column.iter().map(|x| x * x).sum()).collect();
             squares.sort_unstable_by(f64::total_cmp);
@@ -34,7 +34,7 @@ impl Problem {
     ///
     /// # Errors
     /// An interruption.
-    pub fn drive_noise(&mut self, point: &[f64]) -> Result<Disturbed, FitError> {
+    pub(crate) fn drive_noise(&mut self, point: &[f64]) -> Result<Disturbed, FitError> {
         let instrument = self.at(point).ok_or(FitError::Unplayable)?;
         let undisturbed = self.simulate(&[point.to_vec()])?;
         let (mut columns, mut first, total) = (Vec::new(), 0, self.rows());

@@ -161,7 +161,7 @@ impl Found {
     }
 
     /// The correlation of two parameters.
-    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn correlation(&self, i: usize, j: usize) -> f64 {
         self.cov[i][j] / (self.std[i] * self.std[j])
     }
 

@@ -39,12 +39,12 @@ impl Free {
     }
 
     /// As `vary` takes it.
-    pub fn outer(&self, p: f64) -> f64 {
+    pub(crate) fn outer(&self, p: f64) -> f64 {
         if self.parameter.is_factor() { p.exp() } else { p * self.scale() }
     }
 
     /// d outer / d inner.
-    pub fn slope(&self, p: f64) -> f64 {
+    pub(crate) fn slope(&self, p: f64) -> f64 {
         if self.parameter.is_factor() { p.exp() } else { self.scale() }
     }
 
@@ -54,12 +54,12 @@ impl Free {
     }
 
     /// Half of what it may be, as it is counted.
-    pub fn width(&self) -> f64 {
+    pub(crate) fn width(&self) -> f64 {
         (self.inner(self.high) - self.inner(self.low)) / 2.0
     }
 
     /// Bounds as they are counted.
-    pub fn bounds(&self) -> [f64; 2] {
+    pub(crate) fn bounds(&self) -> [f64; 2] {
         [self.inner(self.low), self.inner(self.high)]
     }
 
@@ -69,12 +69,12 @@ impl Free {
     }
 
     /// In SI units, what a deviation outside comes to at a value.
-    pub fn si_error(&self, x: f64, error: f64) -> f64 {
+    pub(crate) fn si_error(&self, x: f64, error: f64) -> f64 {
         if self.parameter.is_factor() { (self.value * x).abs() * error / x } else { error }
     }
 
     /// What leaves the instrument as it is.
-    pub fn nothing(&self) -> f64 {
+    pub(crate) fn nothing(&self) -> f64 {
         if self.parameter.is_factor() { 1.0 } else { 0.0 }
     }
 

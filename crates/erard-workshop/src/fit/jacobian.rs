@@ -31,7 +31,7 @@ impl Problem {
     ///
     /// # Errors
     /// An interruption; what has no derivatives.
-    pub fn jacobian(&mut self, point: &[f64], share: f64) -> Result<Columns, FitError> {
+    pub(crate) fn jacobian(&mut self, point: &[f64], share: f64) -> Result<Columns, FitError> {
         if self.exact && share == DIFFERENCES[1] { self.by_gradient(point) } else { self.by_differences(point, share) }
     }
 
@@ -135,7 +135,7 @@ impl Problem {
     ///
     /// # Errors
     /// See [`FitError`].
-    pub fn use_gradient(&mut self, point: &[f64]) -> Result<(), FitError> {
+    pub(crate) fn use_gradient(&mut self, point: &[f64]) -> Result<(), FitError> {
         let rigid = |(i, name): (usize, &str)| self.data[i].stroke.drive == Prescribed::Rigid && name == "force_N";
         if self.channels().any(rigid) {
             let why = "force_N has no derivatives under a rigid drive, whose force is what its motion takes";

@@ -5,7 +5,7 @@
 //! differences that look past what jumps, then finely, and from elsewhere again until two have ended alike. [`Found`] says what came of it: covariance (noise of sensors
 //! and of what drives, misfit beyond both), and which directions nobody sees.
 //!
-//! The command `erard fit` has [`solver`] for its solver; `erard.fit` in Python walks the same course with SciPy's. All else is the same code.
+//! The command `erard fit` has `solver` for its solver; `erard.fit` in Python walks the same course with SciPy's. All else is the same code.
 
 mod course;
 mod data;
@@ -14,16 +14,17 @@ mod found;
 mod free;
 mod jacobian;
 mod problem;
-pub mod solver;
+mod solver;
 mod svd;
 mod written;
 
 pub use course::{Host, Native, Plan, Solution, course};
+
 pub use data::{COLUMNS, Data};
 pub use found::{Channel, Found};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};
-pub use problem::{Curves, Problem, Watch};
+pub use problem::Problem;
 pub use solver::Loss;
 pub use svd::Columns;
 pub use written::WriteError;

@@ -16,10 +16,10 @@ const WORST: f64 = 1e6;
 const LONGEST_DELAY_MS: f64 = 20.0;
 
 /// What the model does: by recording, by point, by column, samples.
-pub type Curves = Vec<Vec<Vec<Vec<f64>>>>;
+pub(crate) type Curves = Vec<Vec<Vec<Vec<f64>>>>;
 
 /// Is told how many strokes were played, at least every 20 ms while some are; false ends the work.
-pub type Watch = Box<dyn FnMut(u64) -> bool + Send>;
+pub(crate) type Watch = Box<dyn FnMut(u64) -> bool + Send>;
 
 /// Residuals of recordings, in units of their noise.
 pub struct Problem {
@@ -129,14 +129,14 @@ impl Problem {
     }
 
     /// What a channel is called: its column, and which recording where there are several.
-    pub fn title(&self, channel: usize) -> String {
+    pub(crate) fn title(&self, channel: usize) -> String {
         let (i, column) = self.place(channel);
         let column = self.data[i].columns[column];
         if self.data.len() == 1 { column.to_owned() } else { format!("{column} of recording {i}") }
     }
 
     /// How many delays there are: none, or one for every channel.
-    pub fn delays(&self) -> usize {
+    pub(crate) fn delays(&self) -> usize {
         if self.delay { self.sigma.len() } else { 0 }
     }
 
@@ -146,7 +146,7 @@ impl Problem {
     }
 
     /// Columns that drive and of whose noise nothing is known.
-    pub fn silent(&self) -> Vec<&'static str> {
+    pub(crate) fn silent(&self) -> Vec<&'static str> {
         let unknown = self.data.iter().zip(&self.drive_sigma).filter(|(_, sigma)| sigma.is_none());
         let mut found: Vec<&'static str> = unknown.map(|(one, _)| one.driving).collect();
         found.sort_unstable();
@@ -155,7 +155,7 @@ impl Problem {
     }
 
     /// Lower and upper bounds of the inner parameters.
-    pub fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         let delays = std::iter::repeat_n([-LONGEST_DELAY_MS, LONGEST_DELAY_MS], self.delays());
         self.free.iter().map(Free::bounds).chain(delays).map(|[low, high]| (low, high)).unzip()
     }
@@ -170,12 +170,12 @@ impl Problem {
     }
 
     /// Outer values of a point's parameters.
-    pub fn outer(&self, point: &[f64]) -> Vec<f64> {
+    pub(crate) fn outer(&self, point: &[f64]) -> Vec<f64> {
         self.free.iter().zip(point).map(|(one, p)| one.outer(*p)).collect()
     }
 
     /// The instrument at a point; `None` where it cannot be so.
-    pub fn at(&self, point: &[f64]) -> Option<Instrument> {
+    pub(crate) fn at(&self, point: &[f64]) -> Option<Instrument> {
         varied(&self.instrument, &self.free, &self.outer(point))
     }
 
@@ -187,7 +187,7 @@ impl Problem {
     ///
     /// # Errors
     /// An interruption, or a setting that is wrong for all.
-    pub fn simulate(&mut self, points: &[Vec<f64>]) -> Result<Curves, FitError> {
+    pub(crate) fn simulate(&mut self, points: &[Vec<f64>]) -> Result<Curves, FitError> {
         let variants: Vec<Option<Instrument>> = points.iter().map(|point| self.at(point)).collect();
         let places: Vec<usize> = (0..points.len()).filter(|&row| variants[row].is_some()).collect();
         let instruments: Vec<Instrument> = variants.into_iter().flatten().collect();
@@ -220,12 +220,12 @@ impl Problem {
     }
 
     /// How much later than the drive a channel was written down, s.
-    pub fn delay_s(&self, point: &[f64], channel: usize) -> f64 {
+    pub(crate) fn delay_s(&self, point: &[f64], channel: usize) -> f64 {
         if self.delay { 1e-3 * point[self.free.len() + channel] } else { 0.0 }
     }
 
     /// What each channel should read, its delay included, at a point that was played as this row.
-    pub fn fitted(&self, point: &[f64], played: &Curves, row: usize) -> Vec<Vec<f64>> {
+    pub(crate) fn fitted(&self, point: &[f64], played: &Curves, row: usize) -> Vec<Vec<f64>> {
         (0..self.sigma.len())
             .map(|channel| {
                 let (i, column) = self.place(channel);
@@ -237,7 +237,7 @@ impl Problem {
     }
 
     /// Residuals, weighted, at a point that was played as this row; not finite where it could not be played.
-    pub fn left(&self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
+    pub(crate) fn left(&self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
         let mut left = Vec::with_capacity(self.rows());
         for (channel, curve) in self.fitted(point, played, row).iter().enumerate() {
             let (i, column) = self.place(channel);
@@ -258,7 +258,7 @@ impl Problem {
     ///
     /// # Errors
     /// An interruption.
-    pub fn residuals(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
+    pub(crate) fn residuals(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
         if let Some((of, left)) = &self.kept
             && of == point
         {
@@ -274,12 +274,12 @@ impl Problem {
     }
 
     /// Whether residuals are those of what cannot be played.
-    pub fn is_unplayable(residuals: &[f64]) -> bool {
+    pub(crate) fn is_unplayable(residuals: &[f64]) -> bool {
         residuals.iter().all(|x| *x == WORST)
     }
 
     /// Forgets what was worked out last: noise or weights have changed.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.kept = None;
     }
 
@@ -316,7 +316,7 @@ impl Problem {
     ///
     /// # Errors
     /// An interruption.
-    pub fn estimate_noise(&mut self, point: &[f64]) -> Result<bool, FitError> {
+    pub(crate) fn estimate_noise(&mut self, point: &[f64]) -> Result<bool, FitError> {
         let left = self.residuals(point)?;
         let share = 1.0 - point.len() as f64 / left.len() as f64;
         let before = self.sigma.clone();

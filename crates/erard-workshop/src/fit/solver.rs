@@ -22,19 +22,6 @@ pub enum Loss {
 }
 
 impl Loss {
-    /// All.
-    pub const ALL: [Loss; 4] = [Loss::Linear, Loss::SoftL1, Loss::Huber, Loss::Cauchy];
-
-    /// As SciPy calls it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Loss::Linear => "linear",
-            Loss::SoftL1 => "soft_l1",
-            Loss::Huber => "huber",
-            Loss::Cauchy => "cauchy",
-        }
-    }
-
     /// What a square z comes to, and its first two derivatives.
     fn of(self, z: f64) -> [f64; 3] {
         match self {
@@ -72,7 +59,7 @@ impl Loss {
 }
 
 /// What is solved.
-pub trait LeastSquares {
+pub(crate) trait LeastSquares {
     /// Why it ends before its time.
     type Error;
 
@@ -91,7 +78,7 @@ pub trait LeastSquares {
 
 /// Why the solver ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
+pub(crate) enum Ended {
     /// The gradient is nothing.
     Gradient,
     /// The sum of squares no longer falls.
@@ -106,7 +93,7 @@ pub enum Ended {
 
 impl Ended {
     /// In words.
-    pub fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         match self {
             Ended::Gradient => "the gradient has vanished",
             Ended::Cost => "the sum of squares no longer falls",
@@ -119,7 +106,7 @@ impl Ended {
 
 /// Where it ended.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Solved {
+pub(crate) struct Solved {
     /// The point.
     pub x: Vec<f64>,
     /// Residuals there, as they are.
@@ -142,7 +129,7 @@ const TOLERANCE: f64 = 1e-8;
 ///
 /// # Panics
 /// If there are not as many bounds as parameters.
-pub fn solve<P: LeastSquares + ?Sized>(
+pub(crate) fn solve<P: LeastSquares + ?Sized>(
     problem: &mut P,
     start: &[f64],
     bounds: (&[f64], &[f64]),

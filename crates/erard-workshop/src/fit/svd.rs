@@ -7,7 +7,7 @@ pub type Columns = Vec<Vec<f64>>;
 
 /// Singular values, the largest first, and the right singular vectors that belong to them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Svd {
+pub(crate) struct Svd {
     /// Not negative, descending.
     pub values: Vec<f64>,
     /// Each of unit length.
@@ -18,7 +18,7 @@ pub struct Svd {
 const SWEEPS: usize = 60;
 
 /// Of a matrix that is given by its columns.
-pub fn svd(matrix: &[Vec<f64>]) -> Svd {
+pub(crate) fn svd(matrix: &[Vec<f64>]) -> Svd {
     let count = matrix.len();
     let mut columns: Columns = matrix.to_vec();
     let mut right: Columns = (0..count).map(|i| (0..count).map(|j| f64::from(i == j)).collect()).collect();
@@ -54,17 +54,17 @@ pub fn svd(matrix: &[Vec<f64>]) -> Svd {
 }
 
 /// The sum of products.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The length.
-pub fn norm(a: &[f64]) -> f64 {
+pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// A matrix times a vector: so much of every column.
-pub fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
+pub(crate) fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
     let mut found = vec![0.0; matrix.first().map_or(0, Vec::len)];
     for (column, by) in matrix.iter().zip(vector) {
         for (sum, x) in found.iter_mut().zip(column) {

@@ -94,7 +94,7 @@ impl Case {
 
     /// Leverage at one key position; `None` where it cannot be reached.
     #[must_use]
-    pub fn leverage_at(&self, key_m: f64) -> Option<Spot> {
+    pub(crate) fn leverage_at(&self, key_m: f64) -> Option<Spot> {
         let pose = self.train.stroke(key_m, key_m, 0).poses.into_iter().next()?;
         Some(Spot { key_m, leverage: pose.leverage })
     }

@@ -45,7 +45,7 @@ impl LinkageFile {
     ///
     /// # Errors
     /// The first thing that is wrong, with line, key, what was found and what was expected.
-    pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
+    pub(crate) fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
         check_size(text, file_name, "a linkage, starting with `kind = \"three-lever\"`")?;
         let file: LinkageToml =
             from_toml(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text))))?;
@@ -55,7 +55,7 @@ impl LinkageFile {
     /// Reads the bytes of a linkage file, which must be UTF-8 (a byte order mark is allowed).
     ///
     /// # Errors
-    /// As [`LinkageFile::parse`], and where the bytes are not UTF-8.
+    /// As `LinkageFile::parse`, and where the bytes are not UTF-8.
     pub fn parse_bytes(bytes: &[u8], file_name: &str) -> Result<Self, Box<FileError>> {
         Self::parse(utf8(bytes, file_name)?, file_name)
     }

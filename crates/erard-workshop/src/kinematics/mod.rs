@@ -15,6 +15,7 @@ mod format;
 mod slow_press;
 
 pub use case::{Case, Design, Digest, LetOff, Spot};
+
 pub use derive::{DeriveError, Derived, NotThreeLevers, derive};
 pub use file::{LinkageFile, json_schema};
 pub use slow_press::{Agreement, SlowPress, slow_press};

@@ -60,13 +60,9 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
     };
     let setup = Setup {
         settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: DURATION_S,
         record_every: Some(RECORD_EVERY),
-        tolerance: None,
         ledger: false,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
+        ..Setup::new(DURATION_S)
     };
     // The levers that it is compared with are rigid.
     let instrument = &instrument.locked();

@@ -12,20 +12,20 @@
 use erard::instrument::{Instrument, Placement};
 
 /// Where the pound hangs on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November 2003).
-pub const SHANK_LOAD_M: f64 = 0.1302;
+pub(crate) const SHANK_LOAD_M: f64 = 0.1302;
 /// The weight of a pound, N.
-pub const POUND_N: f64 = 4.448;
+pub(crate) const POUND_N: f64 = 4.448;
 
 /// How far the key's playing end goes down for every newton on it while fulcrum and capstan are held, m/N; `None` without a key.
 #[must_use]
-pub fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
+pub(crate) fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     let roles = &instrument.roles;
     roles.key.map(|key| flex(instrument, key, |along| along.to_world(roles.key_front_m)[0]))
 }
 
 /// How far the shank goes for every newton across it at [`SHANK_LOAD_M`] while it is held at the knuckle, m/N; `None` without a hammer.
 #[must_use]
-pub fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
+pub(crate) fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     instrument.roles.hammer.map(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))
 }
 

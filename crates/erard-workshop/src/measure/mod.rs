@@ -13,7 +13,7 @@ pub mod range;
 pub mod repetition;
 mod sheet;
 mod slow_loop;
-pub mod timing;
+mod timing;
 mod trial;
 pub mod weights;
 

@@ -31,7 +31,7 @@ pub enum Limit {
 impl Limit {
     /// At a key, 1 to 88.
     #[must_use]
-    pub fn at(&self, key: usize) -> Option<f64> {
+    pub(crate) fn at(&self, key: usize) -> Option<f64> {
         match *self {
             Limit::Open => None,
             Limit::All(value) => Some(value),

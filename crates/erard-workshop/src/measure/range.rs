@@ -16,9 +16,9 @@ const STEP_S: f64 = 50e-6;
 /// A press that has not sounded by then does not, s: the published slowest take 0.25 s.
 const PATIENCE_S: f64 = 0.8;
 /// Constant forces on the key, N: from what starts it to the most that has been published for a fortissimo, and beyond.
-pub const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
+pub(crate) const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
 /// Forces among which a second blow is looked for, N: from the softest that sounds to where every blow is checked.
-pub const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
+pub(crate) const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
 /// Steps between them.
 const DOUBLE_STRIKES: u32 = 12;
 /// A second blow that is hardly heard, m/s. Ours: no number is published.
@@ -35,7 +35,7 @@ pub struct Loudness {
     pub force_n: f64,
     /// Speed of the strike point at the string, m/s; `None` where it does not reach it.
     pub hammer_speed_m_s: Option<f64>,
-    /// The same as MIDI velocity; see [`midi_velocity`].
+    /// The same as MIDI velocity; see `midi_velocity`.
     pub midi_velocity: Option<u8>,
     /// Why the press is not to be trusted.
     #[serde(skip)]
@@ -53,7 +53,7 @@ pub struct Softest {
     pub flight_m: f64,
     /// How long it flew, s.
     pub flight_s: f64,
-    /// What the hammer's own fall makes of that distance: sqrt(2 a d), m/s; see [`fall_m_s2`].
+    /// What the hammer's own fall makes of that distance: sqrt(2 a d), m/s; see `fall_m_s2`.
     pub fall_speed_m_s: f64,
 }
 
@@ -63,7 +63,7 @@ pub struct Softest {
 /// Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) turned hammer speeds of a Bösendorfer SE290 into MIDI
 /// velocities. Other instruments have others: it is declared, not measured.
 #[must_use]
-pub fn midi_velocity(speed_m_s: f64) -> Option<u8> {
+pub(crate) fn midi_velocity(speed_m_s: f64) -> Option<u8> {
     (speed_m_s > 0.0).then(|| (52.0 + 25.0 * speed_m_s.log2()).round().clamp(1.0, 127.0) as u8)
 }
 
@@ -73,7 +73,7 @@ pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), G
 /// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2: weight
 /// and the pivot's dry friction about the pin over the inertia. The hammer is one rigid body ([`Instrument::locked`]).
 #[must_use]
-pub fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
+pub(crate) fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     let body = &instrument.bodies[hammer];
     let [along, above] = instrument.roles.hammer_head_m;
     falling_moment_n_m(instrument, hammer) / body.inertia_kg_m2 * along.hypot(above)
@@ -83,7 +83,7 @@ pub fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn speed_against_force(
+pub(crate) fn speed_against_force(
     instrument: &Instrument,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Loudness>, MeasureError> {
@@ -99,7 +99,7 @@ pub fn speed_against_force(
 }
 
 /// The fastest blow after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back against the string while the key
-/// is held (double striking). 0 where every one of [`DOUBLE_STRIKE_N`] sounds once.
+/// is held (double striking). 0 where every one of `DOUBLE_STRIKE_N` sounds once.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -21,7 +21,7 @@ use erard::player::{Action, Input};
 /// Step, s.
 const STEP_S: f64 = 50e-6;
 /// The finger's force, N: a forte.
-pub const PRESS_N: f64 = 8.0;
+pub(crate) const PRESS_N: f64 = 8.0;
 /// Strokes of a trial; the first one starts from rest and does not count.
 const STROKES: usize = 9;
 /// A blow that is softer does not speak, m/s: published hammer speeds begin at 0.5 m/s (pp).

@@ -58,13 +58,9 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
     };
     let setup = Setup {
         settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: 2.0 * WAY_S + TURN_S,
         record_every: Some(RECORD_EVERY),
-        tolerance: None,
         ledger: false,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
+        ..Setup::new(2.0 * WAY_S + TURN_S)
     };
     let run = simulate(instrument, &motion(finger), &setup, &mut |_| progress(0.0))?;
     let way = |from: f64, to: f64| {
@@ -88,13 +84,13 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
 impl SlowLoop {
     /// Key travel at which the first of some zones touched on the way down, m.
     #[must_use]
-    pub fn first_touch_of(&self, zones: &[usize]) -> Option<f64> {
+    pub(crate) fn first_touch_of(&self, zones: &[usize]) -> Option<f64> {
         zones.iter().filter_map(|&zone| self.first_touch_m[zone]).min_by(f64::total_cmp)
     }
 
     /// Work that the loop takes, J: the area between the way down and the way up.
     #[must_use]
-    pub fn lost_j(&self) -> f64 {
+    pub(crate) fn lost_j(&self) -> f64 {
         let work = |way: &SlowWay| {
             let rows = way.key_m.windows(2).zip(way.force_n.windows(2));
             rows.map(|(key, force)| 0.5 * (force[0] + force[1]) * (key[1] - key[0])).sum::<f64>()
@@ -113,7 +109,7 @@ impl SlowWay {
     }
 
     /// Key travel and mean force on a grid from `from_m` to `to_m`, every fiftieth of a millimetre.
-    pub fn smoothed(&self, from_m: f64, to_m: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub(crate) fn smoothed(&self, from_m: f64, to_m: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         const EVERY_M: f64 = 2e-5;
         let points = ((to_m - from_m) / EVERY_M).floor().max(0.0) as usize;
         (0..=points).map(move |i| from_m + i as f64 * EVERY_M).filter_map(|key| Some((key, self.force(key)?)))

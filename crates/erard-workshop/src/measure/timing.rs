@@ -16,7 +16,7 @@ const STEP_S: f64 = 50e-6;
 
 /// One built-in stroke, force driven. Its forces are those that were written for the concert grand.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Timing {
+pub(crate) struct Timing {
     /// `pp`, `p`, `mf`, `f`, `ff`.
     pub nuance: &'static str,
     /// Pressed or struck.
@@ -32,7 +32,7 @@ pub struct Timing {
 impl Timing {
     /// `pressed` or `struck`.
     #[must_use]
-    pub fn touch_name(&self) -> &'static str {
+    pub(crate) fn touch_name(&self) -> &'static str {
         match self.touch {
             Touch::Pressed => "pressed",
             Touch::Struck => "struck",
@@ -41,13 +41,13 @@ impl Timing {
 
     /// From key start to an event, s.
     #[must_use]
-    pub fn since_key_start(&self, event: Option<f64>) -> Option<f64> {
+    pub(crate) fn since_key_start(&self, event: Option<f64>) -> Option<f64> {
         Some(event? - self.events.key_start_s?)
     }
 
     /// How long before key bottom the hammer meets the string, s; negative when it comes later.
     #[must_use]
-    pub fn hammer_before_bottom_s(&self) -> Option<f64> {
+    pub(crate) fn hammer_before_bottom_s(&self) -> Option<f64> {
         Some(self.events.key_bottom_s? - self.events.hammer_contact_s()?)
     }
 }
@@ -56,7 +56,7 @@ impl Timing {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<Timing>, MeasureError> {
+pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<Timing>, MeasureError> {
     let mut sheet = Vec::new();
     for touch in [Touch::Pressed, Touch::Struck] {
         for nuance in NUANCES {
@@ -66,12 +66,8 @@ pub fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Ve
             let setup = Setup {
                 settings: Settings::new(STEP_S),
                 start_s: series.start_s(),
-                duration_s: series.end_s() - series.start_s(),
                 record_every: Some(100),
-                tolerance: None,
-                ledger: true,
-                pedal: erard::strings::Pedal::default(),
-                hand: None,
+                ..Setup::new(series.end_s() - series.start_s())
             };
             let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| progress(0.0))?;
             sheet.push(Timing {

@@ -180,7 +180,7 @@ pub fn free_way(instrument: &Instrument, parts: &Parts, progress: &mut Progress<
 
 /// Down-weight and up-weight from a slow loop.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LoopWeights {
+pub(crate) struct LoopWeights {
     /// Largest force of the way down, smallest of the way up.
     pub touch: Touch,
     /// Key travel at which the way down is hardest, and the way up weakest, m.
@@ -193,7 +193,11 @@ pub struct LoopWeights {
 ///
 /// # Errors
 /// Where there is no gravity, and those of the run.
-pub fn by_loop(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>) -> Result<LoopWeights, MeasureError> {
+pub(crate) fn by_loop(
+    instrument: &Instrument,
+    way_m: f64,
+    progress: &mut Progress<'_>,
+) -> Result<LoopWeights, MeasureError> {
     if instrument.gravity_m_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }

@@ -90,7 +90,7 @@ impl Goal {
     /// without a kick and give no number. It is a compromise: with much less the shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer
     /// let up slowly from the check reaches the string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s
     /// (`erard regulate --spring 300mm/s`).
-    pub fn norm(self) -> Option<f64> {
+    pub(crate) fn norm(self) -> Option<f64> {
         match self {
             Goal::JackPosition => Some(1.5e-3),
             Goal::LeverHeight => Some(0.1e-3),
@@ -110,7 +110,7 @@ impl Goal {
     }
 
     /// The least and the most that make sense, in m, m/s, or shares.
-    pub fn limits(self) -> [f64; 2] {
+    pub(crate) fn limits(self) -> [f64; 2] {
         match self {
             Goal::JackPosition => [-2e-3, 6e-3],
             Goal::LeverHeight => [-1e-3, 2e-3],
@@ -127,7 +127,7 @@ impl Goal {
 
     /// How far from `target` still counts as met: 0.05 mm, 2 % of a speed, 1 % of the dip; lever height, which is a tenth of a
     /// millimetre, 0.02 mm.
-    pub fn tolerance(self, target: f64) -> f64 {
+    pub(crate) fn tolerance(self, target: f64) -> f64 {
         match self {
             Goal::LeverHeight => 2e-5,
             Goal::Spring => 0.02 * target,

@@ -52,7 +52,7 @@ const TO_THE_BACK: Vec2 = [1.0, 0.0];
 const TO_THE_PLAYER: Vec2 = [-1.0, 0.0];
 
 /// All of them.
-pub const KNOWN_SCREWS: [KnownScrew; 12] = [
+pub(crate) const KNOWN_SCREWS: [KnownScrew; 12] = [
     KnownScrew {
         name: "jack_position",
         reference: TO_THE_BACK,

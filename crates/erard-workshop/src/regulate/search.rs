@@ -35,18 +35,18 @@ pub(super) struct Search {
 
 impl Search {
     /// A search for `target`, believing in `slope` (the one found last time) unless that is far from the expected one.
-    pub fn new(turning: Turning, slope: Option<f64>, target: f64) -> Self {
+    pub(crate) fn new(turning: Turning, slope: Option<f64>, target: f64) -> Self {
         let slope = slope.filter(|&slope| plausible(slope, turning.slope)).unwrap_or(turning.slope);
         Search { turning, slope, target, too_little: None, too_much: None, previous: None, best: None }
     }
 
     /// The slope found.
-    pub fn slope(&self) -> f64 {
+    pub(crate) fn slope(&self) -> f64 {
         self.slope
     }
 
     /// Tells that `setting` gives `value`, and gets the next setting to try; `None` where there is none that could be better.
-    pub fn next(&mut self, setting: f64, value: f64) -> Option<f64> {
+    pub(crate) fn next(&mut self, setting: f64, value: f64) -> Option<f64> {
         let error = value - self.target;
         if self.best.is_none_or(|(_, best)| error.abs() < (best - self.target).abs()) {
             self.best = Some((setting, value));

@@ -18,7 +18,7 @@ pub(super) struct Workshop<'a> {
 }
 
 impl<'a> Workshop<'a> {
-    pub fn new(instrument: &Instrument, protocol: Protocol, go_on: &'a mut dyn FnMut(u32) -> bool) -> Self {
+    pub(crate) fn new(instrument: &Instrument, protocol: Protocol, go_on: &'a mut dyn FnMut(u32) -> bool) -> Self {
         Workshop {
             instrument: instrument.clone(),
             protocol,
@@ -30,13 +30,13 @@ impl<'a> Workshop<'a> {
     }
 
     /// What the goal measures now.
-    pub fn value(&mut self, goal: Goal) -> Result<Option<f64>, DistanceError> {
+    pub(crate) fn value(&mut self, goal: Goal) -> Result<Option<f64>, DistanceError> {
         self.make(goal.trial())?;
         Ok(goal.of(&self.distances))
     }
 
     /// All distances as they are now.
-    pub fn all(&mut self) -> Result<Distances, RegulateError> {
+    pub(crate) fn all(&mut self) -> Result<Distances, RegulateError> {
         for trial in Trial::ALL {
             self.make(trial)?;
         }
@@ -54,12 +54,12 @@ impl<'a> Workshop<'a> {
         Ok(())
     }
 
-    pub fn setting(&self, screw: usize) -> f64 {
+    pub(crate) fn setting(&self, screw: usize) -> f64 {
         self.instrument.screws[screw].setting
     }
 
     /// Turns a screw to a setting, as a file would hold it; what was measured is then out of date.
-    pub fn turn(&mut self, screw: usize, setting: f64) {
+    pub(crate) fn turn(&mut self, screw: usize, setting: f64) {
         let setting = rounded(&self.instrument.screws[screw].action, setting);
         if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
             self.fresh.clear();
@@ -67,12 +67,12 @@ impl<'a> Workshop<'a> {
     }
 
     /// The settings of all screws.
-    pub fn settings(&self) -> Vec<f64> {
+    pub(crate) fn settings(&self) -> Vec<f64> {
         self.instrument.screws.iter().map(|screw| screw.setting).collect()
     }
 
     /// Turns all screws back to these settings.
-    pub fn restore(&mut self, settings: &[f64]) {
+    pub(crate) fn restore(&mut self, settings: &[f64]) {
         for (screw, &setting) in settings.iter().enumerate() {
             if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
                 self.fresh.clear();

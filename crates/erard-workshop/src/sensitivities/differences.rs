@@ -48,12 +48,12 @@ impl Differences {
     }
 
     /// Whether it changes the quantity by something that differences see.
-    pub fn matters(&self, value: f64) -> bool {
+    pub(crate) fn matters(&self, value: f64) -> bool {
         self.slope.abs() * self.window > SEEN * value.abs()
     }
 
     /// Whether the two sides have slopes of their own, and no parabola has the values between.
-    pub fn jumps(&self) -> bool {
+    pub(crate) fn jumps(&self) -> bool {
         let [below, above] = self.sides;
         let larger = below.abs().max(above.abs());
         (above - below).abs() > ONE_SLOPE * larger && self.left > 0.1 * larger * self.window
@@ -71,7 +71,7 @@ pub(super) struct Window<'a> {
 }
 
 impl<'a> Window<'a> {
-    pub fn new(instrument: &Instrument, by: &'a [Variable], half: fn(&Variable) -> f64) -> Self {
+    pub(crate) fn new(instrument: &Instrument, by: &'a [Variable], half: fn(&Variable) -> f64) -> Self {
         let mut instruments = vec![instrument.clone()];
         let places = by
             .iter()
@@ -89,7 +89,7 @@ impl<'a> Window<'a> {
     }
 
     /// Plays the stroke on all of them.
-    pub fn play<'s>(
+    pub(crate) fn play<'s>(
         &self,
         stroke: &(dyn Fn() -> Stroke<'s> + Sync),
         setup: &Setup,
@@ -119,7 +119,7 @@ impl<'a> Window<'a> {
     }
 
     /// Weighs all of them, by slow loops.
-    pub fn weigh(&self, threads: usize, progress: &mut Progress<'_>) -> Result<Vec<Touch>, SensitivityError> {
+    pub(crate) fn weigh(&self, threads: usize, progress: &mut Progress<'_>) -> Result<Vec<Touch>, SensitivityError> {
         let mut found: Vec<Option<Option<Touch>>> = vec![None; self.instruments.len()];
         let work = found.iter_mut().zip(&self.instruments).enumerate().map(|(k, (place, instrument))| {
             job(place, move |progress| -> Result<Option<Touch>, SensitivityError> {
@@ -136,13 +136,13 @@ impl<'a> Window<'a> {
     }
 
     /// Of a quantity of the strokes by a variable.
-    pub fn of_events(&self, played: &[JobResult], variable: usize, key: &str) -> Option<Differences> {
+    pub(crate) fn of_events(&self, played: &[JobResult], variable: usize, key: &str) -> Option<Differences> {
         let value = |index: usize| played.get(index)?.as_ref().ok().and_then(|one| event(one, key));
         self.of(variable, value)
     }
 
     /// Of a weight by a variable.
-    pub fn of_weights(&self, weighed: &[Touch], variable: usize, key: &str) -> Option<Differences> {
+    pub(crate) fn of_weights(&self, weighed: &[Touch], variable: usize, key: &str) -> Option<Differences> {
         self.of(variable, |index| weight(weighed.get(index)?, key))
     }
 

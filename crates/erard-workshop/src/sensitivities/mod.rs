@@ -1,7 +1,7 @@
 //! Which numbers of an instrument matter, and how much: the derivatives of a stroke's outcome by them.
 //!
 //! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the steps' length apart. It is done
-//! with three steps, [`SHARES`] of the stroke's: the middle result is told, half of their range is its error. Beside it stand differences over a window
+//! with three steps, `SHARES` of the stroke's: the middle result is told, half of their range is its error. Beside it stand differences over a window
 //! that is wide against anything that one step resolves: where they say something else, or something else to either side, the solution
 //! jumps nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
 
@@ -11,7 +11,8 @@ mod passes;
 mod variable;
 
 pub use error::SensitivityError;
-pub use passes::{Gradient, Sampled, ValueAndSlopes, gradient};
+pub(crate) use passes::Sampled;
+pub use passes::{Gradient, gradient};
 pub use variable::{Variable, VariableError};
 
 use erard::Progress;
@@ -270,7 +271,7 @@ const NEGLIGIBLE: f64 = 1e-5;
 const SAME: f64 = 0.1;
 
 /// Steps of the press that is differentiated, as shares of the stroke's own.
-pub const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
+pub(crate) const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
 
 /// Threads, unless told otherwise.
 pub fn threads() -> usize {

@@ -19,7 +19,7 @@ use crate::study::Stroke;
 pub struct Gradient {
     /// By what.
     pub by: Vec<Variable>,
-    /// Of every quantity of [`QUANTITIES`]: its value, and its derivatives by every variable, per bare number ([`Variable::per_bare_number`]); `None`
+    /// Of every quantity of [`QUANTITIES`]: its value, and its derivatives by every variable, per bare number (`Variable::per_bare_number`); `None`
     /// where it did not happen.
     pub of: Vec<(&'static str, Option<ValueAndSlopes>)>,
     /// What was sampled.
@@ -29,7 +29,7 @@ pub struct Gradient {
 }
 
 /// A value, and its derivatives by every variable.
-pub type ValueAndSlopes = (f64, Vec<f64>);
+pub(crate) type ValueAndSlopes = (f64, Vec<f64>);
 
 /// A column, and its derivatives.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +93,7 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    pub fn one(&self, which: usize, variable: usize) -> Option<&Followed> {
+    pub(crate) fn one(&self, which: usize, variable: usize) -> Option<&Followed> {
         self.each.get(which)?.get(variable / DIRECTIONS)
     }
 }

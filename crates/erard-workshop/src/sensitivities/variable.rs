@@ -193,7 +193,7 @@ impl Variable {
 
     /// How many of its units ([`Variable::per`]) a bare number is: what `study --vary` takes for a parameter (a turn in m, rad or N m; a factor), the number itself
     /// of the file, and 1 N.
-    pub fn per_bare_number(&self) -> f64 {
+    pub(crate) fn per_bare_number(&self) -> f64 {
         match &self.target {
             Target::Parameter(_, per_si) => *per_si,
             Target::Number { .. } | Target::Force | Target::Between => 1.0,
@@ -201,12 +201,12 @@ impl Variable {
     }
 
     /// The number that elasticities take it for, in its unit; `None` where a share of it means nothing.
-    pub fn relative(&self) -> Option<f64> {
+    pub(crate) fn relative(&self) -> Option<f64> {
         self.value.filter(|value| *value != 0.0 && self.per != "mm" && self.per != "deg")
     }
 
     /// Whether it is the force, and no number of the instrument.
-    pub fn is_force(&self) -> bool {
+    pub(crate) fn is_force(&self) -> bool {
         self.target == Target::Force
     }
 

@@ -11,7 +11,9 @@ mod parameter;
 mod sampling;
 mod topology;
 
-pub use change::{Change, ChangeError, Quantity, quantities, varied};
+pub use change::{Change, ChangeError, quantities, varied};
+
+pub(crate) use change::Quantity;
 pub use parameter::Parameter;
 pub use sampling::{Sampling, SamplingError};
 
@@ -79,7 +81,7 @@ pub struct Played {
 }
 
 /// A number of what came of a job; `None` is what did not happen.
-pub type Outcome = fn(&Played) -> Option<f64>;
+pub(crate) type Outcome = fn(&Played) -> Option<f64>;
 
 /// What came of every stroke, by the names of a study's columns, in SI units. Instants count from the stroke's start.
 pub const OUTCOMES: [(&str, Outcome); 10] = [

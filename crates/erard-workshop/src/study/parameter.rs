@@ -101,7 +101,7 @@ impl Parameter {
     }
 
     /// The path of its number in the instrument's file.
-    pub fn path(&self, instrument: &Instrument) -> String {
+    pub(crate) fn path(&self, instrument: &Instrument) -> String {
         let (body, zone) = (|i: usize| &instrument.bodies[i].name, |i: usize| &instrument.zones[i].name);
         match *self {
             Parameter::Screw { screw, ref action } => {
@@ -127,7 +127,7 @@ impl Parameter {
 
     /// The numbers of its file that [`Parameter::vary`] comes to, by their paths, with their values in the file's units, to ten digits. `text` is the file of this
     /// instrument.
-    pub fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
+    pub(crate) fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
         let path = self.path(instrument);
         let own = |path: &str| numbers_at(text, path).and_then(|numbers| numbers.first().copied());
         let scaled = |path: String| own(&path).map(|number| (path, ten_digits(number * value)));

@@ -91,7 +91,7 @@ pub(super) struct Sampled<'a> {
 }
 
 impl<'a> Sampled<'a> {
-    pub fn new(sampling: &'a Sampling, instrument: &Instrument) -> Self {
+    pub(crate) fn new(sampling: &'a Sampling, instrument: &Instrument) -> Self {
         Sampled {
             sampling,
             columns: vec![Vec::new(); sampling.columns.len()],
@@ -100,11 +100,11 @@ impl<'a> Sampled<'a> {
     }
 
     /// Whether a row stands after so many steps.
-    pub fn is_row(&self, steps: u64) -> bool {
+    pub(crate) fn is_row(&self, steps: u64) -> bool {
         steps.is_multiple_of(self.sampling.every)
     }
 
-    pub fn push(&mut self, travels: [f64; 3], angles: &EveryBody, velocities: &EveryBody) {
+    pub(crate) fn push(&mut self, travels: [f64; 3], angles: &EveryBody, velocities: &EveryBody) {
         for ((_, column), values) in self.sampling.columns.iter().zip(&mut self.columns) {
             match *column {
                 Column::Travel(2) if !self.has_hammer => {}
@@ -116,7 +116,7 @@ impl<'a> Sampled<'a> {
         }
     }
 
-    pub fn into_columns(self) -> Vec<Vec<f64>> {
+    pub(crate) fn into_columns(self) -> Vec<Vec<f64>> {
         self.columns
     }
 }

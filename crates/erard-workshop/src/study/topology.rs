@@ -19,7 +19,7 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    pub fn of(instrument: &Instrument) -> Self {
+    pub(crate) fn of(instrument: &Instrument) -> Self {
         Topology {
             parents: instrument.bodies.iter().map(|body| body.parent).collect(),
             zones: instrument

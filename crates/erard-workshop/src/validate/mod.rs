@@ -10,8 +10,7 @@ mod strings;
 mod touches;
 mod values;
 
-pub use blows::{Drive, PressedBlow};
-pub use blows::{Loudness, measure as loudness};
+pub use blows::{Drive, Loudness, PressedBlow, measure as loudness};
 pub use published::{Published, PublishedError, Row};
 pub use strings::Skipped;
 pub use values::names;

@@ -126,7 +126,7 @@ impl Published {
 impl Row {
     /// No range was published.
     #[must_use]
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.at_least.is_none() && self.at_most.is_none()
     }
 

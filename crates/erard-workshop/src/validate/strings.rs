@@ -80,7 +80,7 @@ pub(super) struct Strung {
 
 impl Strung {
     /// Plays what rows ask for: middle C on the instrument, other keys on its keyboard.
-    pub fn measure(
+    pub(crate) fn measure(
         instrument: &Instrument,
         keyboard: Option<&Keyboard>,
         progress: &mut Progress<'_>,
@@ -118,7 +118,7 @@ impl Strung {
     }
 
     /// The value of one of [`NAMES`], in the unit that ends it; why it is not asked for; `None` for another name.
-    pub fn value(&self, name: &str) -> Option<Result<Option<f64>, Skipped>> {
+    pub(crate) fn value(&self, name: &str) -> Option<Result<Option<f64>, Skipped>> {
         if !NAMES.contains(&name) {
             return None;
         }

@@ -77,16 +77,7 @@ fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, Simulat
     let series = Series::builtin("mf", touch).and_then(|series| series.force);
     let own = series.as_ref().map(ForceSeries::drive);
     let force = |t: f64| scale * own.as_ref().map_or(0.0, |own| own(t));
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: DURATION_S,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(DURATION_S) };
     simulate(instrument, &player::force(&force), &setup, &mut |_| true)
 }
 

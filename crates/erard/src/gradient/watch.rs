@@ -79,7 +79,7 @@ impl Sample {
 
 impl DualEventDetector {
     /// Of a mechanism that stands at rest.
-    pub fn new(instrument: &Instrument, places: &Places, m: &dyn Tangents) -> Self {
+    pub(crate) fn new(instrument: &Instrument, places: &Places, m: &dyn Tangents) -> Self {
         let roles = instrument.roles.clone();
         let head_m = roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, places.head)[0][1]);
         DualEventDetector {
@@ -97,13 +97,13 @@ impl DualEventDetector {
     }
 
     /// Key travel and rise of the strike point now, m.
-    pub fn travels(&self, m: &dyn Tangents) -> [Number; 2] {
+    pub(crate) fn travels(&self, m: &dyn Tangents) -> [Number; 2] {
         let hammer_m = self.roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, self.head)[0][1] - self.head_m);
         [m.site_position() - self.site_m, hammer_m]
     }
 
     /// After every step, and before the first.
-    pub fn observe(&mut self, time_s: f64, m: &dyn Tangents) {
+    pub(crate) fn observe(&mut self, time_s: f64, m: &dyn Tangents) {
         let roles = &self.roles;
         let compression = |zone: Option<usize>| zone.map(|z| m.compression(z));
         let knuckle = roles.knuckle.iter().map(|&z| m.compression(z));
@@ -171,7 +171,7 @@ impl DualEventDetector {
     }
 
     /// Whether nothing is left to be seen.
-    pub fn has_seen_all(&self) -> bool {
+    pub(crate) fn has_seen_all(&self) -> bool {
         let (roles, instants) = (&self.roles, &self.instants);
         let over = |event: Option<Number>, zone: Option<usize>| event.is_some() || zone.is_none();
         instants.key_start_s.is_some()
@@ -181,7 +181,7 @@ impl DualEventDetector {
     }
 
     /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
-    pub fn finish(mut self) -> Instants {
+    pub(crate) fn finish(mut self) -> Instants {
         if self.instants.hammer_contact_s.is_none() && self.instants.key_start_s.is_some() {
             self.instants.let_off_s = self.released_at_apex_s.filter(|_| self.instants.toe_contact_s.is_some());
         }

@@ -16,7 +16,7 @@ const DRY_N: f64 = 3e-3;
 impl Instrument {
     /// The name of a body's bushing: a body and a spring.
     #[must_use]
-    pub fn bushing_name(&self, body: usize) -> String {
+    pub(crate) fn bushing_name(&self, body: usize) -> String {
         format!("{}_bushing", self.bodies[body].name)
     }
 

@@ -193,7 +193,7 @@ fn too_large(file_name: &str) -> Box<FileError> {
 }
 
 /// An error about a file as a whole.
-pub fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<FileError> {
+pub(crate) fn whole_file(file: &str, message: impl Into<String>, expected: &str) -> Box<FileError> {
     Box::new(FileError {
         file: file.to_owned(),
         line: 0,

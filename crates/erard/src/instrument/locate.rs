@@ -11,13 +11,13 @@ use super::error::{Fault, FileError};
 const LONGEST_EXCERPT: usize = 60;
 
 /// Every key of a document with the spans of its name and of its value.
-pub struct KeyMap {
+pub(crate) struct KeyMap {
     entries: Vec<(Range<usize>, Range<usize>, String)>,
 }
 
 impl KeyMap {
     /// Reads the keys of `text`; a document that is no TOML has none.
-    pub fn read(text: &str) -> Self {
+    pub(crate) fn read(text: &str) -> Self {
         let mut entries = Vec::new();
         if let Ok(table) = DeTable::parse(text) {
             walk_table(table.get_ref(), "", &mut entries);
@@ -26,7 +26,7 @@ impl KeyMap {
     }
 
     /// Path of the narrowest key or value that contains `span`, or an empty string.
-    pub fn key_at(&self, span: &Range<usize>) -> String {
+    pub(crate) fn key_at(&self, span: &Range<usize>) -> String {
         let contains = |outer: &Range<usize>| outer.start <= span.start && span.end <= outer.end;
         self.entries
             .iter()
@@ -87,7 +87,7 @@ impl Lines {
 }
 
 /// Line and column (characters) of a byte of `text`, both from 1.
-pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
+pub(crate) fn line_column(text: &str, byte: usize) -> (usize, usize) {
     let before = &text[..floor_char_boundary(text, byte)];
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)

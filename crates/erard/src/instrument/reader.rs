@@ -12,7 +12,7 @@ use crate::files::steers;
 /// Millimetres in a metre. Dividing by it rounds correctly: 142.23 mm is the same bits as 0.14223 m.
 pub const MM_PER_M: f64 = 1000.0;
 /// Grams in a kilogram.
-pub const G_PER_KG: f64 = 1000.0;
+pub(crate) const G_PER_KG: f64 = 1000.0;
 
 /// Longest length of a name: it becomes a column title.
 const LONGEST_NAME: usize = 40;
@@ -69,12 +69,12 @@ impl<'a> Reader<'a> {
     }
 
     /// A scalar that may be absent, then 0.
-    pub fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
+    pub(crate) fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
         number.map_or(Ok(0.0), |number| self.scalar(number, limits))
     }
 
     /// A pair within `limits`, in the file's unit.
-    pub fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
+    pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
         self.checked(number, limits)?;
         let numbers = number.kind().numbers();
         Ok([numbers[0], numbers[1]])
@@ -152,7 +152,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A corner of an outline, in metres.
-    pub fn corner_m(&self, corner_mm: Vec2, span: Range<usize>) -> Result<Vec2, Fault> {
+    pub(crate) fn corner_m(&self, corner_mm: Vec2, span: Range<usize>) -> Result<Vec2, Fault> {
         for value in corner_mm {
             self.check_value(value, span.clone(), "numbers [x, y]", LENGTH_MM)?;
         }
@@ -160,7 +160,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A citation whose source exists.
-    pub fn citation(
+    pub(crate) fn citation(
         &self,
         source: &At<String>,
         certainty: Certainty,
@@ -179,7 +179,11 @@ impl<'a> Reader<'a> {
 pub const LENGTH_MM: Limits = Limits::symmetric(1e4, "mm");
 
 /// A new name for a body, spring, zone or screw: fit for a column title and not taken.
-pub fn new_name<'n>(name: &At<String>, what: &str, taken: impl IntoIterator<Item = &'n str>) -> Result<String, Fault> {
+pub(crate) fn new_name<'n>(
+    name: &At<String>,
+    what: &str,
+    taken: impl IntoIterator<Item = &'n str>,
+) -> Result<String, Fault> {
     let expected = format!("1 to {LONGEST_NAME} lower-case letters, digits and underscores, starting with a letter");
     let well_formed = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.len() <= LONGEST_NAME
@@ -194,7 +198,7 @@ pub fn new_name<'n>(name: &At<String>, what: &str, taken: impl IntoIterator<Item
 }
 
 /// Longest name or label for people, characters: it stands on one line of a figure.
-pub const LONGEST_TITLE: usize = 120;
+pub(crate) const LONGEST_TITLE: usize = 120;
 
 /// A name or label for people: without the blanks around it, on one line, not empty.
 pub fn title(name: &At<String>, what: &str) -> Result<String, Fault> {
@@ -220,7 +224,7 @@ fn plural(what: &str) -> String {
 }
 
 /// Index of a named thing.
-pub fn index_of<'n>(
+pub(crate) fn index_of<'n>(
     name: &At<String>,
     what: &str,
     names: impl Iterator<Item = &'n str> + Clone,
@@ -231,7 +235,7 @@ pub fn index_of<'n>(
 }
 
 /// Index of a named body; `None` for `ground`.
-pub fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Result<Option<usize>, Fault> {
+pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Result<Option<usize>, Fault> {
     if name.as_str() == GROUND {
         return Ok(None);
     }

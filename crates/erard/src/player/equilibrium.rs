@@ -19,7 +19,7 @@ const QUIET_S: f64 = 0.05;
 const CREEP_RAD_PER_S: f64 = 1e-9;
 
 /// The search gives up after this many steps in a row without a solution (10 ms, longer than any impact lasts).
-pub const UNSOLVED_STEPS: u32 = 200;
+pub(crate) const UNSOLVED_STEPS: u32 = 200;
 
 /// Why there is no rest to start from.
 #[derive(Debug, Clone, Error)]
@@ -87,7 +87,7 @@ impl Default for Settling {
 
 impl Settling {
     /// In steps of another length than [`STEP_S`], s.
-    pub fn of_steps(step_s: f64) -> Self {
+    pub(crate) fn of_steps(step_s: f64) -> Self {
         Settling { time_s: 0.0, step_s, quiet_s: 0.0, speed: 0.0, unsolved: 0 }
     }
 

@@ -33,11 +33,6 @@ pub enum Input {
 }
 
 impl Input {
-    /// Whether two inputs are of one kind, whatever their numbers.
-    pub fn is_like(&self, other: &Self) -> bool {
-        std::mem::discriminant(self) == std::mem::discriminant(other)
-    }
-
     /// The position that a motion has, m; 0 for what has none.
     pub fn position_m(&self) -> f64 {
         match *self {

@@ -23,7 +23,7 @@ pub(super) struct Motion {
 
 impl Motion {
     /// Standing still where a mechanism is.
-    pub fn still(instrument: &Instrument, m: &dyn Mechanism) -> Self {
+    pub(crate) fn still(instrument: &Instrument, m: &dyn Mechanism) -> Self {
         let count = instrument.bodies.len();
         let mut motion = Motion {
             step_s: m.readout().last_step_s,
@@ -39,7 +39,7 @@ impl Motion {
     }
 
     /// After a step.
-    pub fn observe(&mut self, instrument: &Instrument, m: &dyn Mechanism) {
+    pub(crate) fn observe(&mut self, instrument: &Instrument, m: &dyn Mechanism) {
         let theta = m.readout().stepping.settings.theta;
         self.step_s = m.readout().last_step_s;
         let [before, now] = &mut self.velocity;
@@ -67,7 +67,7 @@ impl Motion {
     }
 
     /// A direction of a body's frame, in the world.
-    pub fn turned(&self, body: usize, direction: Vec2) -> Vec2 {
+    pub(crate) fn turned(&self, body: usize, direction: Vec2) -> Vec2 {
         self.placed[body].direction_to_world(direction)
     }
 }

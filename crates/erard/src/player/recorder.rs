@@ -85,7 +85,7 @@ pub struct Recorder {
 
 impl Recorder {
     /// For at most so many rows of an instrument that plays as this mechanism.
-    pub fn new(instrument: &Instrument, rows: usize, m: &mut dyn Mechanism) -> Self {
+    pub(crate) fn new(instrument: &Instrument, rows: usize, m: &mut dyn Mechanism) -> Self {
         m.configure(Stepping { keeps_contacts: true, ..*m.readout().stepping });
         let series = || vec![0.0; rows];
         let has_hammer = instrument.roles.hammer.is_some();
@@ -123,7 +123,7 @@ impl Recorder {
     }
 
     /// After every step, before [`Recorder::row`]: centres the last row's forces on its instant.
-    pub fn step(&mut self, m: &dyn Mechanism) {
+    pub(crate) fn step(&mut self, m: &dyn Mechanism) {
         let Some(before) = self.pending.take() else { return };
         // Forces belong to the middles of their steps: the mean, where the steps are equal.
         let share = before / (before + m.readout().last_step_s);
@@ -165,7 +165,7 @@ impl Recorder {
 
     /// In the place of [`Recorder::step`] where the last step and the one before it changed nothing: their forces, being the same, are their own
     /// mean.
-    pub fn stood(&mut self) {
+    pub(crate) fn stood(&mut self) {
         self.pending = None;
     }
 
@@ -213,7 +213,7 @@ impl Recorder {
     }
 
     /// What was written down.
-    pub fn finish(self) -> Recorded {
+    pub(crate) fn finish(self) -> Recorded {
         let Recorder { mut recorded, rows, .. } = self;
         let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = &mut recorded;
         if let Some(strings) = strings {

@@ -7,9 +7,9 @@ use crate::instrument::Instrument;
 use crate::mechanism::Observation;
 
 /// How much of a rigid drive's position error is taken back per step, or in this time where steps are of any length, s.
-pub const RIGID_CORRECTION: f64 = 0.1;
+pub(crate) const RIGID_CORRECTION: f64 = 0.1;
 /// See [`RIGID_CORRECTION`].
-pub const RIGID_CORRECTION_S: f64 = 50e-6;
+pub(crate) const RIGID_CORRECTION_S: f64 = 50e-6;
 
 /// What travels are measured from, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +51,7 @@ impl Rest {
 
     /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the motion is rigid, m/s.
     #[inline]
-    pub fn engine_input(&self, input: &input::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
+    pub(crate) fn engine_input(&self, input: &input::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
         match *input {
             input::Input::Free => Input::Free,
             input::Input::Force(force_n) => Input::Force(force_n),

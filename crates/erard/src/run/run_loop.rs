@@ -44,7 +44,7 @@ struct Observers<'a> {
 
 impl<'a> RunLoop<'a> {
     /// At the start: the action has come to rest.
-    pub fn new(
+    pub(crate) fn new(
         instrument: &Instrument,
         drive: &'a Drive<'a>,
         setup: &'a Setup,
@@ -81,7 +81,7 @@ impl<'a> RunLoop<'a> {
     }
 
     /// Fixed steps: all of the same length.
-    pub fn fixed(&mut self, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
+    pub(crate) fn fixed(&mut self, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let RunLoop { drive, setup, steps, every, rest, action, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
@@ -108,7 +108,7 @@ impl<'a> RunLoop<'a> {
     }
 
     /// Adaptive steps: from row to row, as long as their error allows.
-    pub fn adaptive(&mut self, tolerance: f64, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
+    pub(crate) fn adaptive(&mut self, tolerance: f64, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let accuracy = Accuracy::new(tolerance, SMALLEST_CONTROLLED_STEP_S, LARGEST_STEP_S);
         let mut control = ControlWork::none();
@@ -150,7 +150,7 @@ impl<'a> RunLoop<'a> {
     }
 
     /// What the run leaves behind.
-    pub fn finish(self, instrument: &Instrument) -> Run {
+    pub(crate) fn finish(self, instrument: &Instrument) -> Run {
         let Observers { detector, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
         let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = recorder.finish();

@@ -45,7 +45,7 @@ struct Own {
 
 impl Bridge {
     /// At rest. `row`: b_n of the strings' modes; `stiffness_n_m`: K; `answers_n_m`: sum b_n^2 (1 - P_11) / (m omega^2).
-    pub fn new(modes: &[BridgeMode], row: Row, stiffness_n_m: f64, answers_n_m: f64, step_s: f64) -> Self {
+    pub(crate) fn new(modes: &[BridgeMode], row: Row, stiffness_n_m: f64, answers_n_m: f64, step_s: f64) -> Self {
         let own = |mode: &BridgeMode| {
             let omega = 2.0 * PI * mode.frequency_hz;
             let step = transition(omega, 0.5 * mode.loss_factor * omega, step_s);
@@ -58,12 +58,12 @@ impl Bridge {
     }
 
     /// w, m.
-    pub fn displacement_m(&self) -> f64 {
+    pub(crate) fn displacement_m(&self) -> f64 {
         self.modes.iter().map(|mode| mode.r).sum()
     }
 
     /// The force of strings of a given S on it, N.
-    pub fn force_n(&self, s_n: f64) -> f64 {
+    pub(crate) fn force_n(&self, s_n: f64) -> f64 {
         s_n - self.stiffness_n_m * self.displacement_m()
     }
 
@@ -72,18 +72,18 @@ impl Bridge {
     }
 
     /// By how much the mean w of a step rises per newton of S at its end, m/N.
-    pub fn per_newton(&self) -> f64 {
+    pub(crate) fn per_newton(&self) -> f64 {
         0.5 * self.gives_m_n / self.divisor()
     }
 
     /// The mean w of a step, m, in which S goes from one value to another if w stays zero.
-    pub fn mean_m(&self, s_n: f64, s_free_n: f64) -> f64 {
+    pub(crate) fn mean_m(&self, s_n: f64, s_free_n: f64) -> f64 {
         let free: f64 = self.modes.iter().map(|mode| mode.step[0] * mode.r + mode.step[1] * mode.v).sum();
         (self.displacement_m() + free + 0.5 * self.gives_m_n * (s_n + s_free_n)) / self.divisor()
     }
 
     /// Its modes' step under the mean force, N; what this has done to them, J.
-    pub fn advance(&mut self, force_n: f64) -> f64 {
+    pub(crate) fn advance(&mut self, force_n: f64) -> f64 {
         let before_m = self.displacement_m();
         for mode in &mut self.modes {
             let [qq, qv, vq, vv] = mode.step;
@@ -95,36 +95,36 @@ impl Bridge {
     }
 
     /// The mean force of a step in which S and w have gone so far, N.
-    pub fn mean_force_n(&self, s_n: [f64; 2], mean_m: f64) -> f64 {
+    pub(crate) fn mean_force_n(&self, s_n: [f64; 2], mean_m: f64) -> f64 {
         0.5 * (s_n[0] + s_n[1]) - self.stiffness_n_m * mean_m
     }
 
     /// Where it stands, m, under the strings' force at w = 0 without inertia, N: they hold it as springs of T/L do. `hold_n_m`: these.
-    pub fn stands_m(&self, force_n: f64, hold_n_m: f64) -> f64 {
+    pub(crate) fn stands_m(&self, force_n: f64, hold_n_m: f64) -> f64 {
         force_n / (1.0 / self.static_m_n + hold_n_m)
     }
 
     /// Puts it where it stands under a force of the strings that includes what w takes back, N.
-    pub fn stand(&mut self, force_n: f64) {
+    pub(crate) fn stand(&mut self, force_n: f64) {
         for mode in &mut self.modes {
             (mode.r, mode.v) = (force_n / mode.stiffness_n_m, 0.0);
         }
     }
 
     /// Energy of its modes, J.
-    pub fn own_energy_j(&self) -> f64 {
+    pub(crate) fn own_energy_j(&self) -> f64 {
         let own = |mode: &Own| 0.5 * (mode.mass_kg * mode.v * mode.v + mode.stiffness_n_m * mode.r * mode.r);
         self.modes.iter().map(own).sum()
     }
 
     /// The same and that of K, without w S, J.
-    pub fn energy_j(&self) -> f64 {
+    pub(crate) fn energy_j(&self) -> f64 {
         let w = self.displacement_m();
         self.own_energy_j() + 0.5 * self.stiffness_n_m * w * w
     }
 
     /// What vibrates about where it stands under a force, J.
-    pub fn trembles_j(&self, force_n: f64) -> f64 {
+    pub(crate) fn trembles_j(&self, force_n: f64) -> f64 {
         let own = |mode: &Own| {
             let r = mode.r - force_n / mode.stiffness_n_m;
             0.5 * (mode.mass_kg * mode.v * mode.v + mode.stiffness_n_m * r * r)
@@ -133,28 +133,28 @@ impl Bridge {
     }
 
     /// S of the strings' modes.
-    pub fn sum_n(&self, blocks: &[Block]) -> f64 {
+    pub(crate) fn sum_n(&self, blocks: &[Block]) -> f64 {
         self.row.now(blocks)
     }
 
     /// Displacements and velocities of its modes, in turn.
-    pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
         self.modes.iter().flat_map(|mode| [mode.r, mode.v])
     }
 
     /// Displacement and velocity of one of its modes.
-    pub fn mode_now(&self, index: usize) -> [f64; 2] {
+    pub(crate) fn mode_now(&self, index: usize) -> [f64; 2] {
         self.modes.get(index).map_or([0.0; 2], |mode| [mode.r, mode.v])
     }
 
     /// Sets one of them.
-    pub fn set_mode(&mut self, index: usize, velocity: bool, number: f64) {
+    pub(crate) fn set_mode(&mut self, index: usize, velocity: bool, number: f64) {
         if let Some(mode) = self.modes.get_mut(index) {
             *(if velocity { &mut mode.v } else { &mut mode.r }) = number;
         }
     }
 
-    pub fn set_numbers(&mut self, from: &[f64]) {
+    pub(crate) fn set_numbers(&mut self, from: &[f64]) {
         for (mode, numbers) in self.modes.iter_mut().zip(from.chunks_exact(2)) {
             (mode.r, mode.v) = (numbers[0], numbers[1]);
         }

@@ -76,7 +76,7 @@ fn side(instrument: &Instrument, damper: usize) -> f64 {
 
 impl Felt {
     /// Its string has these blocks.
-    pub fn lay(&mut self, first: usize, blocks: usize) {
+    pub(crate) fn lay(&mut self, first: usize, blocks: usize) {
         (self.row, self.rocking) = (Row::new(first, blocks), Row::new(first, blocks));
         (self.rocks_m_n, self.rocked_by_m_n, self.rocking_sounds) = (0.0, [0.0; 2], 0.0);
     }
@@ -88,7 +88,7 @@ impl Felt {
     }
 
     /// Takes in a mode of its string, which displaces the hammer by so much per metre; returns its displacement of the felt.
-    pub fn set_mode(
+    pub(crate) fn set_mode(
         &mut self,
         string: &PianoString,
         (n, hammer): (u32, f64),
@@ -109,7 +109,7 @@ impl Felt {
     }
 
     /// Static compliances of the modes beyond the first so many, m/N: its own, and with a hammer that strikes this string alone.
-    pub fn beyond(&self, string: &PianoString, count: u32) -> [f64; 2] {
+    pub(crate) fn beyond(&self, string: &PianoString, count: u32) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for n in (count + 1..=STATIC_PARTIALS.max(count + 1)).rev() {
             let [mean, _] = self.shapes(string, n);
@@ -131,7 +131,7 @@ impl Felt {
     }
 
     /// What its rocking does in the next step, after one under this force.
-    pub fn rocks(&self, force_n: f64, blocks: &[Block], step_s: f64) -> Rocks {
+    pub(crate) fn rocks(&self, force_n: f64, blocks: &[Block], step_s: f64) -> Rocks {
         let per_s = self.dashpot(force_n) / step_s;
         if per_s <= 0.0 {
             return Rocks::default();
@@ -141,14 +141,14 @@ impl Felt {
     }
 
     /// After a step under the other forces: what the rocking has taken meanwhile, J. `before_m`: where it was.
-    pub fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) -> f64 {
+    pub(crate) fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) -> f64 {
         let force_n = -rocks.stiff_n_m * (self.rocking.now(blocks) - before_m);
         self.rocking.press(force_n, blocks);
         force_n * force_n / rocks.per_s
     }
 
     /// By how much a newton that rocks it rocks it in a step, m/N.
-    pub fn rocks_m_n(&self) -> f64 {
+    pub(crate) fn rocks_m_n(&self) -> f64 {
         self.rocks_m_n
     }
 }

@@ -19,25 +19,25 @@ pub(super) struct Rail {
 
 impl Rail {
     /// Where it is to go. Beyond its ends it goes as far as it can; what is no number changes nothing.
-    pub fn aim(&mut self, lift_m: f64) {
+    pub(crate) fn aim(&mut self, lift_m: f64) {
         if !lift_m.is_nan() {
             self.aim_m = lift_m.clamp(0.0, PEDAL_MOST_M);
         }
     }
 
-    pub fn moves(&self) -> bool {
+    pub(crate) fn moves(&self) -> bool {
         self.lift_m != self.aim_m
     }
 
     /// Where it is after a step.
-    pub fn after(&self, step_s: f64) -> f64 {
+    pub(crate) fn after(&self, step_s: f64) -> f64 {
         let most_m = PEDAL_M_S * step_s;
         let left_m = self.aim_m - self.lift_m;
         if left_m.abs() <= most_m { self.aim_m } else { self.lift_m + most_m.copysign(left_m) }
     }
 
     /// What the lever's felt meets: the rail comes toward it.
-    pub fn surface(&self, step_s: f64) -> Surface<f64> {
+    pub(crate) fn surface(&self, step_s: f64) -> Surface<f64> {
         Surface { displacement: -self.lift_m, free: -self.after(step_s), compliance: 0.0 }
     }
 }

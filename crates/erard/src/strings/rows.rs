@@ -40,12 +40,12 @@ struct Part {
 
 impl Row {
     /// A row of so many blocks from the first one on.
-    pub fn new(first: usize, blocks: usize) -> Self {
+    pub(crate) fn new(first: usize, blocks: usize) -> Self {
         Row { first, parts: vec![Part::default(); blocks] }
     }
 
     /// A mode's displacement at the place per metre of its own, and its stiffness, N/m. The mode's step is known already.
-    pub fn set(&mut self, at: usize, shape: f64, stiffness_n_m: f64, blocks: &[Block]) {
+    pub(crate) fn set(&mut self, at: usize, shape: f64, stiffness_n_m: f64, blocks: &[Block]) {
         let (block, lane) = (at / WIDE, at % WIDE);
         let part = &mut self.parts[block - self.first];
         let rests = shape / stiffness_n_m;
@@ -55,13 +55,13 @@ impl Row {
     }
 
     /// A mode's displacement at the place per metre of its own.
-    pub fn shape(&self, at: usize) -> f64 {
+    pub(crate) fn shape(&self, at: usize) -> f64 {
         let part = (at / WIDE).checked_sub(self.first).and_then(|part| self.parts.get(part));
         part.map_or(0.0, |part| part.shape[at % WIDE])
     }
 
     /// What the modes displace the place by now.
-    pub fn now(&self, blocks: &[Block]) -> f64 {
+    pub(crate) fn now(&self, blocks: &[Block]) -> f64 {
         let mut sum = [0.0; WIDE];
         for (part, block) in self.parts.iter().zip(&blocks[self.first..]) {
             for (i, sum) in sum.iter_mut().enumerate() {
@@ -72,7 +72,7 @@ impl Row {
     }
 
     /// What they displace it by a step later, if nothing presses them.
-    pub fn free(&self, blocks: &[Block]) -> f64 {
+    pub(crate) fn free(&self, blocks: &[Block]) -> f64 {
         let mut sum = [0.0; WIDE];
         for (part, block) in self.parts.iter().zip(&blocks[self.first..]) {
             for (i, sum) in sum.iter_mut().enumerate() {
@@ -83,7 +83,7 @@ impl Row {
     }
 
     /// Adds to modes that have taken a step what a force at the place has done to them meanwhile.
-    pub fn press(&self, force: f64, blocks: &mut [Block]) {
+    pub(crate) fn press(&self, force: f64, blocks: &mut [Block]) {
         for (part, block) in self.parts.iter().zip(&mut blocks[self.first..]) {
             for i in 0..WIDE {
                 block.q[i] += part.fq[i] * force;

@@ -39,7 +39,7 @@ impl PositionSeries {
     }
 
     /// The same for whoever shares the series.
-    pub fn shared_drive(self: Arc<Self>) -> impl Fn(f64) -> [f64; 2] + Send {
+    pub(crate) fn shared_drive(self: Arc<Self>) -> impl Fn(f64) -> [f64; 2] + Send {
         let last = Cell::new(Cursor::default());
         move |t_s| {
             let mut cursor = last.get();

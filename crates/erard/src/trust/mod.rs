@@ -111,7 +111,7 @@ pub fn energy_residual(ledger: &Ledger) -> f64 {
 
 /// All bounds that a run has broken. `ledger`: where it was kept; without it the energy is not judged.
 #[must_use]
-pub fn assess(
+pub(crate) fn assess(
     instrument: &Instrument,
     extremes: &Extremes,
     events: &Events,

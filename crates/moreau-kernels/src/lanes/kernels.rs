@@ -27,7 +27,7 @@ struct Stepped<T: Real, const B: usize, const Z: usize, const N: usize> {
 }
 
 /// As many mechanisms as T has lanes, side by side.
-pub struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
+pub(crate) struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
     kernel: Kernel<T, B, Z, N>,
     stepped: Stepped<T, B, Z, N>,
     models: Vec<Model<f64, B, Z>>,
@@ -60,7 +60,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
 
     /// One step; writes how each mechanism's ended.
     #[inline]
-    pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    pub(crate) fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let Lanes { kernel, stepped, rests_under, .. } = self;
         rests_under.clear();
         // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.
@@ -70,7 +70,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     }
 
     /// One step, unless it would change nothing in any lane.
-    pub fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    pub(crate) fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
         if self.is_at_rest() && inputs.iter().zip(&self.rests_under).all(|(a, b)| a.identical(b)) {
             outcomes.fill(Outcome::Converged);
@@ -85,7 +85,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     }
 
     /// Whether the last step changed nothing.
-    pub fn is_at_rest(&self) -> bool {
+    pub(crate) fn is_at_rest(&self) -> bool {
         self.rests_under.len() == T::LANES
     }
 
@@ -104,7 +104,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
 
     /// One lane's angles and velocities.
     #[inline]
-    pub fn motion(&self, lane: usize) -> ([f64; B], [f64; B]) {
+    pub(crate) fn motion(&self, lane: usize) -> ([f64; B], [f64; B]) {
         (
             self.stepped.state.angle.map(|x| x.lane(lane).to_f64()),
             self.stepped.state.velocity.map(|x| x.lane(lane).to_f64()),
@@ -113,7 +113,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
 
     /// Copies one lane's angles and velocities.
     #[inline]
-    pub fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+    pub(crate) fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
         // A lane that is known when this is compiled is read from memory where it stands; any other by way of all lanes.
         macro_rules! copy {
             ($($known:literal)*) => {
@@ -135,7 +135,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     }
 
     /// One lane's state.
-    pub fn state(&self, lane: usize) -> State<f64, B, Z> {
+    pub(crate) fn state(&self, lane: usize) -> State<f64, B, Z> {
         self.stepped.state.lane(lane)
     }
 }
@@ -170,11 +170,11 @@ width!(eight, F64x8, has_avx512, eight_step, "avx512f,avx512vl,avx512dq,avx512bw
 width!(eight_single, F32x8, has_avx2, eight_single_step, "avx2,fma");
 width!(sixteen_single, F32x16, has_avx512, sixteen_single_step, "avx512f,avx512vl,avx512dq,avx512bw");
 
-pub fn has_avx2() -> bool {
+pub(crate) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
-pub fn has_avx512() -> bool {
+pub(crate) fn has_avx512() -> bool {
     is_x86_feature_detected!("avx512f")
         && is_x86_feature_detected!("avx512vl")
         && is_x86_feature_detected!("avx512dq")

@@ -171,7 +171,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     ///
     /// # Panics
     /// As [`Group::new`].
-    pub fn in_fours(models: &[Model<f64, B, Z>], states: &[State<f64, B, Z>], settings: &Settings<f64>) -> Self {
+    pub(crate) fn in_fours(models: &[Model<f64, B, Z>], states: &[State<f64, B, Z>], settings: &Settings<f64>) -> Self {
         check(models, states, N);
         #[cfg(target_arch = "x86_64")]
         if models.len() == Lanes::Four.count()
@@ -186,7 +186,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     ///
     /// # Panics
     /// As [`Group::new`].
-    pub fn in_eights_single(
+    pub(crate) fn in_eights_single(
         models: &[Model<f64, B, Z>],
         states: &[State<f64, B, Z>],
         settings: &Settings<f64>,
@@ -202,7 +202,11 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     }
 
     /// The same, stepped one by one whatever the processor has: no lanes are compiled for a size of which only such groups are made.
-    pub fn one_by_one(models: &[Model<f64, B, Z>], states: &[State<f64, B, Z>], settings: &Settings<f64>) -> Self {
+    pub(crate) fn one_by_one(
+        models: &[Model<f64, B, Z>],
+        states: &[State<f64, B, Z>],
+        settings: &Settings<f64>,
+    ) -> Self {
         let one_by_one = OneByOne {
             models: models.to_vec(),
             states: states.to_vec(),
@@ -297,7 +301,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
 
     /// [`Group::motion`] into places that are there: what is looked at after every step of a study.
     #[inline]
-    pub fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+    pub(crate) fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
         match &self.kind {
             #[cfg(target_arch = "x86_64")]
             Kind::Eight(eight) => eight.copy_motion(index, angles, velocities),

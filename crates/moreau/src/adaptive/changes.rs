@@ -44,12 +44,12 @@ struct Law<T> {
 
 impl<T: Scalar, const B: usize> Changes<T, B> {
     /// None.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Changes { any: false, hidden: [T::ZERO; B], instant: None }
     }
 
     /// `still`: velocities below it stick.
-    pub fn find<const Z: usize, const N: usize>(
+    pub(crate) fn find<const Z: usize, const N: usize>(
         model: &Model<T, B, Z>,
         still: T,
         controller: &Controller<T, Z>,

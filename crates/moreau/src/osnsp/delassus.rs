@@ -96,7 +96,7 @@ pub(super) struct Dense<T, const B: usize, const N: usize> {
 
 impl<T: Scalar, const B: usize, const N: usize> Dense<T, B, N> {
     /// W = D^T A^-1 D and u_free of a system, warm-started.
-    pub fn new(system: &System<T, B, N>, impulses: &Impulses<T, B, N>) -> Self {
+    pub(crate) fn new(system: &System<T, B, N>, impulses: &Impulses<T, B, N>) -> Self {
         let mut factors = [[T::ZERO; B]; B];
         let mut free = system.b;
         let inverse_d = system.a.factor(&system.a.diagonal, &mut factors, [&mut free]);
@@ -149,7 +149,7 @@ impl<T: Scalar, const B: usize, const N: usize> Dense<T, B, N> {
     }
 
     /// Hands the solution back: impulses, velocities; what sticks has a velocity of zero, not of zero plus rounding.
-    pub fn finish(&self, impulses: &mut Impulses<T, B, N>) -> [T; B] {
+    pub(crate) fn finish(&self, impulses: &mut Impulses<T, B, N>) -> [T; B] {
         let mut w = self.free;
         for (p, column) in self.impulse.iter().zip(&self.columns).take(self.problem.count) {
             for i in 0..B {

@@ -22,7 +22,11 @@ pub(super) enum Law {
 
 impl Law {
     /// Which way it slips after a step: 0 where it sticks.
-    pub fn side<const B: usize, const Z: usize>(self, model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> f64 {
+    pub(crate) fn side<const B: usize, const Z: usize>(
+        self,
+        model: &Model<f64, B, Z>,
+        state: &State<f64, B, Z>,
+    ) -> f64 {
         match self {
             Law::Pivot(i) => side(model.tree.relative(&state.velocity)[i]),
             // The remembered side is the force's.
@@ -50,7 +54,7 @@ impl Change {
     }
 
     /// The law that switches, if it does.
-    pub fn switch(self) -> Option<Law> {
+    pub(crate) fn switch(self) -> Option<Law> {
         if let Change::Switches(law) = self { Some(law) } else { None }
     }
 }
@@ -66,12 +70,12 @@ impl LetGo {
         1_u128.checked_shl(place as u32).unwrap_or(0)
     }
 
-    pub fn add(&mut self, law: Law) {
+    pub(crate) fn add(&mut self, law: Law) {
         self.0 |= LetGo::bit(law);
     }
 
     /// Whether a change is news.
-    pub fn is_new(&self, change: Change) -> bool {
+    pub(crate) fn is_new(&self, change: Change) -> bool {
         if let Change::LetsGo(law) = change { self.0 & LetGo::bit(law) == 0 } else { true }
     }
 }
@@ -88,7 +92,7 @@ pub(super) struct Before<const B: usize, const Z: usize> {
 }
 
 impl<const B: usize, const Z: usize> Before<B, Z> {
-    pub fn of(model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> Self {
+    pub(crate) fn of(model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> Self {
         let zone = core::array::from_fn(|z| {
             let pressed = state.side[z] != 0.0 || state.tangential[z] != 0.0;
             // The remembered side is the force's.
@@ -98,7 +102,7 @@ impl<const B: usize, const Z: usize> Before<B, Z> {
     }
 
     /// The laws that slip before a step and stick or slip the other way after it, and those that stick before it and slip after it: [`Change`].
-    pub fn changes<'a, const N: usize>(
+    pub(crate) fn changes<'a, const N: usize>(
         &'a self,
         model: &'a Model<f64, B, Z>,
         step: &'a Workspace<f64, B, Z, N>,
@@ -128,12 +132,12 @@ pub(super) struct Slips<const B: usize, const Z: usize, const D: usize> {
 }
 
 impl<const B: usize, const Z: usize, const D: usize> Slips<B, Z, D> {
-    pub const fn none() -> Self {
+    pub(crate) const fn none() -> Self {
         Slips { pivot: [Dual::constant(0.0); B], zone: [Dual::constant(0.0); Z] }
     }
 
     /// From the relative velocities at the end of the step, and what acted in it.
-    pub fn of<const N: usize>(
+    pub(crate) fn of<const N: usize>(
         model: &Model<Dual<D>, B, Z>,
         step: &Workspace<Dual<D>, B, Z, N>,
         w: &[Dual<D>; B],
@@ -147,7 +151,7 @@ impl<const B: usize, const Z: usize, const D: usize> Slips<B, Z, D> {
         slips
     }
 
-    pub fn slip(&self, law: Law) -> Dual<D> {
+    pub(crate) fn slip(&self, law: Law) -> Dual<D> {
         match law {
             Law::Pivot(i) => self.pivot[i],
             Law::Zone(z) => self.zone[z],

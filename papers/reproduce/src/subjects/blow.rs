@@ -15,11 +15,11 @@ use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 
 /// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
-pub const NEIGHBOURS: u32 = 8;
+pub(crate) const NEIGHBOURS: u32 = 8;
 
 /// What is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Play {
+pub(crate) enum Play {
     /// Nothing.
     Free,
     /// A constant force, N.
@@ -32,7 +32,7 @@ pub enum Play {
 
 impl Play {
     /// Runs it, keeping every so many steps.
-    pub fn run(
+    pub(crate) fn run(
         self,
         instrument: &Instrument,
         settings: Settings<f64>,
@@ -43,7 +43,7 @@ impl Play {
     }
 
     /// The same for runs that take seconds, with progress.
-    pub fn run_told(
+    pub(crate) fn run_told(
         self,
         instrument: &Instrument,
         settings: Settings<f64>,
@@ -78,7 +78,7 @@ impl Play {
     }
 
     /// Its name.
-    pub fn label(self) -> String {
+    pub(crate) fn label(self) -> String {
         match self {
             Play::Free => "nothing".into(),
             Play::Force(force) => format!("{force} N held"),
@@ -101,13 +101,13 @@ fn touched(touch: Touch) -> &'static str {
 }
 
 /// tanh-regularised friction of a width in rad/s, a tenth of it in m/s at sliding contacts.
-pub fn regularised(width: f64) -> FrictionLaw<f64> {
+pub(crate) fn regularised(width: f64) -> FrictionLaw<f64> {
     FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width }
 }
 
 /// A blow on the string.
 #[derive(Debug, Clone, Copy)]
-pub struct FirstBlow {
+pub(crate) struct FirstBlow {
     /// Speed of the strike point, m/s; not a number if the string was not struck.
     pub speed: f64,
     /// Instant, s.
@@ -123,7 +123,7 @@ pub struct FirstBlow {
 }
 
 /// The first blow of a run.
-pub fn blow(
+pub(crate) fn blow(
     instrument: &Instrument,
     play: Play,
     settings: Settings<f64>,
@@ -144,7 +144,7 @@ pub fn blow(
 
 /// Errors of a blow at a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Rung {
+pub(crate) struct Rung {
     /// h, s.
     pub step: f64,
     /// The run at exactly h.
@@ -156,7 +156,7 @@ pub struct Rung {
 }
 
 /// Errors of a blow at several steps against an exact one.
-pub fn ladder(
+pub(crate) fn ladder(
     instrument: &Instrument,
     play: Play,
     settings: Settings<f64>,
@@ -181,7 +181,7 @@ pub fn ladder(
 }
 
 /// Errors at several steps, each the root mean square over steps that are nearly the same. `errors`: at a step near one of these, which is named by its place.
-pub fn neighbouring<const N: usize>(
+pub(crate) fn neighbouring<const N: usize>(
     steps: &[f64],
     errors: &mut dyn FnMut(usize, f64) -> Result<[f64; N], ReproduceError>,
     progress: &mut Progress,
@@ -204,7 +204,7 @@ pub fn neighbouring<const N: usize>(
 }
 
 /// Observed order of an error over a whole ladder.
-pub fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
+pub(crate) fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
     match (rungs.first(), rungs.last()) {
         (Some(a), Some(b)) if a.step > b.step => (error(a) / error(b)).ln() / (a.step / b.step).ln(),
         _ => f64::NAN,
@@ -212,11 +212,11 @@ pub fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
 }
 
 /// `count` steps from `first` on, each half of the one before, s.
-pub fn halvings(first: f64, count: i32) -> Vec<f64> {
+pub(crate) fn halvings(first: f64, count: i32) -> Vec<f64> {
     (0..count).map(|k| first * 0.5_f64.powi(k)).collect()
 }
 
 /// Passes progress on; an error if the work is to end.
-pub fn tell(progress: &mut Progress, share: f64) -> Result<(), ReproduceError> {
+pub(crate) fn tell(progress: &mut Progress, share: f64) -> Result<(), ReproduceError> {
     if progress(share.clamp(0.0, 1.0)) { Ok(()) } else { Err(erard::run::SimulationError::Interrupted.into()) }
 }

@@ -3,7 +3,7 @@
 use moreau::Settings;
 
 use super::blow::halvings;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use std::time::Instant;
 
 use erard::instrument::Instrument;
@@ -293,7 +293,7 @@ fn chart(fixed: &[Rung], controlled: &[Rung]) -> Chart {
                 x: rungs.iter().map(|r| r.newton).collect(),
                 y: rungs.iter().map(|r| r.errors[error]).collect(),
                 colour,
-                mark: Mark::Points,
+                mark: Dash::Points,
             })
             .collect(),
     };

@@ -3,7 +3,7 @@
 use moreau::{FrictionLaw, Settings};
 
 use super::blow::{Play, Rung, blow, halvings, ladder, order, regularised, tell};
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
 
@@ -93,7 +93,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                     x: law.rungs.iter().map(|r| r.blow.newton).collect(),
                     y: law.rungs.iter().map(|r| r.speed).collect(),
                     colour,
-                    mark: Mark::Points,
+                    mark: Dash::Points,
                 })
                 .collect(),
         }],

@@ -4,7 +4,7 @@ use fastrand::Rng;
 use moreau::Settings;
 
 use super::blow::{Play, tell};
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player::{self, Drive};
@@ -104,7 +104,7 @@ struct Compared {
     name: &'static str,
     instrument: Instrument,
     colour: usize,
-    mark: Mark,
+    mark: Dash,
 }
 
 /// The one-degree-of-freedom model with inertia and viscous friction fitted to the force-driven positions of all references:
@@ -207,9 +207,9 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         key(&fitted).1
     ));
     let models = [
-        Compared { name: "six bodies", instrument: instrument.clone(), colour: 1, mark: Mark::Dashed },
-        Compared { name: "one, derived", instrument: derived, colour: 0, mark: Mark::Line },
-        Compared { name: "one, fitted", instrument: fitted, colour: 4, mark: Mark::Line },
+        Compared { name: "six bodies", instrument: instrument.clone(), colour: 1, mark: Dash::Dashed },
+        Compared { name: "one, derived", instrument: derived, colour: 0, mark: Dash::Solid },
+        Compared { name: "one, fitted", instrument: fitted, colour: 4, mark: Dash::Solid },
     ];
     let mut table = Table::new(
         "What each model misses of the reference",
@@ -230,7 +230,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         let mut panels = Vec::new();
         for by_force in [true, false] {
             let mut curves =
-                vec![curve(reference, "reference (stand-in)", reference.own(by_force), by_force, 6, Mark::Line)];
+                vec![curve(reference, "reference (stand-in)", reference.own(by_force), by_force, 6, Dash::Solid)];
             // Of the whole stroke and of the way down, by model.
             let mut explained = [[f64::NAN; 3]; 2];
             for (k, model) in models.iter().enumerate() {
@@ -299,7 +299,7 @@ fn whose(instrument: &Instrument, references: &[Reference]) -> Result<Table, Rep
     Ok(table)
 }
 
-fn curve(r: &Reference, label: &str, y: &[f64], by_force: bool, colour: usize, mark: Mark) -> ChartCurve {
+fn curve(r: &Reference, label: &str, y: &[f64], by_force: bool, colour: usize, mark: Dash) -> ChartCurve {
     let factor = if by_force { 1e3 } else { 1.0 };
     let (x, y) = (r.time_s.iter().map(|t| t * 1e3).collect(), y.iter().map(|y| y * factor).collect());
     ChartCurve { label: label.into(), x, y, colour, mark }

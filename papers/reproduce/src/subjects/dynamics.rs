@@ -3,7 +3,7 @@
 use moreau::Settings;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard::run::{HandStroke, press_by_hand};
@@ -166,7 +166,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
                 x: steps.iter().map(|touched| touched.speed_m_s).collect(),
                 y: steps.iter().map(value).collect(),
                 colour: kind.colour,
-                mark: Mark::Points,
+                mark: Dash::Points,
             });
         }
         for touched in steps.iter().step_by(5).chain(steps.last()) {

@@ -3,7 +3,7 @@
 use moreau::Settings;
 
 use super::blow::{Play, tell};
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::stroke::{NUANCES, Touch};
 
@@ -86,14 +86,14 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                     x: STEPS.iter().map(|h| h * 1e6).collect(),
                     y: worst.to_vec(),
                     colour: 1,
-                    mark: Mark::Points,
+                    mark: Dash::Points,
                 },
                 ChartCurve {
                     label: "order 2".into(),
                     x: STEPS.iter().map(|h| h * 1e6).collect(),
                     y: STEPS.iter().map(|h| worst[0] * (h / STEPS[0]).powi(2)).collect(),
                     colour: 6,
-                    mark: Mark::Dashed,
+                    mark: Dash::Dashed,
                 },
             ],
         }],

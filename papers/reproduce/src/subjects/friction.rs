@@ -6,7 +6,7 @@ use moreau::{
 
 use super::blow::{NEIGHBOURS, Play, blow, halvings, regularised, tell};
 use super::convergence::WIDTHS;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, small};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, small};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
 
@@ -42,7 +42,7 @@ pub(super) fn felt(instrument: &Instrument, _: &mut Progress) -> Result<Section,
             x: hit.compression.iter().map(|g| g * 1e3).collect(),
             y: hit.force,
             colour: i + 1,
-            mark: [Mark::Line, Mark::Dashed, Mark::Dotted][i],
+            mark: [Dash::Solid, Dash::Dashed, Dash::Dotted][i],
         });
     }
     let told = lost.iter().map(|l| format!("{:.1} %", 100.0 * l)).collect::<Vec<_>>().join(", ");
@@ -165,7 +165,7 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
             x: note.time_s[first..].to_vec(),
             y: note.hammer_head_m[first..].iter().map(|y| (y - start) * 1e3).collect(),
             colour: [1, 2, 3, 5][i % 4],
-            mark: [Mark::Line, Mark::Dashed, Mark::Dotted, Mark::Dashed][i % 4],
+            mark: [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Dashed][i % 4],
         });
     }
     let list = |x: &[f64]| x.iter().map(|d| format!("{d:.1e}")).collect::<Vec<_>>().join(", ");
@@ -277,7 +277,7 @@ pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result
             x: stiffness.clone(),
             y,
             colour: i + 1,
-            mark: Mark::Points,
+            mark: Dash::Points,
         };
         spans.push(format!("{nuance} {:.2} to {:.2} m/s", speeds[0], speeds[factors.len() - 1]));
         speed_curves.push(curve(speeds));

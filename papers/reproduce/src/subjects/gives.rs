@@ -3,7 +3,7 @@
 use moreau::Settings;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending, builtin};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending, builtin};
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Zone};
 use erard::one_dof;
@@ -132,10 +132,10 @@ fn chart(instrument: &Instrument) -> Result<Chart, ReproduceError> {
             *sum += give * MM_PER_M;
         }
         let label = if colour == 0 { label.to_owned() } else { format!("+ {label}") };
-        curves.push(ChartCurve { label, x: x.clone(), y: below.clone(), colour: colour + 1, mark: Mark::Line });
+        curves.push(ChartCurve { label, x: x.clone(), y: below.clone(), colour: colour + 1, mark: Dash::Solid });
     }
     let travel: Vec<f64> = run.force_n[from..to].to_vec();
-    let force = ChartCurve { label: "finger's force".into(), x, y: travel, colour: 0, mark: Mark::Line };
+    let force = ChartCurve { label: "finger's force".into(), x, y: travel, colour: 0, mark: Dash::Solid };
     Ok(Chart {
         title: "What gives in a pressed f".into(),
         caption: "Millimetres at the key's front, one above the other; 0 ms: the hammer meets the string".into(),

@@ -3,7 +3,7 @@
 use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard_workshop::kinematics::{Case, Design, Digest, LinkageFile, derive, slow_press};
 
@@ -59,7 +59,7 @@ fn figures(design: &Design, cases: &[(&str, Case, Digest)], section: &mut Sectio
     let poses: Vec<Vec<StrokePose>> =
         cases.iter().map(|(_, case, _)| case.stroke(0.0, case.let_off_key_m.unwrap_or(0.010), POSES).poses).collect();
     let curves = |value: fn(&StrokePose) -> f64| {
-        let marks = [Mark::Line, Mark::Dashed, Mark::Dotted];
+        let marks = [Dash::Solid, Dash::Dashed, Dash::Dotted];
         cases
             .iter()
             .zip(&poses)

@@ -29,7 +29,7 @@ mod transfer;
 
 use thiserror::Error;
 
-pub(crate) use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Mark};
+pub(crate) use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 
 use erard::instrument::Instrument;
 use erard::one_dof::OneDofError;

@@ -3,7 +3,7 @@
 use moreau::Settings;
 
 use super::blow::{Play, Rung, blow, halvings, ladder, order, tell};
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
 
@@ -80,7 +80,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                 x: rungs.iter().map(|r| r.step * 1e6).collect(),
                 y: rungs.iter().map(error).collect(),
                 colour: 1 + 2 * index + turn,
-                mark: Mark::Points,
+                mark: Dash::Points,
             };
             speed_curves.push(curve(|r| r.speed));
             contact_curves.push(curve(|r| r.contact * 1e6));
@@ -92,7 +92,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             x: steps.iter().map(|h| h * 1e6).collect(),
             y: steps.iter().map(|h| top * (h / steps[0]).powf(power)).collect(),
             colour: 6,
-            mark: if power == 1.0 { Mark::Dotted } else { Mark::Dashed },
+            mark: if power == 1.0 { Dash::Dotted } else { Dash::Dashed },
         };
         let top = |curves: &[ChartCurve]| curves.iter().map(|c| c.y[0]).fold(0.0, f64::max) * 2.0;
         speed_curves.push(line(top(&speed_curves[..4])));

@@ -6,7 +6,7 @@ use moreau::Settings;
 use super::blow::tell;
 use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table, bending};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::run::Setup;
 use erard::run::{HandStroke, Muscle, press_by_hand};
@@ -28,7 +28,7 @@ struct Case {
     instrument: Instrument,
     touch: HandStroke,
     colour: usize,
-    mark: Mark,
+    mark: Dash,
 }
 
 /// What the key does, its travel over time.
@@ -106,15 +106,15 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         mark,
     };
     let cases = [
-        case("force gone at once (1 ms)", &grand, at_once, 0, Mark::Line),
-        case("force gone within 30 ms", &grand, usual, 1, Mark::Line),
-        case("led up within 120 ms", &grand, led, 2, Mark::Line),
-        case("led up within 240 ms", &grand, slowly, 3, Mark::Line),
-        case("30 ms, cloth with a loss", &lossy(&grand, LOSSES[0]), usual, 4, Mark::Dashed),
-        case("30 ms, cloth with a great loss", &lossy(&grand, LOSSES[1]), usual, 5, Mark::Dashed),
-        case("30 ms, even key", &even, usual, 6, Mark::Dotted),
-        case("30 ms, great loss and even key", &lossy(&even, LOSSES[1]), usual, 7, Mark::Dotted),
-        case("30 ms, great loss, even key that does not bend", &lossy(&stiff, LOSSES[1]), usual, 0, Mark::Dotted),
+        case("force gone at once (1 ms)", &grand, at_once, 0, Dash::Solid),
+        case("force gone within 30 ms", &grand, usual, 1, Dash::Solid),
+        case("led up within 120 ms", &grand, led, 2, Dash::Solid),
+        case("led up within 240 ms", &grand, slowly, 3, Dash::Solid),
+        case("30 ms, cloth with a loss", &lossy(&grand, LOSSES[0]), usual, 4, Dash::Dashed),
+        case("30 ms, cloth with a great loss", &lossy(&grand, LOSSES[1]), usual, 5, Dash::Dashed),
+        case("30 ms, even key", &even, usual, 6, Dash::Dotted),
+        case("30 ms, great loss and even key", &lossy(&even, LOSSES[1]), usual, 7, Dash::Dotted),
+        case("30 ms, great loss, even key that does not bend", &lossy(&stiff, LOSSES[1]), usual, 0, Dash::Dotted),
     ];
     let mut table = Table::new("The key after it is let go", &["how", "up after (ms)", "rebounds (mm)"]);
     let (mut curves, mut first) = (Vec::new(), Vec::new());

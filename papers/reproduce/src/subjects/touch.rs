@@ -20,7 +20,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDof, reduce};
 use erard::player::{self};
@@ -207,8 +207,8 @@ pub(super) fn fine_structure(instrument: &Instrument, progress: &mut Progress) -
                     y_log: false,
                     y_range: None,
                     curves: vec![
-                        curve("whole action", &found.whole_n, 1, Mark::Line),
-                        curve("one degree of freedom", &found.one_n, 0, Mark::Dashed),
+                        curve("whole action", &found.whole_n, 1, Dash::Solid),
+                        curve("one degree of freedom", &found.one_n, 0, Dash::Dashed),
                     ],
                 }],
             });
@@ -225,12 +225,12 @@ pub(super) fn fine_structure(instrument: &Instrument, progress: &mut Progress) -
             y_log: true,
             y_range: None,
             curves: vec![
-                curve("difference in third octaves", bands.iter().map(|(_, f)| f.max(1e-6)).collect(), 1, Mark::Points),
+                curve("difference in third octaves", bands.iter().map(|(_, f)| f.max(1e-6)).collect(), 1, Dash::Points),
                 curve(
                     "felt from here on (estimate)",
                     bands.iter().map(|(hz, _)| softness * felt_m(*hz)).collect(),
                     2,
-                    Mark::Dashed,
+                    Dash::Dashed,
                 ),
             ],
         });

@@ -10,7 +10,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player;
@@ -289,8 +289,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                     y_log: true,
                     y_range: None,
                     curves: vec![
-                        curve(a, "six bodies", 1, Mark::Line),
-                        curve(b, "one degree of freedom", 0, Mark::Dashed),
+                        curve(a, "six bodies", 1, Dash::Solid),
+                        curve(b, "one degree of freedom", 0, Dash::Dashed),
                     ],
                 }
             })

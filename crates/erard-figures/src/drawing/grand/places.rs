@@ -93,7 +93,7 @@ impl Located {
     }
 
     /// The place with an offset, mm.
-    pub fn offset(&self, [x, y]: Vec2) -> Vec2 {
+    pub(crate) fn offset(&self, [x, y]: Vec2) -> Vec2 {
         let (sin, cos) = self.turn.sin_cos();
         let [x, y] = [x * self.scale, y * self.scale];
         [self.at[0] + cos * x - sin * y, self.at[1] + sin * x + cos * y]
@@ -115,12 +115,12 @@ pub(super) struct Places<'i> {
 }
 
 impl<'i> Places<'i> {
-    pub fn new(instrument: &'i Instrument, parts: &'i Parts, drawn: &'i [Placement]) -> Self {
+    pub(crate) fn new(instrument: &'i Instrument, parts: &'i Parts, drawn: &'i [Placement]) -> Self {
         Places { instrument, parts, drawn }
     }
 
     /// The place, or `None` where the instrument has no such thing.
-    pub fn find(&self, place: Place) -> Option<Located> {
+    pub(crate) fn find(&self, place: Place) -> Option<Located> {
         use Component as C;
         let p = self.parts;
         let level = |at: Vec2| Some(Located::at(at));
@@ -216,7 +216,7 @@ impl<'i> Places<'i> {
     }
 
     /// Centre and radius of a zone's disc, mm, in a component's frame.
-    pub fn disc(&self, zone: usize, component: Component) -> Option<(Vec2, f64)> {
+    pub(crate) fn disc(&self, zone: usize, component: Component) -> Option<(Vec2, f64)> {
         let zone = &self.instrument.zones[zone];
         let is_there = self.parts.component_of(zone.disc_body) == Some(component);
         is_there.then(|| (self.seen(zone.disc_body, zone.disc_center_m, component), 1e3 * zone.disc_radius_m))
@@ -334,12 +334,12 @@ impl<'i> Places<'i> {
     }
 
     /// A component's origin in the world, mm.
-    pub fn origin(&self, component: Component) -> Vec2 {
+    pub(crate) fn origin(&self, component: Component) -> Vec2 {
         self.parts.frame(component, self.drawn).pivot_m.map(|c| 1e3 * c)
     }
 
     /// A point of a body, mm, in a component's frame as drawn.
-    pub fn seen(&self, body: Option<usize>, point_m: Vec2, component: Component) -> Vec2 {
+    pub(crate) fn seen(&self, body: Option<usize>, point_m: Vec2, component: Component) -> Vec2 {
         let world = body.map_or(Placement::GROUND, |body| self.drawn[body]).to_world(point_m);
         self.to_frame(world, component)
     }

@@ -136,7 +136,7 @@ impl Strings {
     }
 
     /// Everything still, as it stands under what lies on it when the action rests.
-    pub fn reset_to_equilibrium(&mut self) {
+    pub(crate) fn reset_to_equilibrium(&mut self) {
         (self.forces_n, self.still) = (self.resting_n, true);
         self.stand();
     }

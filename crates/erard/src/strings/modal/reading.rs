@@ -94,7 +94,7 @@ impl Strings {
 
     /// Whether they end on a bridge that moves, and whether dampers' felts lie on them.
     #[must_use]
-    pub fn bears(&self) -> [bool; 2] {
+    pub(crate) fn bears(&self) -> [bool; 2] {
         [self.bridge.is_some(), !self.felts.is_empty()]
     }
 

@@ -6,7 +6,7 @@ use erard::{Action, Input};
 use moreau::Settings;
 
 use super::super::blow::{halvings, neighbouring};
-use super::super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use super::head;
 
 /// Steps, s, and the reference's as a part of the smallest.
@@ -221,11 +221,11 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
                 x: us(),
                 y: rungs.iter().map(|(_, errors)| errors[k]).collect(),
                 colour: k + 1,
-                mark: Mark::Points,
+                mark: Dash::Points,
             })
             .collect();
         let largest = rungs.iter().flat_map(|(_, errors)| errors).fold(0.0, |a: f64, b| a.max(*b));
-        for (label, power, mark) in [("first order", 1, Mark::Dotted), ("second order", 2, Mark::Dashed)] {
+        for (label, power, mark) in [("first order", 1, Dash::Dotted), ("second order", 2, Dash::Dashed)] {
             let slope = |(step, _): &Rung| 2.0 * largest * (step / LADDER.0).powi(power);
             curves.push(ChartCurve {
                 label: label.into(),

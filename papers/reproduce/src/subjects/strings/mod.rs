@@ -5,7 +5,7 @@ mod convergence;
 mod head;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Mark, Progress, ReproduceError, Section, Table};
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
@@ -225,7 +225,7 @@ fn damper(section: &mut Section, progress: &mut Progress) -> Result<(), Reproduc
         x: kept.clone(),
         y,
         colour,
-        mark: Mark::Points,
+        mark: Dash::Points,
     };
     let panel = |y_label: &str, y_log: bool, curve: ChartCurve| ChartPanel {
         y_label: y_label.into(),
