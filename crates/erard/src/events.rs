@@ -6,7 +6,7 @@ use crate::player::Action;
 
 /// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths breathe
 /// and a hundredth of its dip.
-pub const KEY_START_M: f64 = 1e-4;
+pub(crate) const KEY_START_M: f64 = 1e-4;
 
 /// A check is looked for within this distance of the string, m.
 const NEAR_M: f64 = 0.02;
@@ -30,7 +30,7 @@ pub struct Events {
 
 impl Events {
     /// The first impact of the hammer on the string.
-    pub fn first_impact(&self) -> Option<Impact> {
+    pub(crate) fn first_impact(&self) -> Option<Impact> {
         self.impacts.first().copied()
     }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 /// lower one. The equation is Freudenstein's for a four-bar, and that of a point
 /// on a circle that must keep a given distance from a line.
 #[must_use]
-pub fn cosine_equation(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
+pub(crate) fn cosine_equation(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
     let amplitude = a.hypot(b);
     let cosine = c / amplitude;
     if cosine.abs() > 1.0 || cosine.is_nan() {

@@ -34,7 +34,7 @@ impl Direction {
     /// Along the y axis.
     pub const Y: Direction = Direction::quarter(1);
     /// Against the x axis.
-    pub const MINUS_X: Direction = Direction::quarter(2);
+    pub(crate) const MINUS_X: Direction = Direction::quarter(2);
     /// Against the y axis.
     pub const MINUS_Y: Direction = Direction::quarter(3);
 

@@ -144,7 +144,7 @@ impl LinearGraph {
 
     /// The tree path from the ground's origin to `node`.
     #[must_use]
-    pub fn path_to(&self, node: PointId) -> Vec<Traversal> {
+    pub(crate) fn path_to(&self, node: PointId) -> Vec<Traversal> {
         let mut path = Vec::new();
         let mut at = node;
         while let Some(step) = self.parent[at.0] {

@@ -365,7 +365,7 @@ impl Linkage {
 
     /// The body that carries `point`.
     #[must_use]
-    pub fn body_of(&self, point: PointId) -> BodyId {
+    pub(crate) fn body_of(&self, point: PointId) -> BodyId {
         self.points[point.0].body
     }
 }

@@ -270,7 +270,12 @@ impl<T: Scalar> Model<'_, T> {
     }
 
     /// Where two polygons touch at these placements, in the order of [`Model::polygon_laws`]; nothing if they are further apart than `margin`.
-    pub fn polygon_points(&self, places: &[Placement<T>], contact: usize, margin: T) -> [Option<ContactPoint<T>>; 2] {
+    pub(crate) fn polygon_points(
+        &self,
+        places: &[Placement<T>],
+        contact: usize,
+        margin: T,
+    ) -> [Option<ContactPoint<T>>; 2] {
         match self.polygons.get(contact).filter(|_| places.len() >= self.bodies.len()) {
             Some(pair) => polygon_touch(pair, places, margin).map(|touch| point_of(&touch, places)),
             None => [None; 2],

@@ -48,24 +48,24 @@ pub use placement::Placement;
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
 pub use rewrite::{RewriteError, cited};
 pub use schema::json_schema;
-pub use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
+pub(crate) use tuning::REACH_HZ;
 
 /// Most bodies of an instrument: the engine's capacity.
-pub const MAX_BODIES: usize = 12;
+pub(crate) const MAX_BODIES: usize = 12;
 /// Most zones of an instrument: the engine's capacity.
-pub const MAX_ZONES: usize = 32;
+pub(crate) const MAX_ZONES: usize = 32;
 /// Most springs of an instrument.
-pub const MAX_SPRINGS: usize = 24;
+pub(crate) const MAX_SPRINGS: usize = 24;
 /// Most strings of a note.
-pub const MAX_STRINGS: usize = 3;
+pub(crate) const MAX_STRINGS: usize = 3;
 /// Most modes of a bridge.
-pub const MAX_BRIDGE_MODES: usize = 16;
+pub(crate) const MAX_BRIDGE_MODES: usize = 16;
 /// Most regulating screws of an instrument.
-pub const MAX_SCREWS: usize = 64;
+pub(crate) const MAX_SCREWS: usize = 64;
 /// Most drawn parts of an instrument.
-pub const MAX_PARTS: usize = 512;
+pub(crate) const MAX_PARTS: usize = 512;
 /// Most corners of one outline.
-pub const MAX_CORNERS: usize = 4096;
+pub(crate) const MAX_CORNERS: usize = 4096;
 
 /// A point or direction in a plane, `[x, y]`, metres (or dimensionless for directions).
 pub type Vec2 = [f64; 2];

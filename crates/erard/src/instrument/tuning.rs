@@ -5,11 +5,11 @@ use core::f64::consts::PI;
 use super::PianoString;
 
 /// Steel wire, kg/m3.
-pub const STEEL_DENSITY_KG_M3: f64 = 7850.0;
+pub(crate) const STEEL_DENSITY_KG_M3: f64 = 7850.0;
 /// Steel wire, Pa.
-pub const STEEL_YOUNG_PA: f64 = 2.02e11;
+pub(crate) const STEEL_YOUNG_PA: f64 = 2.02e11;
 /// Partials above this are not stepped, whatever the step: nobody hears them, Hz.
-pub const REACH_HZ: f64 = 20e3;
+pub(crate) const REACH_HZ: f64 = 20e3;
 /// Partials that a static compliance counts: what is beyond adds less than a thousandth of it.
 const STATIC_PARTIALS: u32 = 4000;
 

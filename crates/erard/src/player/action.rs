@@ -291,7 +291,7 @@ impl Action {
     }
 
     /// Changes the settings from the next step on.
-    pub fn set_settings(&mut self, settings: Settings<f64>) {
+    pub(crate) fn set_settings(&mut self, settings: Settings<f64>) {
         let stepping = *self.mechanism.readout().stepping;
         self.mechanism.configure(Stepping { settings, ..stepping });
     }

@@ -9,10 +9,10 @@ mod simulation;
 mod sound;
 
 pub use hand_stroke::{HandStroke, Muscle, least_jerk, press_by_hand};
-pub use run_loop::SMALLEST_CONTROLLED_STEP_S;
-pub use setup::{MOST_ROWS, MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
+
+pub use setup::{MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
 pub use simulation::{press, simulate, simulate_observed};
-pub use sound::{RATE_HZ, STEPS_PER_SAMPLE, Sound, sound};
+pub use sound::{RATE_HZ, Sound, sound};
 
 pub use crate::events::Events;
 pub use crate::player::{BodySeries, ControlWork, StringSeries, Work, ZoneSeries};

@@ -16,7 +16,7 @@ use super::setup::{MOST_ROWS, Setup, SimulationError};
 
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
 /// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
-pub const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
+pub(crate) const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
 
 /// A run under way.
 pub(crate) struct RunLoop<'a> {

@@ -13,7 +13,7 @@ use crate::strings::Strings;
 /// Samples per second of a [`Sound`].
 pub const RATE_HZ: u32 = 48_000;
 /// Steps per sample. The strings have no partials above 20 kHz, so that taking every other step folds nothing back.
-pub const STEPS_PER_SAMPLE: u64 = 2;
+pub(crate) const STEPS_PER_SAMPLE: u64 = 2;
 
 /// The force of a note's strings on the bridge.
 #[derive(Debug, Clone, Default)]

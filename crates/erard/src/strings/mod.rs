@@ -40,9 +40,8 @@ mod pedal;
 mod rows;
 mod shape_probe;
 
-pub use crate::instrument::{REACH_HZ, STEEL_DENSITY_KG_M3, STEEL_YOUNG_PA};
 pub use modal::Strings;
-pub use pedal::{PEDAL_M_S, PEDAL_MOST_M, Pedal, PedalError};
+pub use pedal::{Pedal, PedalError};
 pub use shape_probe::ShapeProbe;
 
 use crate::instrument::Instrument;
@@ -58,7 +57,7 @@ pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
         return Vec::new();
     };
     let dampers = instrument.strings.iter().filter_map(|one| one.damper).map(|felt| (felt.zone, DAMPER_EXCURSION_M));
-    let pedal = instrument.roles.pedal.map(|zone| (zone, PEDAL_MOST_M));
+    let pedal = instrument.roles.pedal.map(|zone| (zone, pedal::PEDAL_MOST_M));
     [(string, EXCURSION_M)].into_iter().chain(dampers).chain(pedal).collect()
 }
 

@@ -6,9 +6,9 @@ use moreau::Surface;
 use thiserror::Error;
 
 /// How far the rail can be lifted, m.
-pub const PEDAL_MOST_M: f64 = 10e-3;
+pub(crate) const PEDAL_MOST_M: f64 = 10e-3;
 /// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that jumps is no blow with a hammer.
-pub const PEDAL_M_S: f64 = 0.5;
+pub(crate) const PEDAL_M_S: f64 = 0.5;
 
 /// Where the rail is, m above its place with the pedal up.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -106,7 +106,7 @@ impl Pedal {
 
     /// Whether it is ever moved or held down.
     #[must_use]
-    pub fn is_used(&self) -> bool {
+    pub(crate) fn is_used(&self) -> bool {
         self.points[..self.count].iter().any(|[_, lift_m]| *lift_m != 0.0)
     }
 }

@@ -33,10 +33,10 @@ use crate::player::Work;
 /// Largest energy that the books may leave unexplained, over the energy turned over ([`energy_residual`]).
 pub const ENERGY_RESIDUAL: f64 = 0.01;
 /// Steps that may end without convergence: none.
-pub const UNCONVERGED_STEPS: u64 = 0;
+pub(crate) const UNCONVERGED_STEPS: u64 = 0;
 /// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for what may be touched within a
 /// step.
-pub const HAMMER_SPEED_M_S: f64 = 20.0;
+pub(crate) const HAMMER_SPEED_M_S: f64 = 20.0;
 /// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
 

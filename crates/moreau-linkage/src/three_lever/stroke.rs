@@ -40,13 +40,6 @@ impl ThreeLever {
             hammer_head: self.head[0].hypot(self.head[1]),
         }
     }
-
-    /// Height of the strike point over the hammer's pivot at shank angle `h` (m).
-    #[must_use]
-    pub fn head_height(&self, h: f64) -> f64 {
-        let (s, c) = h.sin_cos();
-        self.head[0] * s + self.head[1] * c
-    }
 }
 
 impl LeverTrain {

@@ -51,7 +51,7 @@ impl Strings {
 
     /// Where it was sent, m.
     #[must_use]
-    pub fn pedal_aim_m(&self) -> Option<f64> {
+    pub(crate) fn pedal_aim_m(&self) -> Option<f64> {
         self.rail.map(|rail| rail.aim_m)
     }
 
