@@ -1,6 +1,9 @@
 //! The felt law: everything that the engine asks of a felt, in one file.
 //!
-//! A new law is a variant of [`Loss`] or of [`Exponent`] and an arm in every `match` below; the compiler lists the places. Who asks what:
+//! A new law is a variant of [`Loss`] or of [`Exponent`] and an arm in every `match` below. The compiler lists only the matches without `_`. Look yourself at
+//! `at`, `bend`, `largest_force`, `press_exactly` and both rates of opening (`FeltLaw::of`, `press_points`): a law that is forgotten there is a felt
+//! without loss. A number of an existing law is changed in two places: `FeltLaw::of`, which all forces read, and `curvature_bound`, which reads the file's
+//! number. Who asks what:
 //!
 //! | who asks | what |
 //! |---|---|

@@ -9,7 +9,7 @@ use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
 use erard_workshop::cores;
-use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Native, Plan, Problem, course, free};
+use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Plan, Problem, free};
 
 use super::options::{DriveName, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
@@ -188,7 +188,7 @@ impl Fit {
         let mut output = self.out.prepare("fit", &names)?;
         let mut progress = Progress::counting("fitting");
         problem.watch = Box::new(move |strokes| progress.counted(|| format!("fitting: {strokes} strokes")));
-        let found = course(&mut Native(&mut problem), &plan).map_err(failure)?;
+        let found = erard_workshop::fit::fit(&mut problem, &plan).map_err(failure)?;
         let channels = found.curves(&mut problem).map_err(failure)?;
         // The bar goes with it.
         problem.watch = Box::new(|_| true);

@@ -1,6 +1,6 @@
 //! `fit.json`.
 
-use erard_workshop::fit::{Found, Problem};
+use erard_workshop::fit::{FitResult, Problem};
 use serde::Serialize;
 
 use crate::compare::PreparedChannel;
@@ -94,7 +94,7 @@ struct ChannelReport {
 
 impl Report {
     /// Of a fit.
-    pub(crate) fn new(found: &Found, problem: &Problem, instrument: &str) -> Self {
+    pub(crate) fn new(found: &FitResult, problem: &Problem, instrument: &str) -> Self {
         let recordings = problem.data.iter().zip(&problem.drive_sigma).map(|(one, sigma)| RecordingReport {
             name: one.name.clone(),
             drive: one.stroke.drive.name(),

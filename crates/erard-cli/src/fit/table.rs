@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use erard_workshop::fit::{Channel, Found, Problem};
+use erard_workshop::fit::{Channel, FitResult, Problem};
 
 use super::values::unit_shown;
 use crate::table::write_optional_csv;
@@ -25,7 +25,7 @@ fn shown(x: f64, decimals: Option<usize>) -> String {
 }
 
 /// The report, line by line.
-pub(crate) fn lines(found: &Found, problem: &Problem, instrument: &str) -> Vec<String> {
+pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> Vec<String> {
     let names: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
     let with = if found.differentiated > 0 {
         format!(" and {} with derivatives", found.differentiated)

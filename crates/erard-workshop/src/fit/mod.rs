@@ -1,30 +1,30 @@
 //! Parameters of an instrument fitted to recordings: least squares, and what the data do and do not tell.
 //!
 //! Each recording drives the model by its force, or its motion, and what else was recorded is compared ([`Data`]). What is free, and between which bounds, is a
-//! [`Free`] parameter; residuals and their Jacobian make a [`Problem`]. [`course()`] leads a solver through it: first what leads to the blow, then all of it in
-//! differences that look past what jumps, then finely, and from elsewhere again until two have ended alike. [`Found`] says what came of it: covariance (noise of sensors
+//! [`Free`] parameter; residuals and their Jacobian make a [`Problem`]. [`fit()`] solves it: first what leads to the blow, then all of it in
+//! differences that look past what jumps, then finely, and from elsewhere again until two have ended alike. [`FitResult`] says what came of it: covariance (noise of sensors
 //! and of what drives, misfit beyond both), and which directions nobody sees.
 //!
-//! The command `erard fit` has `solver` for its solver; `erard.fit` in Python walks the same course with SciPy's. All else is the same code.
+//! `erard.fit` in Python goes through the same stages with SciPy's solver. All else is the same code.
 
-mod course;
 mod data;
 mod drive_noise;
-mod found;
 mod free;
 mod jacobian;
+mod plan;
 mod problem;
+mod result;
 mod solver;
 mod svd;
 mod written;
 
-pub use course::{Host, Native, Plan, Solution, course};
+pub use plan::{Plan, Solution, fit};
 
 pub use data::{COLUMNS, Data};
-pub use found::{Channel, Found};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};
 pub use problem::Problem;
+pub use result::{Channel, FitResult};
 pub use solver::Loss;
 pub use svd::Columns;
 pub use written::WriteError;

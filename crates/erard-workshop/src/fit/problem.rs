@@ -19,7 +19,7 @@ const LONGEST_DELAY_MS: f64 = 20.0;
 pub(crate) type Curves = Vec<Vec<Vec<Vec<f64>>>>;
 
 /// Is told how many strokes were played, at least every 20 ms while some are; false ends the work.
-pub(crate) type Watch = Box<dyn FnMut(u64) -> bool + Send>;
+pub(crate) type Proceed = Box<dyn FnMut(u64) -> bool + Send>;
 
 /// Residuals of recordings, in units of their noise.
 pub struct Problem {
@@ -48,7 +48,7 @@ pub struct Problem {
     /// Of these with derivatives.
     pub differentiated: u64,
     /// Progress, and whether to go on.
-    pub watch: Watch,
+    pub watch: Proceed,
     pub(super) kept: Option<(Vec<f64>, Vec<f64>)>,
 }
 
@@ -343,7 +343,7 @@ pub(super) fn sampled(
     jobs: Vec<Job<'_>>,
     workers: Workers,
     before: u64,
-    watch: &mut Watch,
+    watch: &mut Proceed,
 ) -> Result<Vec<Option<Vec<Vec<f64>>>>, FitError> {
     // Key, hammer and force are columns of every instrument.
     let sampling = Sampling::of(first, &one.columns, one.every)

@@ -3,7 +3,7 @@
 use erard::instrument::{InstrumentFile, RewriteError, cited};
 use thiserror::Error;
 
-use super::Found;
+use super::FitResult;
 
 /// Who the source of the new numbers is, in the file's own list of sources, and its name there.
 const AUTHOR: &str = "erard fit";
@@ -20,7 +20,7 @@ pub enum WriteError {
     Unlike(String),
 }
 
-impl Found {
+impl FitResult {
     /// `text`, the file of the instrument that was fitted, with the fitted numbers in place of its own, each cited as fitted to these recordings, with its standard
     /// deviation in its note. It is read again before it is given out.
     ///

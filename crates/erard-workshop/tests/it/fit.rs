@@ -10,9 +10,7 @@ use erard::instrument::{Instrument, InstrumentFile};
 use erard::recording::Preparation;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Columns, PositionOf, Prescribed, Recording, Stroke, Touch};
-use erard_workshop::fit::{
-    Asked, DIFFERENCES, Data, FitError, Found, Free, Jacobian, Loss, Native, Plan, Problem, course, free,
-};
+use erard_workshop::fit::{Asked, DIFFERENCES, Data, FitError, FitResult, Free, Jacobian, Loss, Plan, Problem, free};
 use erard_workshop::study::Parameter;
 use fastrand::Rng;
 use moreau::Settings;
@@ -93,9 +91,9 @@ fn problem_in_steps(recordings: &[Recording], asks: &Asks<'_>, step_s: f64) -> R
     Problem::new(&file().instrument, free, data, asks.delay, &asks.sigma, erard_workshop::cores::count())
 }
 
-fn fit(recordings: &[Recording], asks: &Asks<'_>) -> Result<Found, FitError> {
+fn fit(recordings: &[Recording], asks: &Asks<'_>) -> Result<FitResult, FitError> {
     let mut problem = problem(recordings, asks)?;
-    course(&mut Native(&mut problem), &asks.plan)
+    erard_workshop::fit::fit(&mut problem, &asks.plan)
 }
 
 fn names() -> Vec<&'static str> {
@@ -115,7 +113,7 @@ fn quiet<'a>(vary: &'a [&'a str]) -> Asks<'a> {
 }
 
 /// Names of the parameters, two strokes of the grand that has the true ones, and the fit to them by differences: several tests look at it.
-static FITTED: LazyLock<(Vec<&str>, [Recording; 2], Found)> = LazyLock::new(|| {
+static FITTED: LazyLock<(Vec<&str>, [Recording; 2], FitResult)> = LazyLock::new(|| {
     let (vary, data) = (names(), both_strokes());
     let found = fit(&data, &quiet(&vary)).unwrap();
     (vary, data, found)
@@ -202,7 +200,7 @@ fn the_recordings_tell_the_grand_that_made_them() {
     let sigma = [("key_m".to_owned(), 10e-6), ("hammer_head_m".to_owned(), 50e-6)];
     let mut problem =
         Problem::new(&grand.instrument, free, data, false, &sigma, erard_workshop::cores::count()).unwrap();
-    let found = course(&mut Native(&mut problem), &Plan::default()).unwrap();
+    let found = erard_workshop::fit::fit(&mut problem, &Plan::default()).unwrap();
     for ((name, truth), (x, std)) in recordings::TRUE.iter().zip(found.x.iter().zip(&found.std)) {
         println!("{name} {x} +- {std} ({truth}), {:.2}", (x - truth) / std);
         assert!((x - truth).abs() < 4.0 * std, "{name}: {x} +- {std}, {truth}");
@@ -397,7 +395,7 @@ fn what_is_wrong_is_said() {
     assert!(told(&|a| a.columns = Some(vec!["string_N".into()])).contains("not recorded"));
     let mut problem = problem(&data, &asks(&["let_off"])).unwrap();
     problem.watch = Box::new(|_| false);
-    assert!(course(&mut Native(&mut problem), &Plan::default()).unwrap_err().is_interruption());
+    assert!(erard_workshop::fit::fit(&mut problem, &Plan::default()).unwrap_err().is_interruption());
     assert!(Problem::new(&file().instrument, Vec::new(), Vec::new(), false, &[], 1).is_err());
 }
 
@@ -418,7 +416,7 @@ fn same_on_cores(restarts: usize) {
     let on = |threads: usize| {
         let mut problem = problem(&data, &asks(&["body.hammer.mass"])).unwrap();
         problem.threads = threads;
-        course(&mut Native(&mut problem), &Plan { restarts, ..Plan::default() }).unwrap()
+        erard_workshop::fit::fit(&mut problem, &Plan { restarts, ..Plan::default() }).unwrap()
     };
     assert_eq!(on(1), on(3));
 }

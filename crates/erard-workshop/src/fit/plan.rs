@@ -1,14 +1,12 @@
 //! The course of a fit: what leads to the blow, then all of it in coarse differences, then finely; and from elsewhere again.
 
-use std::ops::DerefMut;
-
 use fastrand::Rng;
 
 use super::drive_noise::Disturbed;
 use super::jacobian::DIFFERENCES;
 use super::solver::{self, LeastSquares};
 use super::svd::Columns;
-use super::{Asked, FitError, Found, Jacobian, Loss, Problem};
+use super::{Asked, FitError, FitResult, Jacobian, Loss, Problem};
 
 /// The step of the first differences: long enough to look past what jumps.
 const COARSE: f64 = 1e-2;
@@ -55,24 +53,6 @@ pub struct Solution {
     pub message: String,
 }
 
-/// Who holds the problem and solves it.
-pub trait Host {
-    /// Why the work ends before its time.
-    type Error: From<FitError>;
-
-    /// The problem.
-    fn problem(&mut self) -> impl DerefMut<Target = Problem> + '_;
-
-    /// Solves it within its bounds, from a point, with differences of this step, and so many evaluations at most.
-    ///
-    /// # Errors
-    /// An interruption.
-    fn solve(&mut self, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, Self::Error>;
-}
-
-/// The problem with `solver` for its solver.
-pub struct Native<'a>(pub &'a mut Problem);
-
 /// A problem with differences of one step.
 struct Shared<'a>(&'a mut Problem, f64);
 
@@ -88,19 +68,12 @@ impl LeastSquares for Shared<'_> {
     }
 }
 
-impl Host for Native<'_> {
-    type Error = FitError;
-
-    fn problem(&mut self) -> impl DerefMut<Target = Problem> + '_ {
-        &mut *self.0
-    }
-
-    fn solve(&mut self, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, FitError> {
-        let (low, high) = self.0.bounds();
-        let found = solver::solve(&mut Shared(self.0, share), from, (&low, &high), loss, most)?;
-        let misfit = mean_square(&found.residuals);
-        Ok(Solution { point: found.x, misfit, message: found.ended.words().to_owned() })
-    }
+/// Solves a problem within its bounds, from a point, with differences of this step, and so many evaluations at most.
+fn solve(problem: &mut Problem, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, FitError> {
+    let (low, high) = problem.bounds();
+    let found = solver::solve(&mut Shared(problem, share), from, (&low, &high), loss, most)?;
+    let misfit = mean_square(&found.residuals);
+    Ok(Solution { point: found.x, misfit, message: found.ended.words().to_owned() })
 }
 
 fn mean_square(residuals: &[f64]) -> f64 {
@@ -111,11 +84,11 @@ fn mean_square(residuals: &[f64]) -> f64 {
 ///
 /// # Errors
 /// A start that is none, what cannot be played there, an interruption.
-pub fn course<H: Host>(host: &mut H, plan: &Plan) -> Result<Found, H::Error> {
-    let begin = start(&mut host.problem(), plan)?;
-    let (low, high) = host.problem().bounds();
-    let silent = host.problem().told.iter().any(Option::is_none);
-    let count = host.problem().free.len();
+pub fn fit(problem: &mut Problem, plan: &Plan) -> Result<FitResult, FitError> {
+    let begin = start(problem, plan)?;
+    let (low, high) = problem.bounds();
+    let silent = problem.told.iter().any(Option::is_none);
+    let count = problem.free.len();
     let mut rng = Rng::with_seed(0);
     let mut ends: Vec<f64> = Vec::new();
     let mut best: Option<(Solution, Disturbed)> = None;
@@ -126,35 +99,28 @@ pub fn course<H: Host>(host: &mut H, plan: &Plan) -> Result<Found, H::Error> {
             for k in 0..count {
                 from[k] += FAR * (high[k] - low[k]).min(1.0) * (2.0 * rng.f64() - 1.0);
             }
-            host.problem().keep_inside(&mut from);
+            problem.keep_inside(&mut from);
         }
         // First what leads to the blow, which is smooth; then all of it, in steps that look past what jumps.
-        {
-            let mut problem = host.problem();
-            let weights = problem.until_the_blow(&from)?;
-            problem.weights = Some(weights);
-            problem.forget();
-        }
-        let found = host.solve(&from, COARSE, Loss::SoftL1, COARSE_MOST[0])?;
-        {
-            let mut problem = host.problem();
-            problem.weights = None;
-            problem.forget();
-        }
-        let found = host.solve(&found.point, COARSE, Loss::SoftL1, COARSE_MOST[1])?;
-        let mut found = host.solve(&found.point, DIFFERENCES[1], plan.loss, plan.most)?;
+        problem.weights = Some(problem.until_the_blow(&from)?);
+        problem.forget();
+        let found = solve(problem, &from, COARSE, Loss::SoftL1, COARSE_MOST[0])?;
+        problem.weights = None;
+        problem.forget();
+        let found = solve(problem, &found.point, COARSE, Loss::SoftL1, COARSE_MOST[1])?;
+        let mut found = solve(problem, &found.point, DIFFERENCES[1], plan.loss, plan.most)?;
         if silent {
             // The noise that nothing tells is estimated with the parameters held and the other way round, until neither moves.
             for _ in 0..ROUNDS {
-                if host.problem().estimate_noise(&found.point)? {
+                if problem.estimate_noise(&found.point)? {
                     break;
                 }
-                found = host.solve(&found.point, DIFFERENCES[1], plan.loss, plan.most)?;
+                found = solve(problem, &found.point, DIFFERENCES[1], plan.loss, plan.most)?;
             }
         }
         ends.push(found.misfit);
         if best.as_ref().is_none_or(|(best, _)| found.misfit < best.misfit) {
-            let disturbed = host.problem().drive_noise(&found.point)?;
+            let disturbed = problem.drive_noise(&found.point)?;
             best = Some((found, disturbed));
         }
         // Two that end alike, and leave no more than the sensors' noise, have found the place.
@@ -164,7 +130,7 @@ pub fn course<H: Host>(host: &mut H, plan: &Plan) -> Result<Found, H::Error> {
         }
     }
     let (found, disturbed) = best.ok_or(FitError::Unplayable)?;
-    Ok(conclude(&mut host.problem(), found, &disturbed)?)
+    conclude(problem, found, &disturbed)
 }
 
 /// Where a fit begins, as parameters are counted: within the bounds, where the instrument can be played.
@@ -193,13 +159,13 @@ fn start(problem: &mut Problem, plan: &Plan) -> Result<Vec<f64>, FitError> {
 }
 
 /// The Jacobian where it ended, how far that depends on its steps, and all that follows.
-fn conclude(problem: &mut Problem, found: Solution, disturbed: &Disturbed) -> Result<Found, FitError> {
+fn conclude(problem: &mut Problem, found: Solution, disturbed: &Disturbed) -> Result<FitResult, FitError> {
     problem.forget();
     let jacobian = problem.jacobian(&found.point, DIFFERENCES[1])?;
     let wide = problem.by_differences(&found.point, DIFFERENCES[0])?;
     let other = if problem.exact { jacobian.clone() } else { problem.by_differences(&found.point, DIFFERENCES[2])? };
     let residuals = problem.residuals(&found.point)?;
-    Ok(Found::new(problem, found, residuals, &jacobian, agreement(&wide, &other), disturbed))
+    Ok(FitResult::new(problem, found, residuals, &jacobian, agreement(&wide, &other), disturbed))
 }
 
 /// The largest relative difference between columns of two Jacobians.

@@ -1,7 +1,7 @@
 //! What a fit found: values, covariance, and what nobody sees, in words.
 
-use super::course::Solution;
 use super::drive_noise::{DISTURBED, Disturbed};
+use super::plan::Solution;
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
 use super::{FitError, Free};
@@ -11,7 +11,7 @@ type Rows = Vec<Vec<f64>>;
 
 /// What a fit found. Vectors of `free` parameters stand in their order; inner ones have the delays in ms behind them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct FitResult {
     /// What was free.
     pub free: Vec<Free>,
     /// Where it ended, as parameters are counted.
@@ -80,7 +80,7 @@ const CORRELATED: f64 = 0.5;
 /// Most parameters of a direction that are named, and how large a part of the largest share they have at least.
 const NAMED: (usize, f64) = (4, 0.3);
 
-impl Found {
+impl FitResult {
     /// Of where a solver ended.
     pub(super) fn new(
         problem: &Problem,
@@ -127,7 +127,7 @@ impl Found {
         let cov: Rows =
             (0..count).map(|i| (0..count).map(|j| inner_cov[i][j] * slopes[i] * slopes[j]).collect()).collect();
         let delay = |channel: usize| problem.delay.then(|| problem.delay_s(&point, channel));
-        Found {
+        FitResult {
             x: problem.outer(&point),
             std: (0..count).map(|i| cov[i][i].sqrt()).collect(),
             cov,
