@@ -5,8 +5,11 @@ use std::sync::{LazyLock, OnceLock};
 
 use moreau_conformance::{Expected, Problem, Row, problems};
 
-/// Every problem by its number, with its rows once a test has asked for them.
-static SOLVED: LazyLock<BTreeMap<u32, (Problem, OnceLock<Vec<Row>>)>> =
+/// A problem, and its rows once a test has asked for them.
+type Solved = (Problem, OnceLock<Vec<Row>>);
+
+/// Every problem by its number.
+static SOLVED: LazyLock<BTreeMap<u32, Solved>> =
     LazyLock::new(|| problems().into_iter().map(|problem| (problem.number, (problem, OnceLock::new()))).collect());
 
 fn solved(number: u32) -> (&'static Problem, &'static [Row]) {

@@ -144,15 +144,15 @@ fn ten_hands_play_a_keyboard() {
         hand(n).input(&Input::Force(force_n)).unwrap()
     };
     let (mut blows, mut asleep, mut away) = ([0; 10], 10, 0.0_f64);
-    for n in 0..10 {
+    for (n, action) in actions.iter_mut().enumerate() {
         keys.place_hand(n + 1, -1e-3 * n as f64, 0.0);
-        actions[n].place_hand(-1e-3 * n as f64, 0.0);
+        action.place_hand(-1e-3 * n as f64, 0.0);
     }
     for step in 0..50_000 {
-        for n in 0..10 {
+        for (n, action) in actions.iter_mut().enumerate() {
             if step == 46_000 {
                 keys.place_hand(n + 1, -2e-3, 0.0);
-                actions[n].place_hand(-2e-3, 0.0);
+                action.place_hand(-2e-3, 0.0);
             }
             keys.drive(n + 1, down(n, step));
         }
