@@ -24,5 +24,5 @@ pub use linkage::{
 };
 pub use mechanism::{AssembleError, Coordinate, CoordinateId, CoordinateKind, Mechanism, Pose};
 pub use mobility::{Mobility, Redundancy, Verdict};
-pub use newton::{NewtonReport, Outcome, TOLERANCE};
+pub use newton::{MOST_ITERATIONS, NewtonReport, Outcome, TOLERANCE};
 pub use walk::{StartError, Stop, StopKind, Sweep, SweptPose, Walk};

@@ -15,7 +15,7 @@ const PROMISE: f64 = 1e-12;
 
 /// Newton steps at most. From a fair guess 4 to 6 are needed; near a dead centre,
 /// where convergence is linear (a bit per step), up to 25.
-pub(crate) const MOST_ITERATIONS: usize = 40;
+pub const MOST_ITERATIONS: usize = 40;
 
 /// Pivots below this count as zero (the Jacobian is of order one). Near a dead centre
 /// they shrink like the root of the distance, so this allows 1e-24 of it.

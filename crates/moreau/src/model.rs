@@ -251,7 +251,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
         self.laws
     }
 
-    /// The zones whose felts carry a number from step to step: [`State::memory`](crate::State::memory).
+    /// The zones whose felts carry a number from step to step: [`State::memory`](crate::SavedState::memory).
     pub fn remembering_zones(&self) -> &[usize] {
         &self.remembering[..self.remembering_count]
     }

@@ -14,7 +14,7 @@ use crate::player::Input;
 /// Fingers of two hands.
 pub const TEN: usize = 10;
 /// Strokes of a finger per second: with two fingers in alternation fourteen notes a second.
-pub(crate) const STROKES_PER_S: f64 = 7.0;
+pub const STROKES_PER_S: f64 = 7.0;
 /// Strokes on a key before the finger goes on.
 pub const STROKES: usize = 3;
 /// Force of the finger on a key that is down, N: as in the built-in stroke `ff`.

@@ -22,7 +22,7 @@ struct Section {
 }
 
 /// Orders that make sense here.
-pub(crate) const ORDERS: std::ops::RangeInclusive<usize> = 1..=10;
+pub const ORDERS: std::ops::RangeInclusive<usize> = 1..=10;
 
 /// Periods of the cutoff by which a series is continued at its ends: what a filter of order 4 rings longer is below 1e-6.
 const PERIODS_BEYOND_THE_ENDS: f64 = 6.0;

@@ -9,8 +9,7 @@ mod noise;
 mod report;
 mod rest;
 
-pub use butterworth::Butterworth;
-use butterworth::ORDERS;
+pub use butterworth::{Butterworth, ORDERS};
 pub use noise::{Noise, Whence};
 pub use report::{ChannelReport, Filtered, Report, Zero};
 

@@ -9,8 +9,7 @@ mod simulation;
 mod sound;
 
 pub use hand_stroke::{HandStroke, Muscle, least_jerk, press_by_hand};
-
-pub use setup::{MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
+pub use setup::{MOST_ROWS, MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
 pub use simulation::{press, simulate, simulate_observed};
 pub use sound::{RATE_HZ, Sound, sound};
 

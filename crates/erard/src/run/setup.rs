@@ -10,7 +10,7 @@ use crate::strings::Pedal;
 use crate::trust::{Kind, Warning};
 
 /// Most rows that a run keeps unless told otherwise; longer runs keep every n-th step.
-pub(crate) const MOST_ROWS: u64 = 200_000;
+pub const MOST_ROWS: u64 = 200_000;
 /// Most rows that a run keeps when told how many. The concert grand's hold some 500 bytes each.
 pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits the error.

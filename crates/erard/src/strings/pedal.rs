@@ -6,9 +6,9 @@ use moreau::Surface;
 use thiserror::Error;
 
 /// How far the rail can be lifted, m.
-pub(crate) const PEDAL_MOST_M: f64 = 10e-3;
+pub const PEDAL_MOST_M: f64 = 10e-3;
 /// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that jumps is no blow with a hammer.
-pub(crate) const PEDAL_M_S: f64 = 0.5;
+pub const PEDAL_M_S: f64 = 0.5;
 
 /// Where the rail is, m above its place with the pedal up.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
