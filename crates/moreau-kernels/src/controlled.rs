@@ -5,8 +5,6 @@ use moreau::{
     controlled_step,
 };
 
-use crate::engine::hand_of;
-
 /// What drives an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument says where the
 /// driven point is then, as [`crate::Observation::site_position`] does.
 pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
@@ -63,4 +61,13 @@ impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
         *half = 0;
         (report, Some(halves.middle.clone()))
     }
+}
+
+/// The hand that drives a step, and its place and velocity before it.
+#[inline(always)]
+pub(crate) fn hand_of<const B: usize, const Z: usize>(
+    input: &Input<f64>,
+    state: &State<f64, B, Z>,
+) -> Option<(Hand<f64>, [f64; 2])> {
+    if let Input::Hand(hand) = input { Some((*hand, state.hand)) } else { None }
 }

@@ -7,8 +7,8 @@ use moreau::{
     SavedState, Settings, Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
 };
 
-use crate::controlled::Control;
 use crate::controlled::InputDuring;
+use crate::controlled::{Control, hand_of};
 use crate::impact::ImpactPredictor;
 use crate::mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping};
 use crate::observation::{Observation, site_position};
@@ -231,15 +231,6 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.predictor.resume(saved.flight);
         self.report = NO_STEP;
     }
-}
-
-/// The hand that drives a step, and its place and velocity before it.
-#[inline(always)]
-pub(crate) fn hand_of<const B: usize, const Z: usize>(
-    input: &Input<f64>,
-    state: &State<f64, B, Z>,
-) -> Option<(Hand<f64>, [f64; 2])> {
-    if let Input::Hand(hand) = input { Some((*hand, state.hand)) } else { None }
 }
 
 /// A mechanism with its own working memory.

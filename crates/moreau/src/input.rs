@@ -1,8 +1,7 @@
 //! What drives a mechanism in a step.
 
 use crate::hand::Hand;
-use crate::real::{Real, Scalar, join_all};
-use crate::sleep::same_bits;
+use crate::real::{Real, Scalar, join_all, same_bits};
 
 /// What drives the mechanism at the model's [`Site`](crate::Site) during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -237,6 +237,11 @@ pub(crate) fn join_all<S: Scalar, T: Real, const K: usize>(x: impl Fn(usize) -> 
     core::array::from_fn(|k| join(|lane| x(lane)[k]))
 }
 
+/// Whether two numbers are the same to the bit in every lane. Widening to f64 keeps every bit's meaning.
+pub(crate) fn same_bits<T: Real>(a: T, b: T) -> bool {
+    (0..T::LANES).all(|lane| a.lane(lane).to_f64().to_bits() == b.lane(lane).to_f64().to_bits())
+}
+
 macro_rules! in_precision {
     ($numbers:ident, $t:ident) => {{
         let (mut all, mut i) = ([0.0; $numbers.len()], 0);

@@ -7,7 +7,7 @@
 
 use crate::input::Input;
 use crate::model::Model;
-use crate::real::{Real, Scalar};
+use crate::real::{Real, Scalar, same_bits};
 use crate::settings::Settings;
 use crate::state::State;
 use crate::step::{StepReport, step_out_of_line};
@@ -93,9 +93,4 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         self.numbers.zip(&other.numbers, |a, b| same = same && same_bits(a, b));
         same
     }
-}
-
-/// Widening to f64 keeps every bit's meaning.
-pub(crate) fn same_bits<T: Real>(a: T, b: T) -> bool {
-    (0..T::LANES).all(|lane| a.lane(lane).to_f64().to_bits() == b.lane(lane).to_f64().to_bits())
 }

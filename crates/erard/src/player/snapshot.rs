@@ -392,7 +392,7 @@ mod tests {
         let mut names = Vec::new();
         let mut copy = snapshot.mechanism;
         copy.lists(&mut |name, _| names.push(name));
-        assert_eq!(names.len(), 16);
+        assert_eq!(names.len(), 17);
         for name in names {
             let mut expected = snapshot.clone();
             expected.mechanism.lists(&mut |found, numbers| {
