@@ -1,5 +1,6 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
+use crate::description::Site;
 use crate::hand::Hand;
 use crate::input::Input;
 use crate::linear::Symmetric;
@@ -215,19 +216,31 @@ pub(crate) fn drive_force<T: Real, const B: usize, const Z: usize>(
 ) -> Option<(T, T)> {
     (drive.force, drive.pull, drive.tangent) = (T::ZERO, T::ZERO, T::ZERO);
     let site = model.site.as_ref()?;
-    let (driver, stiffness, damping) = match *input {
-        Input::Free | Input::Rigid { .. } => return None,
-        Input::Force(force) => return Some((force, T::ZERO)),
-        Input::Motion { position, velocity } => ([position, velocity], site.stiffness, site.damping),
-        Input::Hand(by) => {
-            let flight = by.flight(*hand, timing);
-            let share = flight.share(site.stiffness, site.damping, timing);
-            (flight.free, share * site.stiffness, share * site.damping)
+    match *input {
+        Input::Free | Input::Rigid { .. } => None,
+        Input::Force(force) => Some((force, T::ZERO)),
+        Input::Motion { position, velocity } => {
+            let fingertip = [site.stiffness, site.damping];
+            elastic_force(model, site, [position, velocity], fingertip, timing, kinematics, drive)
         }
-    };
+        Input::Hand(ref by) => hand_force(model, site, by, hand, timing, kinematics, drive),
+    }
+}
+
+/// The force of a spring and a damper that only push, and its tangent: from a driver's place and velocity.
+#[inline(always)]
+fn elastic_force<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    site: &Site<T>,
+    [position, velocity]: [T; 2],
+    [stiffness, damping]: [T; 2],
+    timing: &Timing<T>,
+    kinematics: &Kinematics<T, B>,
+    drive: &mut Drive<T, B>,
+) -> Option<(T, T)> {
     let at = dot(site.direction, kinematics.pose.point(site.body, site.point));
     let speed = model.site_support.product(&drive.site_row, &kinematics.joint_velocity);
-    let force = stiffness * (driver[0] - at) + damping * (driver[1] - speed);
+    let force = stiffness * (position - at) + damping * (velocity - speed);
     drive.pull = force;
     drive.tangent = timing.h_theta * (damping + timing.h_theta * stiffness);
     // What is not a number must not pass for a finger that does not touch.
@@ -236,7 +249,26 @@ pub(crate) fn drive_force<T: Real, const B: usize, const Z: usize>(
     pushes.any().then_some((only(force), only(drive.tangent)))
 }
 
+/// The same from a hand. Out of line, so that nothing else pays for it.
+#[cold]
+#[inline(never)]
+fn hand_force<T: Real, const B: usize, const Z: usize>(
+    model: &Model<T, B, Z>,
+    site: &Site<T>,
+    by: &Hand<T>,
+    hand: &[T; 2],
+    timing: &Timing<T>,
+    kinematics: &Kinematics<T, B>,
+    drive: &mut Drive<T, B>,
+) -> Option<(T, T)> {
+    let flight = by.flight(*hand, timing);
+    let share = flight.share(site.stiffness, site.damping, timing);
+    let fingertip = [share * site.stiffness, share * site.damping];
+    elastic_force(model, site, flight.free, fingertip, timing, kinematics, drive)
+}
+
 /// Moves a hand through the step, in the lanes in which it ends, by the fingertip's force that the last iteration has found.
+#[cold]
 #[inline(never)]
 pub(crate) fn move_hand<T: Real, const B: usize>(
     timing: &Timing<T>,

@@ -60,13 +60,6 @@ impl<T: Real> Input<T> {
     /// One input per lane; `None` where they are not of one kind.
     #[inline(always)]
     pub fn of_lanes<S: Scalar>(inputs: &[Input<S>]) -> Option<Self> {
-        /// The numbers of an input, if it is of one kind.
-        type Numbers<S, const K: usize> = fn(&Input<S>) -> Option<[S; K]>;
-        #[inline(always)]
-        fn each<S: Scalar, T: Real, const K: usize>(inputs: &[Input<S>], numbers: Numbers<S, K>) -> Option<[T; K]> {
-            let all = inputs.len() == T::LANES && inputs.iter().all(|input| numbers(input).is_some());
-            all.then(|| join_all::<S, T, K>(|lane| numbers(&inputs[lane]).unwrap_or([S::ZERO; K])))
-        }
         match inputs.first()? {
             Input::Free => inputs.iter().all(|i| matches!(i, Input::Free)).then_some(Input::Free),
             Input::Force(_) => {
@@ -81,8 +74,25 @@ impl<T: Real> Input<T> {
                 each(inputs, |i| if let Input::Rigid { velocity } = i { Some([*velocity]) } else { None })
                     .map(|[velocity]| Input::Rigid { velocity })
             }
-            Input::Hand(_) => each(inputs, |i| if let Input::Hand(hand) = i { Some(hand.numbers()) } else { None })
-                .map(|numbers| Input::Hand(Hand::of_numbers(numbers))),
+            Input::Hand(_) => hands_of_lanes(inputs),
         }
     }
+}
+
+/// One lane's numbers each, where all inputs are of the kind that has them.
+#[inline(always)]
+fn each<S: Scalar, T: Real, const K: usize>(
+    inputs: &[Input<S>],
+    numbers: impl Fn(&Input<S>) -> Option<[S; K]>,
+) -> Option<[T; K]> {
+    let all = inputs.len() == T::LANES && inputs.iter().all(|input| numbers(input).is_some());
+    all.then(|| join_all::<S, T, K>(|lane| numbers(&inputs[lane]).unwrap_or([S::ZERO; K])))
+}
+
+/// A hand per lane. Out of line, so that nothing else pays for it.
+#[cold]
+#[inline(never)]
+fn hands_of_lanes<S: Scalar, T: Real>(inputs: &[Input<S>]) -> Option<Input<T>> {
+    let numbers = each(inputs, |i| if let Input::Hand(hand) = i { Some(hand.numbers()) } else { None });
+    numbers.map(|numbers| Input::Hand(Hand::of_numbers(numbers)))
 }
