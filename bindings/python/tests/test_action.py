@@ -66,7 +66,7 @@ def test_two_threads_on_one_action(grand: erard.Instrument) -> None:
 def test_a_hand_plays(grand: erard.Instrument) -> None:
     """An action with a hand steps as a press by that hand; it pickles with its hand, and a hand is placed anywhere."""
     hand = erard.Hand(mass_kg=0.15, start_m_per_s=0.3)
-    run = grand.press(force=5.0, duration=0.05, hand=hand)
+    run = grand.press(force=5.0, duration=0.1, hand=hand)
     action = erard.Action(grand, hand=hand)
     readings = [action.step(force=5.0) for _ in range(1000)]
     assert np.array_equal([0.0] + [now.key_m for now in readings], run["key_m"][:1001])
@@ -84,8 +84,8 @@ def test_a_hand_plays(grand: erard.Instrument) -> None:
         action.step(rigid=(0.0, 0.0))
 
 
-def test_a_hand_plays_many_and_is_differentiated(grand: erard.Instrument) -> None:
+def test_a_hand_plays_many(grand: erard.Instrument) -> None:
     hand = erard.Hand()
-    study = erard.study(grand, {"let_off": [-0.1, 0.0, 0.1]}, force=6.0, duration=0.1, hand=hand)
-    alone = [grand.vary(let_off=turned).press(force=6.0, duration=0.1, hand=hand).hammer_speed for turned in (-0.1, 0.0, 0.1)]
+    study = erard.study(grand, {"let_off": [-1e-4, 0.0, 1e-4]}, force=6.0, duration=0.1, hand=hand)
+    alone = [grand.vary(let_off=turned).press(force=6.0, duration=0.1, hand=hand).hammer_speed for turned in (-1e-4, 0.0, 1e-4)]
     assert np.allclose(study["hammer_speed_m_per_s"], alone, rtol=1e-6)
