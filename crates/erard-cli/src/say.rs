@@ -45,7 +45,7 @@ pub(crate) fn wants_json() -> bool {
     JSON.load(Relaxed)
 }
 
-/// A line on standard output. What goes wrong is told by `finish`.
+/// Writes a line to standard output. `finish` reports what went wrong.
 pub fn line(text: String) {
     if is_quiet() || wants_json() {
         return;

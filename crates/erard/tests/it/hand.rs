@@ -102,7 +102,7 @@ fn observers_see_a_hand_press() {
     assert_eq!(run.force_n, erard::press(&grand, &struck, &setup).unwrap().force_n);
 }
 
-/// Where the hand is, is part of what is saved: the rest of a press is the same bits, and a state without it has the hand at the world's origin.
+/// A saved state holds the hand's place: a restored press goes on with the same bits. In a state without that list the hand is at the world's origin.
 #[test]
 fn a_saved_state_has_the_hand() {
     let grand = grand();
