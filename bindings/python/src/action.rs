@@ -61,7 +61,19 @@ impl Reading {
         converged: bool,
         blow: Option<(f64, f64)>,
     ) -> Self {
-        Reading { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, hand_m, hand_m_per_s, converged, blow }
+        Reading {
+            time_s,
+            key_m,
+            key_m_per_s,
+            finger_n,
+            hammer_m,
+            hammer_m_per_s,
+            string_n,
+            hand_m,
+            hand_m_per_s,
+            converged,
+            blow,
+        }
     }
 
     /// So that it pickles.
