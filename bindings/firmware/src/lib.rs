@@ -7,13 +7,17 @@
 
 #[path = "../../../crates/erard/src/fnv1a.rs"]
 mod fnv1a;
+// Generated: a test compares it with what the example prints.
+#[rustfmt::skip]
 mod grand;
 mod play;
 
 pub use grand::{BODIES, ZONES};
 pub use play::{Note, STEP_S, STEPS, Work, digest, play};
 
-use moreau::{Description, Hand, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step};
+use moreau::{
+    Description, Hand, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step,
+};
 
 #[cfg(feature = "alone")]
 #[panic_handler]
