@@ -62,7 +62,7 @@ fn bending(bodies: usize) -> Instrument {
 fn with_dry_felts(slip: f64) -> Instrument {
     let mut instrument = instrument();
     for zone in &mut instrument.zones {
-        (zone.felt.damping, zone.felt.dry_loss, zone.felt.dry_slip) = (0.0, 0.3, slip);
+        zone.felt.loss = moreau::Elastoplastic { damping: 0.0, eta: 0.3, slip }.into();
     }
     instrument
 }

@@ -1,8 +1,6 @@
 //! From the instrument to the engine's model.
 
-use moreau::{
-    Body, Curve, Dwell, Exponent, Felt, GROUND, Loss, Model, ModelError, Part, Scalar, Site, Spring, Yields, Zone,
-};
+use moreau::{Body, Curve, Dwell, Exponent, Felt, GROUND, Model, ModelError, Part, Scalar, Site, Spring, Yields, Zone};
 use moreau_kernels::{OwnedDescription, Probes};
 
 use crate::grand::KEY_DOWN;
@@ -93,18 +91,7 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
 /// The engine's felt law.
 pub fn felt<T: Scalar>(felt: &instrument::Felt) -> Felt<T> {
     let t = T::from_f64;
-    let loss = if felt.hunt_crossley > 0.0 {
-        Loss::HuntCrossley(t(felt.hunt_crossley))
-    } else if felt.dry_loss > 0.0 && felt.dry_slip > 0.0 {
-        Loss::Elastoplastic { damping: t(felt.damping), eta: t(felt.dry_loss), slip: t(felt.dry_slip) }
-    } else if felt.dry_loss > 0.0 {
-        Loss::SetValued { damping: t(felt.damping), eta: t(felt.dry_loss) }
-    } else if felt.relaxed > 0.0 {
-        Loss::Hereditary { relaxed: t(felt.relaxed), time: t(felt.relaxation_s) }
-    } else {
-        Loss::Quadratic(t(felt.damping))
-    };
-    Felt { stiffness: t(felt.stiffness), exponent: Exponent::new(t(felt.exponent)), loss }
+    Felt { stiffness: t(felt.stiffness), exponent: Exponent::new(t(felt.exponent)), loss: felt.loss.map(t) }
 }
 
 fn curve<T: Scalar>(curve: &instrument::Curve) -> Curve<T> {

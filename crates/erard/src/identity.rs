@@ -245,28 +245,11 @@ impl List<'_> {
     }
 
     fn of_felt(&mut self, felt: &Felt) {
-        let Felt {
-            stiffness,
-            exponent,
-            damping,
-            hunt_crossley,
-            dry_loss,
-            dry_slip,
-            relaxed,
-            relaxation_s,
-            thickness_m: _,
-        } = *felt;
+        let Felt { stiffness, exponent, loss, thickness_m: _ } = *felt;
         self.number("stiffness_N_per_m_r", stiffness);
         self.number("exponent", exponent);
-        self.number("damping_N_s_per_m3", damping);
-        self.number("hunt_crossley_s_per_m", hunt_crossley);
-        self.number("dry_loss", dry_loss);
-        if dry_loss != 0.0 {
-            self.number("dry_slip", dry_slip);
-        }
-        self.number("relaxed", relaxed);
-        if relaxed != 0.0 {
-            self.number("relaxation_s", relaxation_s);
+        for (number, value) in loss.table().iter().zip(loss.numbers()) {
+            self.number(number.key, value * number.units_per_si);
         }
     }
 

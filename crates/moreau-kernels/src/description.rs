@@ -1,8 +1,6 @@
 //! What a mechanism is, in lists of any length.
 
-use moreau::{
-    Body, Curve, Description, Dwell, Exponent, Felt, Loss, Model, ModelError, Scalar, Site, Spring, Yields, Zone,
-};
+use moreau::{Body, Curve, Description, Dwell, Felt, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
 
 /// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is [`moreau::GROUND`].
 #[derive(Debug, Clone)]
@@ -117,27 +115,7 @@ impl OwnedDescription<f64> {
 }
 
 fn felt<T: Scalar>(felt: &Felt<f64>, f: &mut dyn FnMut(f64) -> T) -> Felt<T> {
-    Felt {
-        stiffness: f(felt.stiffness),
-        exponent: match felt.exponent {
-            // The usual exponents are no numbers that could be varied.
-            Exponent::Two => Exponent::Two,
-            Exponent::TwoAndHalf => Exponent::TwoAndHalf,
-            Exponent::Three => Exponent::Three,
-            Exponent::Other(r) => Exponent::Other(f(r)),
-        },
-        loss: match felt.loss {
-            Loss::HuntCrossley(a) => Loss::HuntCrossley(f(a)),
-            Loss::SetValued { damping, eta } => Loss::SetValued { damping: f(damping), eta: f(eta) },
-            Loss::Elastoplastic { damping, eta, slip } => {
-                Loss::Elastoplastic { damping: f(damping), eta: f(eta), slip: f(slip) }
-            }
-            Loss::Hereditary { relaxed, time } => Loss::Hereditary { relaxed: f(relaxed), time: f(time) },
-            // Losses that are added to the engine come here as errors of its model, not unseen.
-            Loss::Quadratic(b) => Loss::Quadratic(f(b)),
-            _ => Loss::Quadratic(f(f64::NAN)),
-        },
-    }
+    Felt { stiffness: f(felt.stiffness), exponent: felt.exponent.map(&mut *f), loss: felt.loss.map(f) }
 }
 
 /// What is observed after every step, beside the driven point.

@@ -3,6 +3,7 @@
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Margins;
 use crate::felt::{Carried, Curvature, ONSET};
+use crate::law::{MEMORY, Memory};
 use crate::pose::Pose;
 use crate::real::{Mask, Real};
 use crate::support::Support;
@@ -46,7 +47,7 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     pub compression: T,
     pub rate: T,
     /// The felt's memory at the step's start, where it has one.
-    pub memory: T,
+    pub memory: Memory<T>,
     /// Row G in relative velocities, for the zone's supporting joints: dg/dt = G w.
     pub row: [T; B],
 }
@@ -68,7 +69,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             tangent: z,
             compression: z,
             rate: z,
-            memory: z,
+            memory: [z; MEMORY],
             row: [z; B],
         }
     }
@@ -193,7 +194,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             );
         }
         let pressed = zone.felt.press(ahead_compression, rate, timing, touched, &self.memory);
-        let recalled = zone.felt.recall(ahead_compression, rate, timing, touched, self.memory);
+        let recalled = zone.felt.recall(ahead_compression, rate, timing, touched, &self.memory);
         Contact {
             compression: ahead_compression,
             rate,
@@ -220,7 +221,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         let (before, carried) = (compression - surface.offset, Carried { memory: &self.memory, surface });
         let pressed = zone.felt.press_yielding(before, rate, timing, touched, carried);
         let (after, rate) = zone.felt.give_way(before, rate, timing, touched, carried);
-        let recalled = zone.felt.recall(after, rate, timing, touched, self.memory);
+        let recalled = zone.felt.recall(after, rate, timing, touched, &self.memory);
         Contact {
             compression: after,
             rate,
@@ -241,8 +242,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         timing: &Timing<T>,
         touched: T::Mask,
         surface: &Yielding<T>,
-    ) -> T {
-        let alone = zone.felt.left_alone(timing, self.memory).0;
+    ) -> Memory<T> {
+        let alone = zone.felt.left_alone(timing, &self.memory).0;
         if !touched.any() {
             return alone;
         }
@@ -253,8 +254,10 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         } else {
             (compression, rate)
         };
-        let recalled = zone.felt.recall(compression, rate, timing, touched, self.memory);
-        recalled.map_or(alone, |recalled| T::select(touched, recalled.memory, alone))
+        match zone.felt.recall(compression, rate, timing, touched, &self.memory) {
+            Some(recalled) => core::array::from_fn(|k| T::select(touched, recalled.memory[k], alone[k])),
+            None => alone,
+        }
     }
 
     /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
@@ -337,7 +340,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
 mod tests {
     use super::*;
     use crate::description::{Body, Curve, Description, GROUND, Zone};
-    use crate::felt::{Exponent, Felt, Loss};
+    use crate::felt::Felt;
+    use crate::law::{Exponent, Loss};
 
     /// Rows against central differences of the compression, for every kind of curve, on a three-body chain: the claim is that
     /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
@@ -345,7 +349,7 @@ mod tests {
     fn rows_are_the_gradient_of_the_compression() {
         let body = |parent, pivot| Body { parent, pivot, mass: 1.0, ..Body::inert() };
         let bodies = [body(GROUND, [0.1, 0.2]), body(0, [0.5, -0.1]), body(1, [0.3, 0.2]), body(GROUND, [1.0, 1.0])];
-        let felt = Felt { stiffness: 1.0, exponent: Exponent::Two, loss: Loss::Quadratic(1.0) };
+        let felt = Felt { stiffness: 1.0, exponent: Exponent::Two, loss: Loss::quadratic(1.0) };
         let s = 0.5_f64.sqrt();
         let curves = [
             Curve::Line { point: [0.1, 0.3], normal: [s, s] },
@@ -385,7 +389,7 @@ mod tests {
     /// clamp may have come or gone; of a felt that was not touched, the largest force that it may have now.
     #[test]
     fn the_remainder_is_what_it_says() {
-        let felt = Felt { stiffness: 4e7, exponent: Exponent::Two, loss: Loss::Quadratic(8e7) };
+        let felt = Felt { stiffness: 4e7, exponent: Exponent::Two, loss: Loss::quadratic(8e7) };
         let curve = Curve::Line { point: [0.0, -0.1], normal: [0.0, 1.0] };
         let zone =
             Zone { disc_body: 0, center: [0.4, 0.0], radius: 0.1, curve_body: GROUND, curve, felt, friction: None };
@@ -410,7 +414,8 @@ mod tests {
                 );
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend = compiled.felt.press(contact.compression, contact.rate, &timing, true, &0.0).curvature;
+                    let bend =
+                        compiled.felt.press(contact.compression, contact.rate, &timing, true, &[0.0; MEMORY]).curvature;
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;

@@ -155,7 +155,8 @@ mod tests {
     use super::*;
     use crate::contact::ContactState;
     use crate::description::{Body, Curve, Description, GROUND};
-    use crate::felt::{Exponent, Felt, Loss};
+    use crate::felt::Felt;
+    use crate::law::{Exponent, Loss};
     use crate::pose::Pose;
     use crate::surface::Yielding;
 
@@ -175,20 +176,20 @@ mod tests {
             felt: Felt { stiffness: 3e6, exponent, loss },
             friction: None,
         };
-        let (quadratic, hunt_crossley) = (Loss::Quadratic(2e6), Loss::HuntCrossley(0.7));
+        let (quadratic, hunt_crossley) = (Loss::quadratic(2e6), Loss::hunt_crossley(0.7));
         let against_disc = |loss| Zone {
             curve: Curve::Disc { center: [0.31, -0.015], radius: 0.005 },
             ..zone(1, 0.0, Exponent::Two, loss)
         };
         // The first is strongly damped, so that it soon pushes no more.
         let papers = [
-            zone(0, -0.008, Exponent::Two, Loss::Quadratic(5e7)),
+            zone(0, -0.008, Exponent::Two, Loss::quadratic(5e7)),
             zone(1, -0.011, Exponent::TwoAndHalf, quadratic),
             zone(0, -0.009, Exponent::Three, quadratic),
             against_disc(quadratic),
         ];
         let hunt_and_crossley = [
-            zone(0, -0.008, Exponent::Two, Loss::HuntCrossley(17.0)),
+            zone(0, -0.008, Exponent::Two, Loss::hunt_crossley(17.0)),
             zone(1, -0.0095, Exponent::TwoAndHalf, hunt_crossley),
             zone(0, -0.009, Exponent::Three, hunt_crossley),
             against_disc(hunt_crossley),
@@ -249,7 +250,7 @@ mod tests {
     #[test]
     fn the_quick_bound_holds_where_the_lever_is_the_longest() {
         let exponents = [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three];
-        let losses = [Loss::Quadratic(0.0), Loss::Quadratic(2e3), Loss::HuntCrossley(0.7)];
+        let losses = [Loss::quadratic(0.0), Loss::quadratic(2e3), Loss::hunt_crossley(0.7)];
         let felts = exponents.into_iter().flat_map(|exponent| losses.map(|loss| (exponent, loss)));
         for ((exponent, loss), theta) in felts.flat_map(|felt| [(felt, 0.5), (felt, 1.0)]) {
             let timing = Timing::new(50e-6, theta);

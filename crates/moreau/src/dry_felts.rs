@@ -20,8 +20,8 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     workspace: &mut Workspace<T, B, Z, N>,
 ) {
     for &z in model.dry_zones() {
-        workspace.dry.force[z] = state.memory[z];
-        workspace.dry.before[z] = state.memory[z];
+        workspace.dry.force[z] = state.memory[z][0];
+        workspace.dry.before[z] = state.memory[z][0];
         workspace.dry.side[z] = T::ZERO;
         workspace.dry.reversing[z] = T::Mask::splat(false);
         workspace.dry.law[z] = T::Mask::splat(false);

@@ -1,6 +1,7 @@
 //! The set-valued part of a step: which laws are in force, and what became of them.
 
 use crate::input::Input;
+use crate::law::MEMORY;
 use crate::model::Model;
 use crate::osnsp::Solver;
 use crate::real::{Mask, Real};
@@ -269,7 +270,9 @@ pub(crate) fn keep_memories<T: Real, const B: usize, const Z: usize, const N: us
     for &z in model.remembering_zones() {
         let (compiled, touched) = (&model.compiled[z], workspace.touched_in(z));
         let memory = if compiled.dry {
-            T::only(touched, workspace.dry.force[z])
+            let mut memory = [T::ZERO; MEMORY];
+            memory[0] = T::only(touched, workspace.dry.force[z]);
+            memory
         } else {
             let contact = &workspace.contacts.states[z];
             contact.remembered(
@@ -281,7 +284,9 @@ pub(crate) fn keep_memories<T: Real, const B: usize, const Z: usize, const N: us
                 &workspace.contacts.surfaces[z],
             )
         };
-        state.memory[z] = T::select(lanes, memory, state.memory[z]);
+        for (kept, new) in state.memory[z].iter_mut().zip(memory) {
+            *kept = T::select(lanes, new, *kept);
+        }
     }
 }
 

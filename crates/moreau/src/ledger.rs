@@ -65,7 +65,7 @@ impl Energies {
                 - (model.spring_torque[i] * relative).to_f64();
         }
         for (z, zone) in model.zones().iter().enumerate() {
-            e.felt += zone.felt.stored(pose.compression(model, z) - displacement(z), state.memory[z]).to_f64();
+            e.felt += zone.felt.stored(pose.compression(model, z) - displacement(z), &state.memory[z]).to_f64();
         }
         e
     }
@@ -269,7 +269,7 @@ pub fn each_loss<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     }
     let timing = Timing::new(settings.step, settings.theta);
     for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
-        let (_, gained) = model.compiled[z].felt.left_alone(&timing, workspace.contacts.states[z].memory);
+        let (_, gained) = model.compiled[z].felt.left_alone(&timing, &workspace.contacts.states[z].memory);
         lose(LossIn::Felt(z), -gained.to_f64());
     }
 }

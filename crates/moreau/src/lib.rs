@@ -57,10 +57,12 @@ mod felt;
 mod forces;
 mod hand;
 mod hand_energy;
-mod hysteresis;
 mod input;
 mod kinematics;
 mod lanes;
+mod law;
+#[cfg(test)]
+mod law_contract;
 mod laws;
 mod ledger;
 mod linear;
@@ -89,10 +91,14 @@ pub use contact::Contact;
 pub use description::{Body, Curve, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Yields, Zone};
 pub use dual::Dual;
 pub use fault::Fault;
-pub use felt::{Exponent, Felt, FeltKind, Loss};
+pub use felt::{Felt, FeltKind};
 pub use hand::Hand;
 pub use hand_energy::HandEnergy;
 pub use input::Input;
+pub use law::{
+    Elastoplastic, Exponent, Hereditary, HuntCrossley, LAW_NUMBERS, LAWS, LawNumber, Loss, MEMORY, Quadratic,
+    Range, SetValued,
+};
 pub use ledger::{Energies, Ledger, LossIn, each_loss};
 pub use linear::gauss_jordan;
 pub use model::Model;

@@ -66,7 +66,7 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
     pub(crate) sliding_count: usize,
-    /// The zones whose felts carry a number from step to step.
+    /// The zones whose felts carry numbers from step to step.
     pub(crate) remembering: [usize; Z],
     pub(crate) remembering_count: usize,
     /// Those of them whose loss is set-valued.
@@ -150,7 +150,7 @@ impl<T: Scalar> Description<'_, T> {
                 model.dry_felts[model.dry_count] = z;
                 model.dry_count += 1;
             }
-            if zone.felt.dry().is_some() || zone.felt.remembering().is_some() {
+            if zone.felt.remembers() {
                 model.remembering[model.remembering_count] = z;
                 model.remembering_count += 1;
             }
@@ -251,7 +251,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
         self.laws
     }
 
-    /// The zones whose felts carry a number from step to step: [`State::memory`](crate::SavedState::memory).
+    /// The zones whose felts carry numbers from step to step: [`State::memory`](crate::SavedState::memory).
     pub fn remembering_zones(&self) -> &[usize] {
         &self.remembering[..self.remembering_count]
     }

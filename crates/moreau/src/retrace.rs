@@ -37,7 +37,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, 
         if model.remembers {
             recall_memories(model, before, self);
             for &z in model.dry_zones() {
-                self.dry.force[z] = after.memory[z];
+                self.dry.force[z] = after.memory[z][0];
             }
         }
         self.retrace_drive(model, &timing, input, [before, after]);

@@ -1,5 +1,6 @@
 //! A state's numbers: the one list of them, from which they are copied, compared, and put into lanes.
 
+use crate::law::MEMORY;
 use crate::real::Real;
 
 /// Everything that a step's result depends on. What a [`State`](crate::State) holds beside it only saves work.
@@ -21,9 +22,8 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). It moves in steps that a hand
     /// drives, and stands still in others.
     pub hand: [T; 2],
-    /// What the felts remember ([`Loss`](crate::Loss)): the stretch of an elastoplastic one's spring, m^((r+1)/2); k z/(1 - eps) of a hereditary
-    /// one, N; the dry part of a set-valued one's force over the last step, N. Zero for the others.
-    pub memory: [T; Z],
+    /// What the felts remember, as their laws say ([`Loss`](crate::Loss)). Zeros where a law remembers fewer numbers, or none.
+    pub memory: [[T; MEMORY]; Z],
     /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to 1 (static); zero where it
     /// does not grow ([`Dwell`](crate::Dwell)).
     pub pivot_rested: [T; B],
@@ -35,11 +35,11 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
 
 /// Makes, from the fields with a number for every body, for every zone, with two and alone, what is done with all of them.
 macro_rules! each_field {
-    (bodies: $($body:ident)*; zones: $($zone:ident)*; pairs: $($pair:ident)*; alone: $($alone:ident)*) => {
+    (bodies: $($body:ident)*; zones: $($zone:ident)*; memories: $($memory:ident)*; pairs: $($pair:ident)*; alone: $($alone:ident)*) => {
         impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
             /// All zero.
             fn zero() -> Self {
-                SavedState { $($body: [T::ZERO; B],)* $($zone: [T::ZERO; Z],)* $($pair: [T::ZERO; 2],)* $($alone: T::ZERO,)* }
+                SavedState { $($body: [T::ZERO; B],)* $($zone: [T::ZERO; Z],)* $($memory: [[T::ZERO; MEMORY]; Z],)* $($pair: [T::ZERO; 2],)* $($alone: T::ZERO,)* }
             }
 
             /// The same in other arrays.
@@ -51,6 +51,21 @@ macro_rules! each_field {
                 SavedState {
                     $($body: bodies(&self.$body),)*
                     $($zone: zones(&self.$zone),)*
+                    $($memory: {
+                        // Plain loops: what a real-time caller reaches holds no clean-up after a panic.
+                        let mut all = [[T::ZERO; MEMORY]; Y];
+                        for k in 0..MEMORY {
+                            let mut place = [T::ZERO; Z];
+                            for z in 0..Z {
+                                place[z] = self.$memory[z][k];
+                            }
+                            let place = zones(&place);
+                            for z in 0..Y {
+                                all[z][k] = place[z];
+                            }
+                        }
+                        all
+                    },)*
                     $($pair: self.$pair,)*
                     $($alone: self.$alone,)*
                 }
@@ -66,6 +81,9 @@ macro_rules! each_field {
                 SavedState {
                     $($body: core::array::from_fn(|i| f(self.$body[i], other.$body[i])),)*
                     $($zone: core::array::from_fn(|z| f(self.$zone[z], other.$zone[z])),)*
+                    $($memory: core::array::from_fn(|z| {
+                        core::array::from_fn(|k| f(self.$memory[z][k], other.$memory[z][k]))
+                    }),)*
                     $($pair: core::array::from_fn(|k| f(self.$pair[k], other.$pair[k])),)*
                     $($alone: f(self.$alone, other.$alone),)*
                 }
@@ -76,7 +94,8 @@ macro_rules! each_field {
 
 each_field!(
     bodies: velocity angle increment pivot_friction pivot_rested;
-    zones: tangential side memory rested;
+    zones: tangential side rested;
+    memories: memory;
     pairs: hand;
     alone: rigid_force
 );

@@ -68,7 +68,7 @@ fn damped_felt(rows: &mut Vec<Row>) {
     let mut steps = Vec::new();
     for tolerance in TOLERANCES {
         let (r, k, b, rebound, _) = felt::DAMPED[0];
-        let m = felt::thrown(k, r, Loss::Quadratic(b), 1e-6, 1e-3 / 3.0);
+        let m = felt::thrown(k, r, Loss::quadratic(b), 1e-6, 1e-3 / 3.0);
         // The mass moves at 0.01 rad/s.
         let accuracy = Accuracy { velocity: 0.01, ..Accuracy::new(tolerance, 1e-9, 1e-3) };
         let mut c = Controlled::new(m, accuracy);

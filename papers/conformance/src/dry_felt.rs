@@ -1,6 +1,6 @@
 //! Problems 23 and 24: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and one that stands on it.
 
-use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Loss, Settings, Zone};
+use moreau::{Body, Curve, Description, Elastoplastic, Exponent, Felt, GROUND, Loss, SetValued, Settings, Zone};
 
 use crate::felt::{ARM, MASS, throw_at, throw_from};
 use crate::mechanism::Mechanism;
@@ -91,13 +91,13 @@ fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
 
 /// Problem 23.
 pub(crate) fn set_valued() -> Vec<Row> {
-    let mut rows = throws(|eta| Loss::SetValued { damping: 0.0, eta }, 0.0);
-    let (mut m, _) = standing(Loss::SetValued { damping: 0.0, eta: 0.2 }, 0.0);
+    let mut rows = throws(|eta| Loss::SetValued(SetValued { eta }), 0.0);
+    let (mut m, _) = standing(Loss::SetValued(SetValued { eta: 0.2 }), 0.0);
     m.run(0.05);
     let moved = m.value(m.state.angle[0] * ARM);
     let because = "locked: the felt holds any load within eta of its own";
     rows.push(Row::new("held felt, way in 50 ms", "m", 0.0, moved, 0.0, because));
-    let (mut m, depth) = standing(Loss::SetValued { damping: 0.0, eta: 0.2 }, -1e-4);
+    let (mut m, depth) = standing(Loss::SetValued(SetValued { eta: 0.2 }), -1e-4);
     m.run(0.05);
     // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stands; to first order in the small way.
     let way = MASS * 1e-8 / (2.0 * 0.2 * 1.0);
@@ -119,10 +119,10 @@ pub(crate) fn set_valued() -> Vec<Row> {
 /// Problem 24.
 pub(crate) fn elastoplastic() -> Vec<Row> {
     let (eta, slip) = (0.3, 0.2);
-    let mut rows = throws(|eta| Loss::Elastoplastic { damping: 0.0, eta, slip }, slip);
+    let mut rows = throws(|eta| Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), slip);
     // A small push: the felt vibrates on its spring and its slider's spring, without loss, about the depth where it stands. There
     // dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, the slider's spring being slack.
-    let (mut m, depth) = standing(Loss::Elastoplastic { damping: 0.0, eta, slip }, 1e-5);
+    let (mut m, depth) = standing(Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), 1e-5);
     let stiffness = 5e7 * depth * (2.0 + 1.5 * eta / slip);
     let period = 2.0 * std::f64::consts::PI * (MASS / stiffness).sqrt();
     let (mut crossings, mut first, mut last, mut largest) = (0, None, 0.0, 0.0_f64);

@@ -34,7 +34,7 @@ fn loaded(at: At, duration: f64, load: impl Fn(f64) -> f64) -> [f64; 2] {
         radius: 0.0,
         curve_body: GROUND,
         curve: Curve::Line { point: [0.0, -0.999], normal: [0.0, 1.0] },
-        felt: Felt { stiffness: 1e6, exponent: Exponent::new(2.0), loss: Loss::Quadratic(0.0) },
+        felt: Felt { stiffness: 1e6, exponent: Exponent::new(2.0), loss: Loss::quadratic(0.0) },
         // It slides on the floor, 999 mm below the pivot.
         friction: Some(KINETIC / 0.999),
     };

@@ -105,7 +105,7 @@ pub(crate) fn elastic() -> Vec<Row> {
     let because = "second order: a few 1e-7 at h = 1 us, 1/1700 of the contact";
     for (r, k) in [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)] {
         let [compression, contact] = elastic_exact(k, r);
-        let t = throw(k, r, Loss::Quadratic(0.0), 1e-6);
+        let t = throw(k, r, Loss::quadratic(0.0), 1e-6);
         let name = |s: &str| format!("r = {r}: {s}");
         rows.push(Row::new(name("largest compression"), "m", compression, t.compression, 2e-6 * compression, because));
         rows.push(Row::new(name("contact time"), "s", contact, t.contact_time, 2e-6 * contact, because));
@@ -130,13 +130,13 @@ pub(crate) fn damped() -> Vec<Row> {
     let mut rows = Vec::new();
     let because = "second order: a few 1e-7 at h = 1 us, and the reference's digits";
     for (r, k, b, rebound, compression) in DAMPED {
-        let t = throw(k, r, Loss::Quadratic(b), 1e-6);
+        let t = throw(k, r, Loss::quadratic(b), 1e-6);
         let name = |s: &str| format!("r = {r}, damped: {s}");
         rows.push(Row::new(name("speed of rebound"), "m/s", rebound, t.rebound, 3e-6, because));
         rows.push(Row::new(name("largest compression"), "m", compression, t.compression, 3e-6 * compression, because));
         rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 3e-6, because));
     }
-    let order = Order::halving(3.2e-5, 4, |h| (throw(5e7, 2.0, Loss::Quadratic(3e7), h).rebound - DAMPED[0].3).abs());
+    let order = Order::halving(3.2e-5, 4, |h| (throw(5e7, 2.0, Loss::quadratic(3e7), h).rebound - DAMPED[0].3).abs());
     let because = "across both ends of the contact the law is smooth enough: its force starts as g2";
     rows.push(Row::new("r = 2, damped: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
     rows
@@ -169,14 +169,14 @@ pub(crate) fn hunt_crossley() -> Vec<Row> {
     let because = "second order: a few 1e-7 at h = 1 us, 1/1700 of the contact";
     for (r, k, a) in [(2.0, 5e7, 0.6), (2.5, 3e9, 0.6), (3.0, 1e11, 0.3), (3.0, 1e11, 2.0)] {
         let [rebound, compression] = hunt_crossley_exact(k, r, a);
-        let t = throw(k, r, Loss::HuntCrossley(a), 1e-6);
+        let t = throw(k, r, Loss::hunt_crossley(a), 1e-6);
         let name = |s: &str| format!("r = {r}, a = {a}: {s}");
         rows.push(Row::new(name("speed of rebound"), "m/s", rebound, t.rebound, 3e-6, because));
         rows.push(Row::new(name("largest compression"), "m", compression, t.compression, 3e-6 * compression, because));
         rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 3e-6, because));
     }
     let exact = hunt_crossley_exact(1e11, 3.0, 0.6)[0];
-    let order = Order::halving(3.2e-5, 4, |h| (throw(1e11, 3.0, Loss::HuntCrossley(0.6), h).rebound - exact).abs());
+    let order = Order::halving(3.2e-5, 4, |h| (throw(1e11, 3.0, Loss::hunt_crossley(0.6), h).rebound - exact).abs());
     let because = "across both ends of the contact the law is smooth enough: its force starts as g3";
     rows.push(Row::new("r = 3: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
     rows

@@ -6,8 +6,8 @@
 use std::f64::consts::PI;
 
 use moreau::{
-    Body, Curve, Description, Energies, Exponent, Felt, GROUND, Input, Ledger, Loss, Outcome, Settings, Site, State,
-    Workspace, Zone, step,
+    Body, Curve, Description, Energies, Exponent, Felt, GROUND, Hereditary, Input, Ledger, Loss, Outcome, Settings,
+    Site, State, Workspace, Zone, step,
 };
 
 use crate::felt::{ARM, throw_at};
@@ -22,7 +22,7 @@ const TAU: f64 = 2e-3;
 /// which is the loop's area, and the ledger's residual over it. The body at the end of a long arm has next to no inertia.
 fn driven(r: f64, period: f64, periods: u32, h: f64, path: impl Fn(f64) -> f64) -> [f64; 2] {
     let body = Body { mass: 1e-9, center_of_mass: [0.0, -ARM], inertia: 1e-9 * ARM * ARM, ..Body::inert() };
-    let loss = Loss::Hereditary { relaxed: RELAXED, time: TAU };
+    let loss = Loss::Hereditary(Hereditary { relaxed: RELAXED, time: TAU });
     let zone = Zone {
         disc_body: 0,
         center: [0.0, -ARM],
@@ -98,7 +98,7 @@ pub(crate) fn rows() -> Vec<Row> {
         let because = "exact where u runs linearly: what is left are turns within a rounded step";
         rows.push(Row::new(quantity, "J", exact, work, 2e-5 * exact, because));
     }
-    let loss = Loss::Hereditary { relaxed: 0.9, time: 1e-4 };
+    let loss = Loss::Hereditary(Hereditary { relaxed: 0.9, time: 1e-4 });
     let throw = |h: f64| throw_at(1.0, 5e7, 2.0, loss, h);
     let fine = throw(2.5e-7).rebound;
     let order = Order::halving(3.2e-5, 4, |h| (throw(h).rebound - fine).abs());

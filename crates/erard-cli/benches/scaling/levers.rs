@@ -80,7 +80,7 @@ fn levers<const B: usize, const Z: usize>(
                 radius: RADIUS_M,
                 curve_body: GROUND,
                 curve: Curve::Line { point: [side * off_m, 0.0], normal: [-side, 0.0] },
-                felt: Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::Quadratic(1e8) },
+                felt: Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::quadratic(1e8) },
                 friction: (z % 4 == 3).then_some(0.3),
             }
         })

@@ -221,19 +221,14 @@ impl Check {
                 String::new()
             };
             let felt = &zone.felt;
-            let loss = if felt.hunt_crossley > 0.0 {
-                format!("a {} s/m", felt.hunt_crossley)
-            } else if felt.dry_slip > 0.0 {
-                format!("b {:.1e}, dry loss {}, slip {}", felt.damping, felt.dry_loss, felt.dry_slip)
-            } else if felt.dry_loss > 0.0 {
-                format!("b {:.1e}, dry loss {}", felt.damping, felt.dry_loss)
-            } else if felt.relaxed > 0.0 {
-                format!("relaxed {} in {} ms", felt.relaxed, felt.relaxation_s * 1e3)
-            } else {
-                format!("b {:.1e}", felt.damping)
-            };
+            let numbers = felt.loss.table().iter().zip(felt.loss.numbers());
+            let said = numbers.filter(|(number, value)| number.needed || *value != 0.0).map(|(number, value)| {
+                let unit = if number.unit == "1" { String::new() } else { format!(" {}", number.unit) };
+                format!(", {} {}{unit}", number.name, short(value * number.units_per_si))
+            });
+            let loss: String = said.collect();
             say!(
-                "  zone    {:<18} {} - {}, k {:.1e}, r {}, {loss}{friction}",
+                "  zone    {:<18} {} - {}, k {:.1e}, r {}{loss}{friction}",
                 zone.name,
                 name(zone.disc_body),
                 name(zone.curve_body),
@@ -406,4 +401,9 @@ fn picture(series: &Series, role: Role, start_s: f64, end_s: f64) -> Vec<String>
         Role::Time => None,
     };
     values.map(|values| small_plot::lines(&values)).unwrap_or_default()
+}
+
+/// A number in a line of others.
+fn short(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e4).contains(&x.abs()) { format!("{x:.1e}") } else { format!("{x}") }
 }

@@ -151,8 +151,11 @@ fn units(instrument: &Instrument, parameter: &Parameter) -> &'static [(&'static 
         Parameter::PivotFriction(_) | Parameter::Torque(_) => TORQUES,
         Parameter::SpringStiffness(_) => &[("N m/rad", 1.0)],
         Parameter::Stiffness(_) => &[("N/m^r", 1.0)],
-        Parameter::Damping(i) if instrument.zones[*i].felt.hunt_crossley > 0.0 => &[("s/m", 1.0)],
-        Parameter::Damping(_) => &[("N s/m3", 1.0), ("N s/m^3", 1.0)],
+        Parameter::Damping(i) => match instrument.zones[*i].felt.first_loss().map(|(number, _)| number.unit) {
+            Some("N s/m3") => &[("N s/m3", 1.0), ("N s/m^3", 1.0)],
+            Some("s/m") => &[("s/m", 1.0)],
+            _ => &[],
+        },
         Parameter::Friction(_) => &[],
     }
 }

@@ -1,6 +1,7 @@
 //! What a study varies of an instrument.
 
 use erard::instrument::{Instrument, ScrewAction, numbers_at};
+use moreau::LawNumber;
 
 /// As far as a screw turns a curve, rad.
 const FARTHEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
@@ -57,7 +58,7 @@ impl Parameter {
         }
         for (i, zone) in instrument.zones.iter().enumerate() {
             all.push((format!("zone.{}.stiffness", zone.name), Parameter::Stiffness(i)));
-            if zone.felt.is_lossy() {
+            if zone.felt.loss.is_lossy() {
                 all.push((format!("zone.{}.damping", zone.name), Parameter::Damping(i)));
             }
             if zone.friction_coefficient > 0.0 {
@@ -92,10 +93,7 @@ impl Parameter {
             Parameter::Torque(i) => instrument.springs[i].torque_n_m,
             Parameter::SpringStiffness(i) => instrument.springs[i].stiffness_n_m_per_rad,
             Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness,
-            Parameter::Damping(i) => {
-                let felt = &instrument.zones[i].felt;
-                if felt.hunt_crossley > 0.0 { felt.hunt_crossley } else { felt.damping }
-            }
+            Parameter::Damping(i) => instrument.zones[i].felt.first_loss().map_or(0.0, |(_, value)| value),
             Parameter::Friction(i) => instrument.zones[i].friction_coefficient,
         }
     }
@@ -117,10 +115,10 @@ impl Parameter {
             Parameter::Torque(i) => format!("spring.{}.torque_N_m", instrument.springs[i].name),
             Parameter::SpringStiffness(i) => format!("spring.{}.stiffness_N_m_per_rad", instrument.springs[i].name),
             Parameter::Stiffness(i) => format!("zone.{}.felt.stiffness_N_per_m_r", zone(i)),
-            Parameter::Damping(i) if instrument.zones[i].felt.hunt_crossley > 0.0 => {
-                format!("zone.{}.felt.hunt_crossley_s_per_m", zone(i))
+            Parameter::Damping(i) => {
+                let key = instrument.zones[i].felt.first_loss().map_or("", |(number, _)| number.key);
+                format!("zone.{}.felt.{key}", zone(i))
             }
-            Parameter::Damping(i) => format!("zone.{}.felt.damping_N_s_per_m3", zone(i)),
             Parameter::Friction(i) => format!("zone.{}.friction_coefficient", zone(i)),
         }
     }
@@ -153,9 +151,10 @@ impl Parameter {
                 let zone = &instrument.zones[i].name;
                 let mut varied = instrument.zones[i].felt;
                 varied.scale_loss(value);
-                let keys = ["damping_N_s_per_m3", "hunt_crossley_s_per_m", "dry_loss", "relaxed"];
-                let values = [varied.damping, varied.hunt_crossley, varied.dry_loss, varied.relaxed];
-                let all = keys.into_iter().zip(values).map(|(key, value)| (format!("zone.{zone}.felt.{key}"), value));
+                let numbers =
+                    varied.loss.table().iter().zip(varied.loss.numbers()).filter(|(number, _)| number.is_loss);
+                let path = |number: &LawNumber| format!("zone.{zone}.felt.{}", number.key);
+                let all = numbers.map(|(number, value)| (path(number), value * number.units_per_si));
                 all.filter(|(path, _)| own(path).is_some()).map(|(path, value)| (path, ten_digits(value))).collect()
             }
             _ => scaled(path).into_iter().collect(),

@@ -177,7 +177,7 @@ fn refusals() {
     let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &mut |_| true);
     assert!(matches!(refused, Err(GradientError::Dwell)), "{refused:?}");
     let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
-    grand.zones[0].felt.dry_loss = 0.2;
+    grand.zones[0].felt.loss = moreau::SetValued { eta: 0.2 }.into();
     let refused = follow(&grand, &[Direction::force()], &|_| Input::Force(5.0), &setup, 50e-6, None, &mut |_| true);
     assert!(matches!(refused, Err(GradientError::SetValuedFelt)), "{refused:?}");
     let plain = Instrument::builtin("concert-grand-rigid").unwrap();

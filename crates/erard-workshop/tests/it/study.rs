@@ -10,7 +10,7 @@ use erard::player;
 use erard::run::Run;
 use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::study::{Job, JobResult, Lanes, Played, Sampling, Stroke, Workers, play_all, sample_all};
-use moreau::Settings;
+use moreau::{Elastoplastic, Settings};
 
 /// Variants of the grand that a study would ask for, another action, and models of other sizes.
 fn instruments() -> Vec<Instrument> {
@@ -110,8 +110,11 @@ fn in_single_precision_the_same_to_its_rounding() {
 fn what_is_remembered_is_remembered_in_lanes() {
     // The elastoplastic one. The set-valued loss does not converge in every step of a whole action (`felt_laws.rs` has the number); Stulov's and
     // friction that dwells are not held to this in lanes yet.
-    let laws: [fn(&mut Instrument); 1] =
-        [|i| i.zones.iter_mut().for_each(|zone| (zone.felt.dry_loss, zone.felt.dry_slip) = (0.3, 0.2))];
+    let laws: [fn(&mut Instrument); 1] = [|i| {
+        for felt in i.zones.iter_mut().map(|zone| &mut zone.felt) {
+            felt.loss = Elastoplastic { damping: felt.loss.viscous(1.0, 0.0), eta: 0.3, slip: 0.2 }.into();
+        }
+    }];
     for (k, law) in laws.into_iter().enumerate() {
         let instruments: Vec<Instrument> = (0..4)
             .map(|n| {

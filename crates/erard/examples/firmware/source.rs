@@ -124,8 +124,8 @@ fn felt(f: &Felt<f64>) -> String {
         Exponent::Other(r) => format!("Exponent::Other({})", t(r)),
     };
     let loss = match loss {
-        Loss::Quadratic(b) => format!("Loss::Quadratic({})", t(b)),
-        Loss::HuntCrossley(a) => format!("Loss::HuntCrossley({})", t(a)),
+        Loss::Quadratic(law) => format!("Loss::quadratic({})", t(law.damping)),
+        Loss::HuntCrossley(law) => format!("Loss::hunt_crossley({})", t(law.rate)),
         other => panic!("no source is written for this loss yet: {other:?}"),
     };
     format!("Felt {{ stiffness: {}, exponent: {exponent}, loss: {loss} }}", t(stiffness))

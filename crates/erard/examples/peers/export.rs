@@ -98,8 +98,9 @@ fn zones(instrument: &Instrument) -> Vec<Value> {
             }
             Curve::Disc { center_m, radius_m } => json!({ "disc": { "center_m": center_m, "radius_m": radius_m } }),
         };
-        let other = z.felt.hunt_crossley > 0.0 || z.felt.dry_loss > 0.0 || z.felt.relaxed > 0.0;
-        assert!(!other, "{}: the other programs know the papers' loss only", z.name);
+        let moreau::Loss::Quadratic(papers) = z.felt.loss else {
+            panic!("{}: the other programs know the papers' loss only", z.name);
+        };
         json!({
             "name": z.name,
             "disc": { "body": z.disc_body, "center_m": z.disc_center_m, "radius_m": z.disc_radius_m },
@@ -108,7 +109,7 @@ fn zones(instrument: &Instrument) -> Vec<Value> {
             "felt": {
                 "stiffness_N_per_m_r": z.felt.stiffness,
                 "exponent": z.felt.exponent,
-                "damping_N_s_per_m3": z.felt.damping,
+                "damping_N_s_per_m3": papers.damping,
             },
             "friction_coefficient": z.friction_coefficient,
         })

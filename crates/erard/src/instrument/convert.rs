@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use super::error::Fault;
+use super::felt::read_felt;
 use super::format::{
-    BodyToml, DiscToml, FORMAT, FeltToml, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml,
-    SpringToml, ZoneToml,
+    BodyToml, DiscToml, FORMAT, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml, SpringToml,
+    ZoneToml,
 };
 use super::quantity::{At, Num, Pair, Positive, Real};
 use super::reader::{
@@ -13,8 +14,8 @@ use super::reader::{
 };
 use super::strings::{read_bridge, read_strings};
 use super::{
-    Body, Curve, Dwell, Felt, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS,
-    MAX_ZONES, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
+    Body, Curve, Dwell, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
+    Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 
 /// How much smaller than a point mass's an inertia may be before it is called impossible: rounding of decimals only.
@@ -384,54 +385,6 @@ fn read_curve(
             Err(Fault::at(extra.span(), "a zone has one side B", EXPECTED).found("more than one"))
         }
     }
-}
-
-fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Felt, Fault> {
-    let losses = [
-        ("damping_N_s_per_m3", table.damping_n_s_per_m3.as_ref().map(Num::value_span)),
-        ("dry_loss", table.dry_loss.as_ref().map(Num::value_span)),
-        ("hunt_crossley_s_per_m", table.hunt_crossley_s_per_m.as_ref().map(Num::value_span)),
-        ("relaxed", table.relaxed.as_ref().map(Num::value_span)),
-    ];
-    let mut given = losses.into_iter().filter_map(|(key, span)| span.map(|span| (key, span)));
-    // Only a viscous loss and a dry one that slips go together.
-    let first = given.next();
-    let together = table.dry_slip.is_some() && matches!(first, Some(("damping_N_s_per_m3", _)));
-    let mut others = given.filter(|(key, _)| !(together && *key == "dry_loss"));
-    if let (Some((first, _)), Some((second, span))) = (first.as_ref(), others.next()) {
-        return Err(Fault::at(span, "a felt has one law", format!("either `{first}` or `{second}`")).found("both"));
-    }
-    if let (Some(slip), None) = (&table.dry_slip, &table.dry_loss) {
-        return Err(Fault::at(slip.span(), "this key does not stand alone", "`dry_loss` beside it"));
-    }
-    if let (Some(time), None) = (&table.relaxation_ms, &table.relaxed) {
-        return Err(Fault::at(time.span(), "this key does not stand alone", "`relaxed` beside it"));
-    }
-    let relaxation_ms = match (&table.relaxed, &table.relaxation_ms) {
-        (Some(relaxed), None) => {
-            return Err(Fault::missing(relaxed.span(), "relaxation_ms", "the time in which the felt forgets"));
-        }
-        (_, Some(time)) => reader.scalar(time, Limits::between(1e-6, 1e6, "ms"))?,
-        (_, None) => 0.0,
-    };
-    let part = Limits::between(0.0, 0.99, "");
-    Ok(Felt {
-        stiffness: reader.scalar(&table.stiffness_n_per_m_r, Limits::up_to(1e18, "N/m^r"))?,
-        exponent: reader.scalar(&table.exponent, Limits::between(1.0, 6.0, ""))?,
-        damping: reader.scalar_or_zero(table.damping_n_s_per_m3.as_ref(), Limits::up_to(1e18, "N s/m3"))?,
-        hunt_crossley: reader.scalar_or_zero(table.hunt_crossley_s_per_m.as_ref(), Limits::up_to(1e6, "s/m"))?,
-        dry_loss: reader.scalar_or_zero(table.dry_loss.as_ref(), part)?,
-        dry_slip: match &table.dry_slip {
-            None => 0.0,
-            Some(slip) => reader.scalar(slip, Limits::between(1e-3, 0.99, ""))?,
-        },
-        relaxed: reader.scalar_or_zero(table.relaxed.as_ref(), part)?,
-        relaxation_s: relaxation_ms / 1e3,
-        thickness_m: match &table.thickness_mm {
-            None => None,
-            Some(thickness) => Some(reader.scalar(thickness, Limits::between(1e-3, 1e3, "mm"))? / MM_PER_M),
-        },
-    })
 }
 
 fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Roles, Fault> {

@@ -8,8 +8,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::felt::FeltToml;
 use super::provenance::{Certainty, Source};
-use super::quantity::{At, Exponent, NonNegative, Num, Pair, Part, Positive, Real};
+use super::quantity::{At, NonNegative, Num, Pair, Part, Positive, Real};
 use super::{
     MAX_BODIES, MAX_BRIDGE_MODES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_STRINGS, MAX_ZONES, Material,
 };
@@ -271,39 +272,6 @@ pub(crate) struct SegmentToml {
     pub to_mm: Num<Pair>,
     /// Rounding radius, mm; 0 when absent.
     pub rounding_mm: Option<Num<NonNegative>>,
-}
-
-/// Felt law for the compression g in metres: F = k g^r + b g^2 dg/dt; with `dry_loss` and `dry_slip` and beside b a slider in series with a
-/// spring. In place of b `dry_loss` alone, F = k g^r (1 + eta Sign(dg/dt)); `hunt_crossley_s_per_m`, F = k g^r (1 + a dg/dt); or `relaxed` and
-/// `relaxation_ms`, Stulov's felt with memory. It never pulls.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "Felt")]
-pub(crate) struct FeltToml {
-    /// k, N/m^r.
-    #[serde(rename = "stiffness_N_per_m_r")]
-    pub stiffness_n_per_m_r: Num<NonNegative>,
-    /// r, from 1 to 6.
-    pub exponent: Num<Exponent>,
-    /// b, N s/m3; 0 when absent.
-    #[serde(rename = "damping_N_s_per_m3")]
-    pub damping_n_s_per_m3: Option<Num<NonNegative>>,
-    /// a of Hunt and Crossley's law, s/m; in place of `damping_N_s_per_m3`.
-    pub hunt_crossley_s_per_m: Option<Num<NonNegative>>,
-    /// eta, from 0 to below 1: the part of the force that resists whichever way the felt moves, however slowly. A felt loses 2 eta / (1 + eta) of
-    /// the energy that pressed it, and with `dry_slip` (1 - s) / (1 + s) of that. Without `dry_slip` the loss is set-valued: a felt that is held does not give at all to small changes of its load.
-    pub dry_loss: Option<Num<Part>>,
-    /// With `dry_loss`: how far the felt gives elastically before its dry loss slips, as a part of g^((r+1)/2), above 0 and below 1. A felt that is
-    /// held then goes on vibrating a little.
-    pub dry_slip: Option<Num<Part>>,
-    /// eps of Stulov's hereditary felt, from 0 to below 1: the part of the quick force that relaxes. k is the stiffness of a slow compression; a
-    /// quick one meets k / (1 - eps).
-    pub relaxed: Option<Num<Part>>,
-    /// With `relaxed`: tau, the time in which the felt forgets, ms.
-    pub relaxation_ms: Option<Num<Positive>>,
-    /// Thickness of felt, cloth or leather, of both sides together, mm. It takes no part in the mechanics: a run that compresses it by more is
-    /// not trusted. Not looked at when absent.
-    pub thickness_mm: Option<Num<Positive>>,
 }
 
 /// Who is who: names of bodies and zones.

@@ -16,6 +16,7 @@ mod convert;
 pub(crate) mod edit;
 #[doc(hidden)]
 pub mod error;
+mod felt;
 #[doc(hidden)]
 pub mod file;
 mod format;
@@ -49,6 +50,8 @@ pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Sprea
 pub use rewrite::{RewriteError, cited};
 pub use schema::json_schema;
 pub(crate) use tuning::REACH_HZ;
+
+use moreau::{LawNumber, Loss, Range};
 
 /// Most bodies of an instrument: the engine's capacity.
 pub(crate) const MAX_BODIES: usize = 12;
@@ -250,45 +253,38 @@ pub enum Curve {
     },
 }
 
-/// F = k g^r + b g^2 dg/dt, with a dry loss beside b or another in place of it ([`moreau::Loss`]); never pulling.
+/// k g^r and a loss ([`moreau::Loss`]), never pulling.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Felt {
     /// k, N/m^r.
     pub stiffness: f64,
     /// r, at least 1.
     pub exponent: f64,
-    /// b, N s/m3; 0 where `hunt_crossley` is not.
-    pub damping: f64,
-    /// a, s/m; 0 for the papers' law.
-    pub hunt_crossley: f64,
-    /// eta of a dry loss, below 1; 0 where there is none.
-    pub dry_loss: f64,
-    /// The part of g^((r+1)/2) by which the felt gives before its dry loss slips, below 1; 0: the loss is set-valued.
-    pub dry_slip: f64,
-    /// eps of Stulov's hereditary felt, below 1; 0 where there is none.
-    pub relaxed: f64,
-    /// Its tau, s.
-    pub relaxation_s: f64,
+    /// How it loses energy.
+    pub loss: Loss<f64>,
     /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is not to be trusted
     /// ([`crate::trust`]). `None`: not known.
     pub thickness_m: Option<f64>,
 }
 
 impl Felt {
-    /// Whether it loses energy.
-    pub fn is_lossy(&self) -> bool {
-        self.damping > 0.0 || self.hunt_crossley > 0.0 || self.dry_loss > 0.0 || self.relaxed > 0.0
-    }
-
     /// Multiplies its loss, whichever law it has; parts of a whole stay below one.
     pub fn scale_loss(&mut self, factor: f64) {
         const MOST: f64 = 0.99;
-        self.damping *= factor;
-        self.hunt_crossley *= factor;
-        if factor != 1.0 {
-            self.dry_loss = (self.dry_loss * factor).min(MOST);
-            self.relaxed = (self.relaxed * factor).min(MOST);
-        }
+        let mut table = self.loss.table().iter();
+        self.loss = self.loss.map(|x| match table.next() {
+            Some(number) if number.is_loss => match number.range {
+                Range::Part | Range::InnerPart if factor == 1.0 => x,
+                Range::Part | Range::InnerPart => (x * factor).min(MOST),
+                _ => x * factor,
+            },
+            _ => x,
+        });
+    }
+
+    /// The first number that says how much it loses, with its value in SI units, if its law has one.
+    pub fn first_loss(&self) -> Option<(&'static LawNumber, f64)> {
+        self.loss.table().iter().zip(self.loss.numbers()).find(|(number, _)| number.is_loss)
     }
 
     /// Takes all its force away.

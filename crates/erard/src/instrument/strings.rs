@@ -176,7 +176,7 @@ pub(super) fn read_bridge(
 
 /// What a surface that is no part of the mechanism can be pressed with.
 fn check_zone(zone: &Zone, span: Range<usize>) -> Result<(), Fault> {
-    if zone.felt.dry_loss > 0.0 && zone.felt.dry_slip == 0.0 {
+    if matches!(zone.felt.loss, moreau::Loss::SetValued(_)) {
         let message = format!("the felt of `{}` has a set-valued loss, which no string can yield to", zone.name);
         return Err(Fault::at(span, message, "`dry_slip` beside its `dry_loss`, or another loss"));
     }

@@ -154,7 +154,7 @@ impl MechanismState {
         list("side", side);
         list("rigid_force_N", std::slice::from_mut(rigid_force));
         list("hand_m_and_m_s", hand);
-        list("felt_memory", memory);
+        list("felt_memory", memory.as_flattened_mut());
         list("pivot_rested", pivot_rested);
         list("zone_rested", rested);
         list("time_s", std::slice::from_mut(now_s));
@@ -349,7 +349,7 @@ mod tests {
                 counted += 1.0;
             }
         });
-        assert_eq!(counted, 1.0 + f64::from(5 * 12 + 4 * 32 + 4 + 2 + 2 + 2 * 4));
+        assert_eq!(counted, 1.0 + f64::from(5 * 12 + 3 * 32 + 4 * 32 + 4 + 2 + 2 + 2 * 4));
         assert_eq!(Snapshot::from_bytes(&all.to_vec()), Ok(all));
         let mut broken = snapshot;
         broken.mechanism.saved.state.rigid_force = f64::NAN;

@@ -127,7 +127,7 @@ impl Felt {
             return 0.0;
         }
         let g = libm::pow(force_n / self.law.stiffness, 1.0 / self.law.exponent);
-        self.law.damping * g * g + self.law.hunt_crossley * force_n
+        self.law.loss.viscous(g, force_n)
     }
 
     /// What its rocking does in the next step, after one under this force.

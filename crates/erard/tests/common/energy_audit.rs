@@ -7,7 +7,7 @@ use erard::mechanism::Mechanism;
 use erard::player::rest::Rest;
 use erard::player::{Drive, Observer};
 use erard::trust::LEAST_TURNOVER_J;
-use moreau::{Input, SavedState};
+use moreau::{Elastoplastic, Hereditary, Input, Loss, MEMORY, SavedState};
 
 /// A state of any size.
 type State = SavedState<f64, 12, 32>;
@@ -20,7 +20,7 @@ struct Moment {
     /// Of every zone: compression, m, and slip, m/s (0 where there is no friction or no touch).
     zones: Vec<[f64; 2]>,
     /// What every felt remembers ([`moreau::State::memory`]).
-    memory: Vec<f64>,
+    memory: Vec<[f64; MEMORY]>,
     /// The driven point along its direction, m, and its speed, m/s.
     site: [f64; 2],
     /// The hand, m and m/s.
@@ -165,11 +165,9 @@ impl<'a> EnergyAudit<'a> {
         }
         for (z, zone) in self.instrument.zones.iter().enumerate() {
             let ([compression_before, slip_before], [compression, slip]) = (self.before.zones[z], self.now.zones[z]);
-            let memory = [self.before.memory[z], self.now.memory[z]];
-            if zone.felt.dry_loss > 0.0 || zone.felt.relaxed > 0.0 {
-                self.zones_j[z][0] += lost_with_memory_j(&zone.felt, [compression_before, compression], memory);
-            }
-            if compression_before.max(compression) > 0.0 && zone.felt.damping + zone.felt.hunt_crossley > 0.0 {
+            let memory = [self.before.memory[z][0], self.now.memory[z][0]];
+            self.zones_j[z][0] += lost_with_memory_j(&zone.felt, [compression_before, compression], memory);
+            if compression_before.max(compression) > 0.0 && zone.felt.loss.viscous(1.0, 1.0) > 0.0 {
                 let rate = (compression - compression_before) / h;
                 // Two points of Gauss: a felt may begin or end to be touched within the step.
                 for share in GAUSS {
@@ -191,7 +189,7 @@ impl<'a> EnergyAudit<'a> {
         left.abs() / self.work_in_j.max(lost_j).max(LEAST_TURNOVER_J)
     }
 
-    fn place(&mut self, angles: &[f64], velocities: &[f64], memory: &[f64]) {
+    fn place(&mut self, angles: &[f64], velocities: &[f64], memory: &[[f64; MEMORY]]) {
         let Self { instrument, now, .. } = self;
         now.bodies.clear();
         now.memory.clear();
@@ -245,7 +243,7 @@ impl<'a> EnergyAudit<'a> {
             energy += 0.5 * spring.stiffness_n_m_per_rad * turned * turned - spring.torque_n_m * turned;
         }
         for ((zone, [compression, _]), memory) in instrument.zones.iter().zip(&now.zones).zip(&now.memory) {
-            energy += held_j(&zone.felt, *compression, *memory);
+            energy += held_j(&zone.felt, *compression, memory[0]);
             if *compression > 0.0 {
                 let power = zone.felt.exponent + 1.0;
                 energy += zone.felt.stiffness * libm::pow(*compression, power) / power;
@@ -282,67 +280,71 @@ fn touch(curve: &Curve, body: &Placement, center: Vec2, radius: f64) -> (f64, Ve
 /// The part of a felt's force that is lost, N; what the clamp at zero leaves of it where the felt opens fast.
 fn loss_n(felt: &Felt, compression: f64, rate: f64, dry: f64) -> f64 {
     let elastic = felt.stiffness * libm::pow(compression, felt.exponent);
-    let loss =
-        if felt.hunt_crossley > 0.0 { elastic * felt.hunt_crossley } else { felt.damping * compression * compression };
+    let loss = match felt.loss {
+        Loss::HuntCrossley(law) => elastic * law.rate,
+        Loss::Quadratic(law) => law.damping * compression * compression,
+        Loss::Elastoplastic(law) => law.damping * compression * compression,
+        _ => 0.0,
+    };
     (loss * rate).max(-elastic - dry)
 }
 
-/// m = (r + 1)/2, x = g^m, and the constant of the spring in series with the slider, per x^2.
-fn slider(felt: &Felt) -> (f64, impl Fn(f64) -> f64) {
+/// x = g^m, m = (r + 1)/2, and the constant of the spring in series with a slider, per x^2.
+fn slider(felt: &Felt, law: &Elastoplastic<f64>) -> (f64, impl Fn(f64) -> f64) {
     let m = 0.5 * (felt.exponent + 1.0);
-    (felt.dry_loss * felt.stiffness / (m * felt.dry_slip), move |compression: f64| libm::pow(compression.max(0.0), m))
+    (law.eta * felt.stiffness / (m * law.slip), move |compression: f64| libm::pow(compression.max(0.0), m))
 }
 
 /// The force of the slider's spring, N.
 fn dry_n(felt: &Felt, compression: f64, memory: f64) -> f64 {
-    if felt.dry_slip > 0.0 {
-        let m = 0.5 * (felt.exponent + 1.0);
-        slider(felt).0 * memory * m * libm::pow(compression, m - 1.0)
-    } else {
-        0.0
-    }
+    let Loss::Elastoplastic(law) = &felt.loss else { return 0.0 };
+    let m = 0.5 * (felt.exponent + 1.0);
+    slider(felt, law).0 * memory * m * libm::pow(compression, m - 1.0)
+}
+
+/// Where a hereditary felt's own surface is, and the compression with which its memory would be at rest.
+fn surface_and_rest(felt: &Felt, law: &Hereditary<f64>, memory: f64) -> [f64; 2] {
+    let quick = felt.stiffness / (1.0 - law.relaxed);
+    [quick, quick * law.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent))
 }
 
 /// The energy that a felt's memory holds, J.
 fn held_j(felt: &Felt, compression: f64, memory: f64) -> f64 {
-    if felt.dry_slip > 0.0 {
-        0.5 * slider(felt).0 * memory * memory
-    } else if felt.relaxed > 0.0 && felt.stiffness > 0.0 {
-        let (quick, power) = (felt.stiffness / (1.0 - felt.relaxed), felt.exponent + 1.0);
-        // Where the felt's own surface is, and the compression with which its memory would be at rest.
-        let [surface, rest] = [quick, quick * felt.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent));
-        let g = compression.max(surface);
-        let relaxing = felt.relaxed * felt.exponent * quick * libm::pow(rest, power) / power;
-        quick * libm::pow(g, power) / power - memory * g + relaxing
-            - felt.stiffness * libm::pow(compression.max(0.0), power) / power
-    } else {
-        0.0
+    match &felt.loss {
+        Loss::Elastoplastic(law) => 0.5 * slider(felt, law).0 * memory * memory,
+        Loss::Hereditary(law) if felt.stiffness > 0.0 => {
+            let (quick, power) = (felt.stiffness / (1.0 - law.relaxed), felt.exponent + 1.0);
+            let [surface, rest] = surface_and_rest(felt, law, memory);
+            let g = compression.max(surface);
+            let relaxing = law.relaxed * felt.exponent * quick * libm::pow(rest, power) / power;
+            quick * libm::pow(g, power) / power - memory * g + relaxing
+                - felt.stiffness * libm::pow(compression.max(0.0), power) / power
+        }
+        _ => 0.0,
     }
 }
 
 /// What a felt with memory has lost in a step, J, given compressions and memories before and after.
 fn lost_with_memory_j(felt: &Felt, [compression_before, compression]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
-    if felt.dry_slip > 0.0 {
-        let (spring, x) = slider(felt);
-        // How far the slider went, and the mean of its force, which follows its bound.
-        let slid = x(compression) - x(compression_before) - (after - before);
-        let along = felt.dry_slip * slid.signum();
-        let mean = after - 0.5 * along * slid / (1.0 - along);
-        spring * mean.abs() * slid.abs()
-    } else if felt.dry_loss > 0.0 {
-        after * (compression.max(0.0) - compression_before.max(0.0))
-    } else {
-        // The force that relaxes times the way that the felt is behind.
-        let quick = felt.stiffness / (1.0 - felt.relaxed);
-        let behind = |compression: f64, memory: f64| {
-            let [surface, rest] = [quick, quick * felt.relaxed].map(|k| libm::pow(memory / k, 1.0 / felt.exponent));
-            compression.max(surface) - rest
-        };
-        if quick > 0.0 {
-            0.5 * (behind(compression_before, before) + behind(compression, after)) * (after - before)
-        } else {
-            0.0
+    match &felt.loss {
+        Loss::Elastoplastic(law) => {
+            let (spring, x) = slider(felt, law);
+            // How far the slider went, and the mean of its force, which follows its bound.
+            let slid = x(compression) - x(compression_before) - (after - before);
+            let along = law.slip * slid.signum();
+            let mean = after - 0.5 * along * slid / (1.0 - along);
+            spring * mean.abs() * slid.abs()
         }
+        Loss::SetValued(_) => after * (compression.max(0.0) - compression_before.max(0.0)),
+        // The force that relaxes times the way that the felt is behind.
+        Loss::Hereditary(law) if felt.stiffness > 0.0 => {
+            let behind = |compression: f64, memory: f64| {
+                let [surface, rest] = surface_and_rest(felt, law, memory);
+                compression.max(surface) - rest
+            };
+            0.5 * (behind(compression_before, before) + behind(compression, after)) * (after - before)
+        }
+        _ => 0.0,
     }
 }
 

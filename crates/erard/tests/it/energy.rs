@@ -9,7 +9,7 @@ use erard::mechanism::Mechanism;
 use erard::player::{Losses, Observer};
 use erard::run::{Run, Setup, simulate_observed};
 use erard::stroke::{NUANCES, Touch};
-use moreau::{Ledger, Settings};
+use moreau::{Elastoplastic, Hereditary, Ledger, Loss, Settings};
 
 /// Every built-in stroke as force, as motion of a soft finger and as motion of the key; steps of force; repetition.
 fn plays() -> Vec<Play> {
@@ -136,9 +136,11 @@ fn books_kept_from_outside_say_the_same() {
     type Law = fn(&mut Felt);
     let laws: [(&str, Law); 4] = [
         ("as built", |_| ()),
-        ("Hunt and Crossley", |felt| (felt.damping, felt.hunt_crossley) = (0.0, 0.3)),
-        ("elastoplastic", |felt| (felt.dry_loss, felt.dry_slip) = (0.3, 0.2)),
-        ("hereditary", |felt| (felt.damping, felt.relaxed, felt.relaxation_s) = (0.0, 0.5, 1e-3)),
+        ("Hunt and Crossley", |felt| felt.loss = Loss::hunt_crossley(0.3)),
+        ("elastoplastic", |felt| {
+            felt.loss = Elastoplastic { damping: felt.loss.viscous(1.0, 0.0), eta: 0.3, slip: 0.2 }.into();
+        }),
+        ("hereditary", |felt| felt.loss = Hereditary { relaxed: 0.5, time: 1e-3 }.into()),
     ];
     let usual =
         [Play::Stroke("f", Touch::Struck), Play::Motion("mf", Touch::Pressed), Play::Rigid("mf", Touch::Struck)];

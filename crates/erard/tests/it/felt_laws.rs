@@ -5,19 +5,21 @@ use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Dwell, Felt, Instrument};
 use erard::player::{Action, Input};
 use erard::stroke::Touch;
-use moreau::{Settings, Solver};
+use moreau::{Elastoplastic, Hereditary, SetValued, Settings, Solver};
 
 type Law = fn(&mut Felt);
 
 const SET_VALUED: [(&str, Law); 2] = [
-    ("set-valued", |felt| (felt.damping, felt.dry_loss) = (0.0, 0.3)),
-    ("set-valued, less", |felt| (felt.damping, felt.dry_loss) = (0.0, 0.1)),
+    ("set-valued", |felt| felt.loss = SetValued { eta: 0.3 }.into()),
+    ("set-valued, less", |felt| felt.loss = SetValued { eta: 0.1 }.into()),
 ];
 
 const LAWS: [(&str, Law); 3] = [
-    ("elastoplastic", |felt| (felt.damping, felt.dry_loss, felt.dry_slip) = (0.0, 0.3, 0.2)),
-    ("elastoplastic beside b", |felt| (felt.dry_loss, felt.dry_slip) = (0.3, 0.1)),
-    ("hereditary", |felt| (felt.damping, felt.relaxed, felt.relaxation_s) = (0.0, 0.5, 1e-3)),
+    ("elastoplastic", |felt| felt.loss = Elastoplastic { damping: 0.0, eta: 0.3, slip: 0.2 }.into()),
+    ("elastoplastic beside b", |felt| {
+        felt.loss = Elastoplastic { damping: felt.loss.viscous(1.0, 0.0), eta: 0.3, slip: 0.1 }.into();
+    }),
+    ("hereditary", |felt| felt.loss = Hereditary { relaxed: 0.5, time: 1e-3 }.into()),
 ];
 
 fn with(law: Law) -> Instrument {
@@ -155,13 +157,12 @@ fn nothing_breaks(seeds: std::ops::Range<u64>) {
         let (mut instrument, mut r) = (perturbed(&grand, seed), Random::new(seed + 1_000_000));
         for zone in &mut instrument.zones {
             let felt = &mut zone.felt;
-            match r.below(3) {
-                0 => {}
-                1 => (felt.dry_loss, felt.dry_slip) = (r.between(0.05, 0.6), r.between(0.05, 0.5)),
-                _ => {
-                    (felt.damping, felt.dry_loss, felt.dry_slip) = (0.0, r.between(0.05, 0.6), r.between(0.05, 0.5));
-                }
-            }
+            let damping = match r.below(3) {
+                0 => continue,
+                1 => felt.loss.viscous(1.0, 0.0),
+                _ => 0.0,
+            };
+            felt.loss = Elastoplastic { damping, eta: r.between(0.05, 0.6), slip: r.between(0.05, 0.5) }.into();
         }
         let fate = play_on(&instrument, seed, settings, 0.4);
         assert!(!fate.not_finite && !fate.restless, "{seed}: {fate:?}");

@@ -146,9 +146,9 @@ fn numbers_that_no_instrument_has() {
         ),
         slip(
             ("damping_N_s_per_m3 = 1e6", "hunt_crossley_s_per_m = 0.5\ndry_loss = 0.2"),
-            "hunt_crossley_s_per_m = 0.5",
-            "zone.pallet_lever.felt.hunt_crossley_s_per_m",
-            ["both", "either `dry_loss` or `hunt_crossley_s_per_m`", "one law"],
+            "dry_loss = 0.2",
+            "zone.pallet_lever.felt.dry_loss",
+            ["both", "either `hunt_crossley_s_per_m` or `dry_loss`", "one law"],
         ),
         slip(
             ("damping_N_s_per_m3 = 1e6", "damping_N_s_per_m3 = 1e6\nrelaxed = 0.2\nrelaxation_ms = 1"),
@@ -633,7 +633,7 @@ fn slips_that_are_easily_overlooked() {
             ("damping_N_s_per_m3 = 1e6", "damping_N_s_per_m3 = 1e6\ndry_loss = 0.2"),
             "dry_loss = 0.2",
             "zone.pallet_lever.felt.dry_loss",
-            ["both", "either `damping_N_s_per_m3` or `dry_loss`", "one law"],
+            ["", "`dry_slip` beside it", "alone"],
         ),
         slip(
             ("name = \"pallet\"", "name = \"1pallet\""),

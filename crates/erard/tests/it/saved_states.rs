@@ -7,6 +7,7 @@ use erard::assembly::{describe, probes};
 use erard::instrument::{BridgeMode, Dwell, Felt, InstrumentFile, with_numbers};
 use erard::keyboard::Keyboard;
 use erard::{Action, Input, Instrument};
+use moreau::{Elastoplastic, Hereditary, Loss, SetValued};
 use toml::{Table, Value};
 
 /// What the step is given, as text, without names: an independent way to see whether a change changes a step.
@@ -158,6 +159,10 @@ fn every_pair_has_its_path() {
     assert_eq!(value("roles.key.key"), Some(1.0));
 }
 
+fn felt(loss: Loss<f64>) -> Felt {
+    Felt { stiffness: 1e9, exponent: 2.5, loss, thickness_m: None }
+}
+
 /// The laws and parts that no built-in instrument has: each changes the identity, and each of its numbers does.
 #[test]
 fn optional_laws_change_the_identity() {
@@ -175,20 +180,11 @@ fn optional_laws_change_the_identity() {
         (
             "other laws of a felt",
             vec![
-                |i| i.zones[0].felt = Felt { stiffness: 1e9, exponent: 2.5, hunt_crossley: 0.5, ..Felt::default() },
-                |i| i.zones[0].felt = Felt { stiffness: 1e9, exponent: 2.5, dry_loss: 0.5, ..Felt::default() },
-                |i| {
-                    i.zones[0].felt =
-                        Felt { stiffness: 1e9, exponent: 2.5, dry_loss: 0.5, dry_slip: 0.1, ..Felt::default() }
-                },
-                |i| {
-                    let law = Felt { relaxed: 0.5, relaxation_s: 1e-3, ..Felt::default() };
-                    i.zones[0].felt = Felt { stiffness: 1e9, exponent: 2.5, ..law };
-                },
-                |i| {
-                    let law = Felt { relaxed: 0.5, relaxation_s: 2e-3, ..Felt::default() };
-                    i.zones[0].felt = Felt { stiffness: 1e9, exponent: 2.5, ..law };
-                },
+                |i| i.zones[0].felt = felt(Loss::hunt_crossley(0.5)),
+                |i| i.zones[0].felt = felt(SetValued { eta: 0.5 }.into()),
+                |i| i.zones[0].felt = felt(Elastoplastic { damping: 0.0, eta: 0.5, slip: 0.1 }.into()),
+                |i| i.zones[0].felt = felt(Hereditary { relaxed: 0.5, time: 1e-3 }.into()),
+                |i| i.zones[0].felt = felt(Hereditary { relaxed: 0.5, time: 2e-3 }.into()),
             ],
         ),
         (
@@ -259,7 +255,7 @@ fn optional_laws_change_the_identity() {
     own.roles.rigid_bridge = true;
     let mut unused = own.clone();
     unused.bridge_modes.push(BridgeMode { name: "a".into(), mass_kg: 1.0, frequency_hz: 90.0, loss_factor: 0.1 });
-    unused.zones[0].felt.relaxation_s = 1.0;
+    unused.zones[0].felt.thickness_m = Some(1.0);
     assert_eq!(unused.digest(), own.digest(), "what is described and not in force");
 }
 

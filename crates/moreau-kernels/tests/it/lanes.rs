@@ -18,7 +18,7 @@ fn pair(i: usize) -> Model<f64, 2, 3> {
         viscous: 1e-4,
         ..Body::inert()
     };
-    let felt = Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::Quadratic(1e8) };
+    let felt = Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::quadratic(1e8) };
     let zone = |disc_body, center, curve_body, y, friction| Zone {
         disc_body,
         center,

@@ -22,7 +22,7 @@ fn felt_on_floor() -> Zone<f64> {
         radius: 0.01,
         curve_body: GROUND,
         curve: Curve::Line { point: [0.0, -0.01], normal: [0.0, 1.0] },
-        felt: Felt { stiffness: 1e6, exponent: Exponent::Two, loss: Loss::HuntCrossley(0.3) },
+        felt: Felt { stiffness: 1e6, exponent: Exponent::Two, loss: Loss::hunt_crossley(0.3) },
         friction: Some(0.2),
     }
 }
@@ -60,9 +60,9 @@ fn every_fault_names_its_part_and_its_number() {
 
     let zone = |zone| number(Description { zones: &[zone], ..sound });
     let felt = |loss, exponent| zone(Zone { felt: Felt { stiffness: 1e6, exponent, loss }, ..felt_on_floor() });
-    assert_eq!(felt(Loss::Quadratic(-1.0), Exponent::Two), (Part::Zone(0), "damping", -1.0));
-    assert_eq!(felt(Loss::HuntCrossley(-0.1), Exponent::Two), (Part::Zone(0), "Hunt and Crossley's a", -0.1));
-    assert_eq!(felt(Loss::Quadratic(0.0), Exponent::Other(0.5)), (Part::Zone(0), "exponent", 0.5));
+    assert_eq!(felt(Loss::quadratic(-1.0), Exponent::Two), (Part::Zone(0), "damping", -1.0));
+    assert_eq!(felt(Loss::hunt_crossley(-0.1), Exponent::Two), (Part::Zone(0), "hunt_crossley", -0.1));
+    assert_eq!(felt(Loss::quadratic(0.0), Exponent::Other(0.5)), (Part::Zone(0), "exponent", 0.5));
     let slanted = Curve::Line { point: [0.0, 0.0], normal: [0.0, 2.0] };
     assert_eq!(zone(Zone { curve: slanted, ..felt_on_floor() }), (Part::Zone(0), "normal", 2.0));
     assert_eq!(zone(Zone { friction: Some(-0.1), ..felt_on_floor() }), (Part::Zone(0), "friction", -0.1));

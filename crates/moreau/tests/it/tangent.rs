@@ -188,7 +188,7 @@ fn table<T: Scalar>(friction: T) -> Touching<T> {
     let table = Body { inertia: t(1.0), ..Body::inert() };
     let arm = Body { inertia: t(0.05), pivot: [t(-0.5), t(1.3)], ..Body::inert() };
     let steady = |body, torque| Spring { body, torque: t(torque), stiffness: T::ZERO, reference: T::ZERO };
-    let felt = Felt { stiffness: t(4e5), exponent: Exponent::Two, loss: Loss::Quadratic(T::ZERO) };
+    let felt = Felt { stiffness: t(4e5), exponent: Exponent::Two, loss: Loss::quadratic(T::ZERO) };
     let surface = Curve::Line { point: [T::ZERO, t(1.0)], normal: [T::ZERO, t(1.0)] };
     let zone = Zone {
         disc_body: 1,

@@ -33,7 +33,7 @@ fn levers(parents: [usize; 3]) -> Model<f64, 3, 3> {
         radius: 0.005,
         curve_body: GROUND,
         curve: Curve::Line { point: [pivot_x(i) + 0.09, -0.006 - 0.002 * i as f64], normal: [0.0, 1.0] },
-        felt: Felt { stiffness: 1e6, exponent: Exponent::Two, loss: Loss::Quadratic(1e5) },
+        felt: Felt { stiffness: 1e6, exponent: Exponent::Two, loss: Loss::quadratic(1e5) },
         friction: Some(0.3),
     };
     let site = Site { body: 0, point: [0.09, 0.0], direction: [0.0, -1.0], stiffness: 100.0, damping: 1.0 };

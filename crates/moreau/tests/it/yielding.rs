@@ -1,8 +1,8 @@
 //! Zones whose curves yield, against answers that are not this engine's.
 
 use moreau::{
-    Body, COUPLED, Curve, Description, Exponent, Felt, GROUND, Input, Ledger, Loss, Model, ModelError, Outcome,
-    Settings, State, Surface, Workspace, Yields, Zone, step,
+    Body, COUPLED, Curve, Description, Exponent, Felt, GROUND, Hereditary, Input, Ledger, Loss, Model, ModelError,
+    Outcome, SetValued, Settings, State, Surface, Workspace, Yields, Zone, step,
 };
 
 /// kg; on an arm of 1 m.
@@ -30,7 +30,7 @@ fn thrown(felt: Felt<f64>, yields: &[Yields<f64>], gravity: f64) -> One {
 const YIELDS: [Yields<f64>; 1] = [Yields { zone: 0, excursion: 1e-3 }];
 
 fn linear() -> Felt<f64> {
-    Felt { stiffness: STIFF, exponent: Exponent::Other(1.0), loss: Loss::Quadratic(0.0) }
+    Felt { stiffness: STIFF, exponent: Exponent::Other(1.0), loss: Loss::quadratic(0.0) }
 }
 
 /// Force at an instant against a surface that gives way as a dashpot does, F = R du/dt: an infinite string.
@@ -76,7 +76,9 @@ fn a_mass_on_an_infinite_string() {
 /// What yields by nothing is a curve that stands still, whatever the felt: the same motion, but for the quadrature of the felt's mean there, which is exact here.
 #[test]
 fn what_does_not_yield_stands_still() {
-    for loss in [Loss::Quadratic(1e5), Loss::HuntCrossley(0.1), Loss::Hereditary { relaxed: 0.5, time: 1e-4 }] {
+    for loss in
+        [Loss::quadratic(1e5), Loss::hunt_crossley(0.1), Loss::Hereditary(Hereditary { relaxed: 0.5, time: 1e-4 })]
+    {
         let felt = Felt { stiffness: 1e10, exponent: Exponent::TwoAndHalf, loss };
         let settings = Settings { tolerance: 1e-10, ..Settings::new(25e-6) };
         let [yielding, still] = [&YIELDS[..], &[]].map(|yields| {
@@ -95,7 +97,7 @@ fn what_does_not_yield_stands_still() {
 #[test]
 fn nothing_is_won_between_felt_and_surface() {
     for h in [20e-6, 50e-6, 200e-6] {
-        let felt = Felt { stiffness: 1e10, exponent: Exponent::Three, loss: Loss::Quadratic(1e5) };
+        let felt = Felt { stiffness: 1e10, exponent: Exponent::Three, loss: Loss::quadratic(1e5) };
         let (model, mut state, mut workspace) = thrown(felt, &YIELDS, -9.81);
         let (modal_mass, omega) = (2e-3, 1600.0_f64);
         let (mut q, mut v) = (0.0, 0.0);
@@ -148,7 +150,7 @@ fn two_thrown(masses: [f64; 2], speeds: [f64; 2], felt: Felt<f64>, gravity: f64)
 /// two sides, a - b.
 #[test]
 fn two_that_strike_together_are_one_on_what_yields_to_both() {
-    let felt = Felt { stiffness: 1e10, exponent: Exponent::TwoAndHalf, loss: Loss::Quadratic(1e6) };
+    let felt = Felt { stiffness: 1e10, exponent: Exponent::TwoAndHalf, loss: Loss::quadratic(1e6) };
     let settings = Settings { tolerance: 1e-13, ..Settings::new(50e-6) };
     // Of a step, 50 us: a dashpot's, and the other's part of it.
     let own = settings.step / DAMPER;
@@ -195,7 +197,7 @@ fn two_that_strike_together_are_one_on_what_yields_to_both() {
 #[test]
 fn nothing_is_won_where_two_press_one_thing() {
     for (h, shapes) in [(20e-6, [1.0, 0.7]), (50e-6, [1.0, -0.7]), (50e-6, [1.0, 0.7]), (200e-6, [1.0, 0.7])] {
-        let felt = Felt { stiffness: 1e10, exponent: Exponent::Three, loss: Loss::Quadratic(1e5) };
+        let felt = Felt { stiffness: 1e10, exponent: Exponent::Three, loss: Loss::quadratic(1e5) };
         let (model, mut state, mut workspace) = two_thrown([MASS, 0.03], [SPEED, 0.5], felt, -9.81);
         let (modal_mass, omega) = (2e-3, 1600.0_f64);
         let (mut q, mut v) = (0.0, 0.0);
@@ -255,7 +257,7 @@ fn wrong_surfaces_are_told() {
             other => panic!("{other:?}"),
         }
     };
-    let dry = Felt { loss: Loss::SetValued { damping: 0.0, eta: 0.2 }, ..linear() };
+    let dry = Felt { loss: Loss::SetValued(SetValued { eta: 0.2 }), ..linear() };
     assert_eq!(wrong(dry, YIELDS[0]), "the eta of a zone that yields");
     assert_eq!(wrong(linear(), Yields { zone: 1, excursion: 0.0 }), "the zone that yields");
     assert_eq!(wrong(linear(), Yields { zone: 0, excursion: -1.0 }), "excursion");

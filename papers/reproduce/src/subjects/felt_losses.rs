@@ -3,7 +3,7 @@
 //! The felts of the instrument, the hammer's on the string excepted, are given another loss in place of b g^2 dg/dt or beside it. What is asked: does a
 //! slow contact lose energy, does a held action go on vibrating, what becomes of a blow and of the released key, how much work is it.
 
-use moreau::{Loss, Settings};
+use moreau::{Elastoplastic, Loss, SetValued, Settings};
 use moreau_conformance::thrown_back;
 
 use super::blow::{Play, tell};
@@ -26,17 +26,22 @@ struct Law {
 
 const LAWS: [Law; 5] = [
     Law { name: "b g^2 dg/dt (the papers')", give: |_| {} },
-    Law { name: "none", give: |felt| felt.damping = 0.0 },
-    Law { name: "set-valued", give: |felt| (felt.damping, felt.dry_loss, felt.dry_slip) = (0.0, ETA, 0.0) },
-    Law { name: "elastoplastic", give: |felt| (felt.damping, felt.dry_loss, felt.dry_slip) = (0.0, ETA, SLIP) },
-    Law { name: "b and elastoplastic", give: |felt| (felt.dry_loss, felt.dry_slip) = (ETA, SLIP) },
+    Law { name: "none", give: |felt| felt.loss = Loss::none() },
+    Law { name: "set-valued", give: |felt| felt.loss = SetValued { eta: ETA }.into() },
+    Law { name: "elastoplastic", give: |felt| felt.loss = dry(0.0) },
+    Law { name: "b and elastoplastic", give: |felt| felt.loss = dry(felt.loss.viscous(1.0, 0.0)) },
 ];
+
+/// The dry loss that slips, beside b.
+fn dry(damping: f64) -> Loss<f64> {
+    Elastoplastic { damping, eta: ETA, slip: SLIP }.into()
+}
 
 /// The instrument with its felts so, the string's excepted.
 fn with(instrument: &Instrument, law: &Law) -> Instrument {
     let mut other = instrument.clone();
     for (z, zone) in other.zones.iter_mut().enumerate() {
-        if Some(z) != instrument.roles.string && zone.felt.hunt_crossley == 0.0 {
+        if Some(z) != instrument.roles.string && !matches!(zone.felt.loss, Loss::HuntCrossley(_)) {
             (law.give)(&mut zone.felt);
         }
     }
@@ -113,9 +118,9 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let dry = |slip: f64| restitution([ETA, slip]);
     let (mut worst, mut quadratic) = (0.0_f64, [0.0; 2]);
     for (name, loss, exact) in [
-        ("b g^2 dg/dt, b = 3e7", Loss::Quadratic(3e7), None),
-        ("set-valued", Loss::SetValued { damping: 0.0, eta: ETA }, Some(dry(0.0))),
-        ("elastoplastic", Loss::Elastoplastic { damping: 0.0, eta: ETA, slip: SLIP }, Some(dry(SLIP))),
+        ("b g^2 dg/dt, b = 3e7", Loss::quadratic(3e7), None),
+        ("set-valued", Loss::SetValued(SetValued { eta: ETA }), Some(dry(0.0))),
+        ("elastoplastic", Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta: ETA, slip: SLIP }), Some(dry(SLIP))),
     ] {
         let found = [0.02, 0.1, 0.5, 2.0].map(|speed| thrown_back(speed, 5e7, 2.0, loss, 5e-6));
         match exact {

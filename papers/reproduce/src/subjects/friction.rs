@@ -50,7 +50,10 @@ pub(super) fn felt(instrument: &Instrument, _: &mut Progress) -> Result<Section,
         text: vec![format!(
             "F = k g^r + b g^2 dg/dt with {}'s k = {:e}, r = {}, b = {:e} (SI), clamped at zero: as published the law would pull before \
              separation when r > 2. Its closed forms stand in the textbook problems 5 and 6.",
-            zone.label, felt.stiffness, felt.exponent, felt.damping
+            zone.label,
+            felt.stiffness,
+            felt.exponent,
+            felt.loss.numbers()[0]
         )],
         claims: vec![Claim::new(
             "[T13]",

@@ -84,7 +84,8 @@ fn balanced(instrument: &Instrument) -> Option<Instrument> {
 fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
     let mut other = instrument.clone();
     for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
-        (zone.felt.dry_loss, zone.felt.dry_slip) = (eta, slip);
+        let damping = zone.felt.loss.viscous(1.0, 0.0);
+        zone.felt.loss = moreau::Elastoplastic { damping, eta, slip }.into();
     }
     other
 }

@@ -165,7 +165,7 @@ fn converges(rungs: &[Rung]) -> (String, bool) {
 /// The part of a blow's energy that the scheme itself takes: from a head whose felt and strings lose nothing.
 fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut head = head.clone();
-    (head.zones[0].felt.damping, head.zones[0].felt.hunt_crossley) = (0.0, 0.0);
+    head.zones[0].felt.loss = moreau::Loss::none();
     head.strings.iter_mut().for_each(|string| (string.loss_per_s, string.loss_s) = (0.0, 0.0));
     let mut thrown = head::thrown(&head, step_s, SPEED_M_S)?;
     for _ in 0..(HEAD_S / step_s).round() as usize {

@@ -1,0 +1,70 @@
+//! The papers' law, and beside it one slider in series with a spring, so that a held felt gives to small changes of its load.
+//!
+//! A cold path: a mechanism without such felts pays nothing for it.
+
+use super::hook::{Law, Memory, Pressing, Recalled};
+use super::number::{DAMPING, LAW_NUMBERS, LawNumber, Range};
+use super::rate_part::Form;
+use super::set_valued::ETA;
+use super::slider::{Slider, held, sharper, slide};
+use super::spring::Spring;
+use crate::real::Real;
+
+/// See the [file](self). The memory is the stretch of the slider's spring, m^((r+1)/2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastoplastic<T> {
+    /// b, N s/m3.
+    pub damping: T,
+    /// eta, 1, below 1: the slider's bound as a part of k g^r.
+    pub eta: T,
+    /// The spring's stretch at which the slider gives, as a part of x = g^((r+1)/2); 1, above 0 and below 1. As it goes to 0 the law goes to
+    /// [`SetValued`](super::SetValued).
+    pub slip: T,
+}
+
+impl<T: Real> Elastoplastic<T> {
+    #[inline(always)]
+    fn sliders(&self) -> [Slider<T>; 1] {
+        [Slider { eta: self.eta, slip: self.slip }]
+    }
+}
+
+impl<T: Real> Law<T> for Elastoplastic<T> {
+    const NUMBERS: &'static [LawNumber] = &[
+        DAMPING,
+        ETA,
+        LawNumber::needed("slip", "dry_slip", "1", Range::InnerPart).means(
+            "With `dry_loss`: how far the felt gives elastically before its dry loss slips, as a part of g^((r+1)/2), above 0 and below 1. A felt that is \
+             held then goes on vibrating a little.",
+        ),
+    ];
+    const REMEMBERS: usize = 1;
+
+    fn numbers(&self) -> [T; LAW_NUMBERS] {
+        [self.damping, self.eta, self.slip]
+    }
+
+    fn with([damping, eta, slip]: [T; LAW_NUMBERS]) -> Self {
+        Elastoplastic { damping, eta, slip }
+    }
+
+    fn form(&self) -> Form<T> {
+        Form::Square(self.damping)
+    }
+
+    fn largest(&self) -> T {
+        T::ONE + self.eta
+    }
+
+    fn sharper(&self, exponent: T) -> T {
+        sharper(&self.sliders(), exponent)
+    }
+
+    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
+        slide(&self.sliders(), self.damping, spring, pressing, memory)
+    }
+
+    fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
+        held(&self.sliders(), spring, memory)
+    }
+}
