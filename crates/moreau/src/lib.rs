@@ -96,7 +96,7 @@ pub use hand::Hand;
 pub use hand_energy::HandEnergy;
 pub use input::Input;
 pub use law::{
-    Elastoplastic, Exponent, Hereditary, HuntCrossley, LAW_NUMBERS, LAWS, LawNumber, Loss, MEMORY, Quadratic,
+    Elastoplastic, Exponent, Hereditary, HuntCrossley, Iwan, LAW_NUMBERS, LAWS, LawNumber, Loss, MEMORY, Quadratic,
     Range, SetValued,
 };
 pub use ledger::{Energies, Ledger, LossIn, each_loss};

@@ -1,6 +1,6 @@
-//! Problems 23 and 24: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and one that stands on it.
+//! Problems 23, 24 and 27: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and one that stands on it.
 
-use moreau::{Body, Curve, Description, Elastoplastic, Exponent, Felt, GROUND, Loss, SetValued, Settings, Zone};
+use moreau::{Body, Curve, Description, Elastoplastic, Exponent, Felt, GROUND, Iwan, Loss, SetValued, Settings, Zone};
 
 use crate::felt::{ARM, MASS, throw_at, throw_from};
 use crate::mechanism::Mechanism;
@@ -12,19 +12,20 @@ const FELTS: [(f64, f64); 3] = [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)];
 /// Closed forms after an arrival with 1/2 m v^2 = E, at any speed. F = k g^r (1 + eta Sign(dg/dt)) takes (1 + eta) W to be pressed by G, with W = k
 /// G^(r+1)/(r+1), and gives (1 - eta) W back. With a spring in series with the slider, `slip` as in [`Loss::Elastoplastic`], the way back begins with
 /// the spring, and the loss is 2 eta W (1 - slip)/(1 + slip): in x = g^((r+1)/2) the loop is a triangle's two sides and the diagonal of a
-/// parallelogram. Speed of rebound over that of arrival; compression, m; loss as a part of E.
-fn dry_exact(r: f64, k: f64, eta: f64, slip: f64, speed: f64) -> [f64; 3] {
-    let lost = 2.0 * eta / (1.0 + eta) * (1.0 - slip) / (1.0 + slip);
+/// parallelogram. Sliders in parallel lose the mean of that over their slips. Speed of rebound over that of arrival; compression, m; loss as a part of E.
+fn dry_exact(r: f64, k: f64, eta: f64, slips: &[f64], speed: f64) -> [f64; 3] {
+    let mean = slips.iter().map(|slip| (1.0 - slip) / (1.0 + slip)).sum::<f64>() / slips.len() as f64;
+    let lost = 2.0 * eta / (1.0 + eta) * mean;
     let compression = ((r + 1.0) * MASS * speed * speed / (2.0 * k * (1.0 + eta))).powf(1.0 / (r + 1.0));
     [(1.0 - lost).sqrt(), compression, lost]
 }
 
-fn throws(loss: impl Fn(f64) -> Loss<f64>, slip: f64) -> Vec<Row> {
+fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
     let mut rows = Vec::new();
     let because = "second order: a few 1e-7 at h = 1 us where it is smooth, and h2/T2 where the felt turns";
     for ((r, k), eta) in FELTS.into_iter().zip([0.3, 0.15, 0.6]) {
         for speed in [0.1, 1.0, 3.0] {
-            let [rebound, compression, lost] = dry_exact(r, k, eta, slip, speed);
+            let [rebound, compression, lost] = dry_exact(r, k, eta, slips, speed);
             let t = throw_at(speed, k, r, loss(eta), 1e-6);
             let name = |s: &str| format!("r = {r}, eta = {eta}, {speed} m/s: {s}");
             rows.push(Row::new(name("rebound over arrival"), "", rebound, t.rebound / speed, 6e-6, because));
@@ -54,7 +55,7 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slip: f64) -> Vec<Row> {
     let quantity = "smallest loss of a step, h from 2 us to 5 ms, over the energy";
     rows.push(Row::bounded(quantity, Expected::AtLeast(-1e-12), least, because));
     // Where within a step the felt turns and slips is a matter of chance: the largest error of eight ways to the felt.
-    let exact = dry_exact(2.0, 5e7, 0.3, slip, 1.0)[0];
+    let exact = dry_exact(2.0, 5e7, 0.3, slips, 1.0)[0];
     let order = Order::halving(3.2e-5, 4, |h| {
         let error = |n: u32| {
             let ahead = (20.0 + f64::from(n) / 8.0) * h;
@@ -91,7 +92,7 @@ fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
 
 /// Problem 23.
 pub(crate) fn set_valued() -> Vec<Row> {
-    let mut rows = throws(|eta| Loss::SetValued(SetValued { eta }), 0.0);
+    let mut rows = throws(|eta| Loss::SetValued(SetValued { eta }), &[0.0]);
     let (mut m, _) = standing(Loss::SetValued(SetValued { eta: 0.2 }), 0.0);
     m.run(0.05);
     let moved = m.value(m.state.angle[0] * ARM);
@@ -119,7 +120,7 @@ pub(crate) fn set_valued() -> Vec<Row> {
 /// Problem 24.
 pub(crate) fn elastoplastic() -> Vec<Row> {
     let (eta, slip) = (0.3, 0.2);
-    let mut rows = throws(|eta| Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), slip);
+    let mut rows = throws(|eta| Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), &[slip]);
     // A small push: the felt vibrates on its spring and its slider's spring, without loss, about the depth where it stands. There
     // dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, the slider's spring being slack.
     let (mut m, depth) = standing(Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), 1e-5);
@@ -152,4 +153,9 @@ pub(crate) fn elastoplastic() -> Vec<Row> {
 #[must_use]
 pub fn thrown_back(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> f64 {
     throw_at(speed, k, r, loss, h).rebound / speed
+}
+
+/// Problem 27.
+pub(crate) fn sliders_in_parallel() -> Vec<Row> {
+    throws(|eta| Loss::Iwan(Iwan { damping: 0.0, eta, slip: 0.4 }), &[0.1, 0.2, 0.3, 0.4])
 }

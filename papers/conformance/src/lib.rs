@@ -37,6 +37,7 @@ pub fn problems() -> Vec<Problem> {
         problem(24, "Felt with a dry loss that slips", dry_felt::elastoplastic),
         problem(25, "Stulov's hereditary felt", hereditary::rows),
         problem(26, "Friction that grows at rest", dwell::rows),
+        problem(27, "Felt with sliders in parallel", dry_felt::sliders_in_parallel),
     ];
     all.extend(moreau_rigid::problems::problems());
     all.sort_by_key(|problem| problem.number);

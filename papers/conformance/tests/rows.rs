@@ -65,6 +65,7 @@ problems_hold! {
     felt_with_a_dry_loss_that_slips 24
     stulovs_hereditary_felt 25
     friction_that_grows_at_rest 26
+    felt_with_sliders_in_parallel 27
 }
 
 /// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.

@@ -12,6 +12,7 @@ mod elastoplastic;
 mod hereditary;
 mod hook;
 mod hunt_crossley;
+mod iwan;
 mod number;
 mod quadratic;
 mod rate_part;
@@ -23,6 +24,7 @@ pub use elastoplastic::Elastoplastic;
 pub use hereditary::Hereditary;
 pub use hook::MEMORY;
 pub use hunt_crossley::HuntCrossley;
+pub use iwan::Iwan;
 pub use number::{LAW_NUMBERS, LawNumber, Range};
 pub use quadratic::Quadratic;
 pub use set_valued::SetValued;
@@ -144,6 +146,8 @@ laws! {
     Elastoplastic
     /// Stulov's.
     Hereditary
+    /// Dry, by sliders in parallel.
+    Iwan
 }
 
 impl<T: Real> Default for Loss<T> {

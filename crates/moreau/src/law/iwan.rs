@@ -1,0 +1,168 @@
+//! The papers' law, and beside it sliders in parallel: loading and unloading run along different curves, partial loops run inside, and none of it
+//! depends on the speed. W. D. Iwan, *A distributed-element model for hysteresis and its steady-state dynamic response*, Journal of Applied
+//! Mechanics 33 (1966) 893-900; here the sliders' bounds grow with the felt's own force, for cloth and leather lose a part of it.
+//!
+//! Each of the four sliders bears a quarter of the loss, and they give one after the other: at a quarter, a half, three quarters and the whole of
+//! `slip`. Pressed for the first time the felt pushes with (1 + eta) k g^r. In x = g^((r+1)/2), let go from X, a slider i turns round at
+//! X (1 - s_i)/(1 + s_i), and pulls then with eta/4 of k g^r. The loop between two depths closes on itself. A blow loses
+//! 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i).
+
+use super::hook::{Law, MEMORY, Memory, Pressing, Recalled};
+use super::number::{DAMPING, LAW_NUMBERS, LawNumber, Range};
+use super::rate_part::Form;
+use super::slider::{Slider, held, sharper, slide};
+use super::spring::Spring;
+use crate::real::Real;
+
+/// See the [file](self). The memory is the stretch of the sliders' springs, m^((r+1)/2), that of the slider first that gives first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Iwan<T> {
+    /// b, N s/m3.
+    pub damping: T,
+    /// eta, 1, below 1: the sliders' bounds together, as a part of k g^r.
+    pub eta: T,
+    /// The stretch at which the last slider gives, as a part of x = g^((r+1)/2); 1, above 0 and below 1.
+    pub slip: T,
+}
+
+impl<T: Real> Iwan<T> {
+    fn sliders(&self) -> [Slider<T>; MEMORY] {
+        let share = 1.0 / MEMORY as f64;
+        core::array::from_fn(|i| Slider {
+            eta: T::from_f64(share) * self.eta,
+            slip: T::from_f64(share * (i + 1) as f64) * self.slip,
+        })
+    }
+}
+
+impl<T: Real> Law<T> for Iwan<T> {
+    const NUMBERS: &'static [LawNumber] = &[
+        DAMPING,
+        LawNumber::needed("eta", "iwan_loss", "1", Range::Part).loss().means(
+            "eta of sliders in parallel (Iwan's model), from 0 to below 1: the part of the force by which loading and unloading differ from k g^r, however \
+             slowly the felt moves. A blow loses 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i).",
+        ),
+        LawNumber::needed("slip", "iwan_slip", "1", Range::InnerPart).means(
+            "With `iwan_loss`: the stretch at which the last of the four sliders gives, as a part of g^((r+1)/2), above 0 and below 1; the others give at a \
+             quarter, a half and three quarters of it.",
+        ),
+    ];
+    const REMEMBERS: usize = MEMORY;
+
+    fn numbers(&self) -> [T; LAW_NUMBERS] {
+        [self.damping, self.eta, self.slip]
+    }
+
+    fn with([damping, eta, slip]: [T; LAW_NUMBERS]) -> Self {
+        Iwan { damping, eta, slip }
+    }
+
+    fn form(&self) -> Form<T> {
+        Form::Square(self.damping)
+    }
+
+    fn largest(&self) -> T {
+        T::ONE + self.eta
+    }
+
+    fn sharper(&self, exponent: T) -> T {
+        sharper(&self.sliders(), exponent)
+    }
+
+    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
+        slide(&self.sliders(), self.damping, spring, pressing, memory)
+    }
+
+    fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
+        held(&self.sliders(), spring, memory)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Exponent;
+    use super::*;
+    use crate::timing::Timing;
+
+    const LAW: Iwan<f64> = Iwan { damping: 0.0, eta: 0.4, slip: 0.3 };
+    const SLIPS: [f64; 4] = [0.075, 0.15, 0.225, 0.3];
+    /// N/m^r, and r.
+    const SPRING: Spring<f64> = Spring { stiffness: 5e7, exponent: Exponent::Two };
+
+    /// The work that goes in, J, on a straight way in g, and the memory after it.
+    fn go(from: f64, to: f64, memory: &mut Memory<f64>) -> f64 {
+        let (timing, steps) = (Timing::new(50e-6, 0.5), 100);
+        let mut work = 0.0;
+        for k in 0..steps {
+            let at = |k: i32| from + (to - from) * f64::from(k) / f64::from(steps);
+            let (compression, rate) = (0.5 * (at(k) + at(k + 1)), (at(k + 1) - at(k)) / 50e-6);
+            let pressing = Pressing { compression, rate, timing: &timing, touched: true };
+            let recalled = LAW.recall(&SPRING, &pressing, memory);
+            work += recalled.pressed.force * (at(k + 1) - at(k));
+            *memory = recalled.memory;
+        }
+        work
+    }
+
+    /// The force just there, N: a way of a nanometre, onward or back.
+    fn force(compression: f64, back: bool, memory: &Memory<f64>) -> f64 {
+        let timing = Timing::new(50e-6, 0.5);
+        let rate = if back { -2e-8 } else { 2e-8 };
+        let pressing = Pressing { compression: compression + 25e-6 * rate, rate, timing: &timing, touched: true };
+        LAW.recall(&SPRING, &pressing, memory).pressed.force
+    }
+
+    /// Loading for the first time and unloading to where every slider has turned: k g^r (1 +- eta). Between them slider i is stretched by
+    /// s_i X - (X - x).
+    #[test]
+    fn the_branches_are_the_written_ones() {
+        let (deepest, k, m) = (1e-3, 5e7, 1.5);
+        let mut memory = [0.0; MEMORY];
+        go(0.0, deepest, &mut memory);
+        let near =
+            |found: f64, expected: f64| assert!((found - expected).abs() < 1e-5 * expected, "{found} {expected}");
+        near(force(deepest, false, &memory), k * 1e-6 * 1.4);
+        let x = |g: f64| g * g.sqrt();
+        for depth in [0.95, 0.8, 0.6, 0.3].map(|part| part * deepest) {
+            let mut memory = memory;
+            go(deepest, depth, &mut memory);
+            // Per kappa = k/m; dx/dg = m sqrt(g).
+            let stretched: f64 =
+                SLIPS.iter().map(|s| 0.1 / s * (s * x(deepest) - (x(deepest) - x(depth))).max(-(s * x(depth)))).sum();
+            near(force(depth, true, &memory), k / m * (x(depth) + stretched) * m * depth.sqrt());
+        }
+        go(deepest, 0.3 * deepest, &mut memory);
+        near(force(0.3 * deepest, true, &memory), k * 9e-8 * 0.6);
+    }
+
+    /// A partial loop comes back to where it left the branch, force and memory, and loses what its sliders slid.
+    #[test]
+    fn partial_loops_close() {
+        let (deepest, kappa) = (1e-3, 5e7 / 1.5);
+        let x = |g: f64| libm::pow(g, 1.5);
+        let top = x(deepest);
+        for depth in [0.95, 0.7, 0.4].map(|part| part * deepest) {
+            let mut memory = [0.0; MEMORY];
+            go(0.0, deepest, &mut memory);
+            let before = memory;
+            let lost = go(deepest, depth, &mut memory) + go(depth, deepest, &mut memory);
+            for (e, was) in memory.iter().zip(before) {
+                assert!((e - was).abs() < 1e-12 * was, "{depth}: {memory:?} {before:?}");
+            }
+            // Slider i slides from x_i down to x_r with bound eta kappa x, and on the way back from x_u up: (1 +- s) per x.
+            let slid: f64 = SLIPS
+                .iter()
+                .map(|s| {
+                    let (turned, low) = (top * (1.0 - s) / (1.0 + s), x(depth));
+                    if low >= turned {
+                        return 0.0;
+                    }
+                    let again = low * (1.0 + s) / (1.0 - s);
+                    let down = (1.0 + s) * (turned * turned - low * low);
+                    0.5 * 0.1 * kappa * (down + (1.0 - s) * (top * top - again * again))
+                })
+                .sum();
+            assert!((lost - slid).abs() < 1e-10 * kappa * top * top, "{depth}: {lost} {slid}");
+        }
+    }
+}
