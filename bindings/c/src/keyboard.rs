@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::ptr::null_mut;
 
-use erard::ActionError;
+use erard::Action;
 use erard::instrument::utf8;
 use erard::keyboard::{Keyboard, Keys, KeysError};
 use erard::mechanism::TellNumbers;
@@ -54,11 +54,7 @@ pub unsafe extern "C" fn erard_keyboard_new(
         };
         let fault = |status, error: &KeysError| Fault::new(status, error.to_string());
         // Before 88 instruments are read.
-        let range = erard::mechanism::SMALLEST_STEP_S..=erard::mechanism::LARGEST_STEP_S;
-        if !range.contains(&step_s) {
-            let error = KeysError { key: 1, error: ActionError::Step { found: step_s } };
-            return Err(fault(ErardStatus::Range, &error));
-        }
+        Action::check_step(step_s).map_err(|error| fault(ErardStatus::Range, &KeysError { key: 1, error }))?;
         let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
         let keys = Keys::at_rest(&instruments, settings(step_s)).map_err(|error| fault(ErardStatus::Model, &error))?;
         let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);

@@ -42,8 +42,7 @@ impl HandEnergy {
         workspace: &Workspace<T, B, Z, N>,
     ) {
         let Some(site) = &model.site else { return };
-        let (h, theta) = (settings.step.to_f64(), settings.theta.to_f64());
-        let mean = |[a, b]: [f64; 2]| (1.0 - theta) * a + theta * b;
+        let (h, mean) = (settings.step.to_f64(), |u| settings.at_theta(u));
         let place = [hand_before[0].to_f64(), after.hand[0].to_f64()];
         let speed = [hand_before[1].to_f64(), after.hand[1].to_f64()];
         let [mass, muscle, stiffness, damping, toward, toward_speed] = hand.numbers().map(T::to_f64);
@@ -51,7 +50,7 @@ impl HandEnergy {
         self.muscle_work += muscle * mean(speed) * h;
         self.kinetic_gain += 0.5 * mass * (speed[1] * speed[1] - speed[0] * speed[0]);
         let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
-        let driven = mean(joints.map(|w| model.site_support.product(&workspace.drive.site_row, &w).to_f64()));
+        let driven = workspace.drive_velocity(model, settings, &joints);
         let force = workspace.drive.force.to_f64();
         self.work += force * driven * h;
         let rate = mean(speed) - driven;

@@ -163,14 +163,12 @@ impl Ledger {
         workspace: &Workspace<T, B, Z, N>,
         contacts: &[Option<Contact<T>>; Z],
     ) {
-        let at_theta = mean_at_theta(settings);
         let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
-        let drive_velocity =
-            at_theta(joints.map(|w| model.site_support.product(&workspace.drive.site_row, &w).to_f64()));
+        let drive_velocity = workspace.drive_velocity(model, settings, &joints);
         let work = workspace.drive.force.to_f64() * drive_velocity * settings.step.to_f64();
         self.drive_work += work;
         self.drive_work_in += work.max(0.0);
-        each_loss(model, settings, velocity_before, after, workspace, contacts, |loss_in, loss_j| {
+        each_loss_between(model, settings, &joints, after, workspace, contacts, |loss_in, loss_j| {
             let account = match loss_in {
                 LossIn::DryPivot(_) => &mut self.pivot_dry,
                 LossIn::ViscousPivot(_) => &mut self.pivot_viscous,
@@ -216,12 +214,6 @@ impl Ledger {
     }
 }
 
-/// The value at the theta point of what runs linearly over a step.
-fn mean_at_theta<T: Scalar>(settings: &Settings<T>) -> impl Fn([f64; 2]) -> f64 {
-    let theta = settings.theta.to_f64();
-    move |u: [f64; 2]| (1.0 - theta) * u[0] + theta * u[1]
-}
-
 /// Reports every loss of a step, J. The arguments are those of [`Ledger::record_contacts`].
 ///
 /// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the path
@@ -234,13 +226,26 @@ pub fn each_loss<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     after: &State<T, B, Z>,
     workspace: &Workspace<T, B, Z, N>,
     contacts: &[Option<Contact<T>>; Z],
+    lose: impl FnMut(LossIn, f64),
+) {
+    let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
+    each_loss_between(model, settings, &joints, after, workspace, contacts, lose);
+}
+
+/// [`each_loss`], given the relative velocities before and after the step.
+fn each_loss_between<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    joints: &[[T; B]; 2],
+    after: &State<T, B, Z>,
+    workspace: &Workspace<T, B, Z, N>,
+    contacts: &[Option<Contact<T>>; Z],
     mut lose: impl FnMut(LossIn, f64),
 ) {
-    let (h, at_theta) = (settings.step.to_f64(), mean_at_theta(settings));
-    let joints = [velocity_before, &after.velocity].map(|v| model.tree.relative(v));
+    let h = settings.step.to_f64();
     for i in 0..B {
         let u = joints.map(|w| w[i].to_f64());
-        let rate = at_theta(u);
+        let rate = settings.at_theta(u);
         lose(LossIn::ViscousPivot(i), model.viscous[i].to_f64() * rate * rate * h);
         let dry = match settings.friction {
             FrictionLaw::SetValued => after.pivot_friction[i].to_f64().abs() * path(u) * h,
@@ -256,11 +261,11 @@ pub fn each_loss<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         let gained = contact.gained.to_f64();
         lose(LossIn::Felt(z), (contact.damping_force * contact.rate).to_f64() * h - gained);
         let Some(mu) = model.zones[z].friction else { continue };
-        let u = workspace.slip(model, z, &joints).map(T::to_f64);
+        let u = workspace.slip(model, z, joints).map(T::to_f64);
         let sliding = match settings.friction {
             FrictionLaw::SetValued => after.tangential[z].to_f64().abs() * path(u) * h,
             FrictionLaw::Regularised { sliding_width, .. } => {
-                let u = at_theta(u);
+                let u = settings.at_theta(u);
                 let f = (mu * contact.force).to_f64() * libm::tanh(u / sliding_width.to_f64());
                 f * u * h
             }

@@ -1,7 +1,7 @@
 //! How a step is to be taken. Every tunable says its unit, its usual value and what breaks when it changes.
 
 use crate::osnsp::Solver;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 
 /// How dry friction is modelled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,5 +60,14 @@ impl<T: Real> Settings<T> {
             solver: Solver::ActiveSet,
             friction: FrictionLaw::SetValued,
         }
+    }
+}
+
+impl<T: Scalar> Settings<T> {
+    /// The value at the theta point of what runs linearly over a step.
+    #[inline(always)]
+    pub(crate) fn at_theta(&self, u: [f64; 2]) -> f64 {
+        let theta = self.theta.to_f64();
+        (1.0 - theta) * u[0] + theta * u[1]
     }
 }

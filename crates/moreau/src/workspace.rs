@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::osnsp::active_set::Condensed;
 use crate::osnsp::{Guess, Impulses, System};
 use crate::pose::Pose;
-use crate::real::{Mask, Real};
+use crate::real::{Mask, Real, Scalar};
 use crate::settings::Settings;
 use crate::surface::{COUPLED, Coupled, Surface, Yielding};
 use crate::timing::Timing;
@@ -293,6 +293,14 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
     /// Force of the drive on the mechanism during the last step, N, along the site's direction.
     pub fn drive_force(&self) -> T {
         self.drive.force
+    }
+
+    /// Velocity of the driven point at the theta point of the last step, m/s, given the relative velocities before and after it.
+    pub(crate) fn drive_velocity(&self, model: &Model<T, B, Z>, settings: &Settings<T>, joints: &[[T; B]; 2]) -> f64
+    where
+        T: Scalar,
+    {
+        settings.at_theta(joints.each_ref().map(|w| model.site_support.product(&self.drive.site_row, w).to_f64()))
     }
 
     /// Normal force of a zone during the last step, N; zero if it was not touched.

@@ -157,15 +157,21 @@ impl Action {
         Ok(action)
     }
 
+    /// Whether an action can be stepped by so many seconds.
+    ///
+    /// # Errors
+    /// [`ActionError::Step`].
+    pub fn check_step(step_s: f64) -> Result<(), ActionError> {
+        let range = crate::mechanism::SMALLEST_STEP_S..=crate::mechanism::LARGEST_STEP_S;
+        if range.contains(&step_s) { Ok(()) } else { Err(ActionError::Step { found: step_s }) }
+    }
+
     /// Standing still at the angles as drawn in the file, wherever that is; travels are measured from there.
     ///
     /// # Errors
     /// See [`ActionError`].
     pub fn as_drawn(instrument: &Instrument, settings: Settings<f64>) -> Result<Self, ActionError> {
-        let range = crate::mechanism::SMALLEST_STEP_S..=crate::mechanism::LARGEST_STEP_S;
-        if !range.contains(&settings.step) {
-            return Err(ActionError::Step { found: settings.step });
-        }
+        Action::check_step(settings.step)?;
         let mechanism = mechanism(instrument, settings)?;
         let mut action = Action {
             rest: Rest { site_m: 0.0, head_m: 0.0 },

@@ -125,22 +125,21 @@ impl Recorder {
     /// After every step, before [`Recorder::row`]: centres the last row's forces on its instant.
     pub(crate) fn step(&mut self, m: &dyn Mechanism) {
         let Some(before) = self.pending.take() else { return };
+        let now = m.readout();
         // Forces belong to the middles of their steps: the mean, where the steps are equal.
-        let share = before / (before + m.readout().last_step_s);
+        let share = before / (before + now.last_step_s);
         let mean = |last: &mut f64, next: f64| *last = (1.0 - share) * *last + share * next;
         let row = self.rows - 1;
         let force = &mut self.recorded.force_n[row];
         if row == 0 && *force == 0.0 {
             // Nobody pushed before the run: it begins with the force that begins, not with the half of it. Else a run's own force, played again,
             // would not be the run.
-            *force = m.readout().output.drive_n;
+            *force = now.output.drive_n;
         } else {
-            mean(force, m.readout().output.drive_n);
+            mean(force, now.output.drive_n);
         }
-        let contacts = m.readout().contacts;
-        for ((zone, contact), tangential) in
-            self.recorded.zones.iter_mut().zip(contacts).zip(m.readout().tangential_forces)
-        {
+        let acting = now.contacts.iter().zip(now.tangential_forces);
+        for (zone, (contact, tangential)) in self.recorded.zones.iter_mut().zip(acting) {
             let Some(contact) = contact else {
                 // Nothing now, and nothing in the last row: nothing between.
                 if zone.normal_n[row] != 0.0 {
@@ -174,12 +173,13 @@ impl Recorder {
     /// # Panics
     /// If there are more than was said at first.
     pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
-        self.pending = Some(m.readout().last_step_s);
+        let now = m.readout();
+        self.pending = Some(now.last_step_s);
         let row = self.rows;
         self.rows += 1;
         let to = &mut self.recorded;
         to.time_s[row] = time_s;
-        to.force_n[row] = m.readout().output.drive_n;
+        to.force_n[row] = now.output.drive_n;
         to.key_m[row] = key_m;
         if self.has_hammer {
             to.hammer_head_m[row] = hammer_m;
@@ -195,13 +195,11 @@ impl Recorder {
                 shape.read(strings, &mut series.shape_m[row * count..(row + 1) * count]);
             }
         }
-        for ((body, angle), rate) in to.bodies.iter_mut().zip(m.readout().angles).zip(m.readout().velocities) {
+        for ((body, angle), rate) in to.bodies.iter_mut().zip(now.angles).zip(now.velocities) {
             body.angle_rad[row] = *angle;
             body.rate_rad_per_s[row] = *rate;
         }
-        for ((zone, contact), tangential) in
-            to.zones.iter_mut().zip(m.readout().contacts).zip(m.readout().tangential_forces)
-        {
+        for ((zone, contact), tangential) in to.zones.iter_mut().zip(now.contacts).zip(now.tangential_forces) {
             if let Some(contact) = contact {
                 zone.normal_n[row] = contact.force;
                 zone.contact[row] = place_of(contact);

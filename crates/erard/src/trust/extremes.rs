@@ -57,8 +57,9 @@ impl Extremes {
 
     /// After a step that ended at `time_s`.
     pub fn observe(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
-        self.note_angles(time_s, mechanism.readout().angles);
-        for (deepest, contact) in self.deepest.iter_mut().zip(mechanism.readout().contacts) {
+        let now = mechanism.readout();
+        self.note_angles(time_s, now.angles);
+        for (deepest, contact) in self.deepest.iter_mut().zip(now.contacts) {
             if let Some(contact) = contact {
                 deepest.up(contact.compression, time_s);
             }
