@@ -201,7 +201,7 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
                     "unit": line.unit,
                     "decimals": line.decimals,
                     "usual": line.range(key),
-                    "source": line.norm.map(|norm| norm.source),
+                    "source": line.norm().map(|norm| &norm.source),
                 })
             });
             json!({ "heading": group.heading, "lines": lines.collect::<Vec<_>>() })

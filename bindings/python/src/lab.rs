@@ -135,6 +135,8 @@ pub fn validate<'py>(
         let one = PyDict::new(py);
         one.set_item("name", &row.name)?;
         one.set_item("quantity", &row.quantity)?;
+        one.set_item("group", &row.group)?;
+        one.set_item("kind", row.kind.name())?;
         one.set_item("unit", &row.unit)?;
         one.set_item("published", row.range())?;
         one.set_item("at_least", row.at_least)?;

@@ -10,13 +10,15 @@ use crate::table::{three, write_records};
 use clap::Args;
 use erard::keyboard::Keyboard;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
-use erard_workshop::validate::{Drive, PressedBlow, Published, Row, Validation, Verdict, validate};
+use erard_workshop::validate::{Drive, GroupResult, PressedBlow, Published, Row, Tally, Validation, Verdict, validate};
 use serde::Serialize;
 
 /// What stands below the options.
 const AFTER: &str = "\
 A row is met where the simulated value lies in the published range; where a source gives one number, the range around it is
-ours, and the table (validation/published.toml) says so. Rows on the order of events are played by a hand; what a constant force gives
+ours, and the table (validation/published.toml) says so. Rows that are set say what the instrument was built, weighed or
+regulated to; rows that are predicted test the model. Both are counted apart, in groups that do not depend on one another.
+Rows on the order of events are played by a hand; what a constant force gives
 stands beside them and does not count. Rows on strings are played on an instrument with strings, those of other keys than middle C on its keyboard: the
 built-in one of the instrument's name, or that of FILE:key=40. Misses are shown as misses, with the likely reason. Writes
 validate.json, validate.csv, and the order of events against loudness as SVG and PNG.";
@@ -62,14 +64,17 @@ impl Validate {
         say!("{} beside measured pianos", validation.instrument);
         say!();
         print_table(&report.rows);
+        print_groups(&report.groups);
         say!(
-            "{} of {} rows met, {} missed; {} that the model cannot speak to, {} for which nothing published was found",
-            report.met,
-            report.met + report.missed,
-            report.missed,
-            report.silent,
-            report.open
+            "Predicted: {} of {} rows met; {} of {} groups without a miss. Set: {} of {} met.",
+            report.predicted.met,
+            report.predicted.judged,
+            report.whole_groups(),
+            report.groups.iter().filter(|group| group.predicted.judged > 0).count(),
+            report.set.met,
+            report.set.judged
         );
+        say!("{} that the model cannot speak to, {} for which nothing published was found", report.silent, report.open);
         say!();
         say!(
             "Written to {}: validate.json, validate.csv, order-of-events.svg, order-of-events.png",
@@ -95,6 +100,9 @@ impl Validate {
 struct RowReport<'a> {
     name: &'a str,
     quantity: &'a str,
+    group: &'a str,
+    kind: &'static str,
+    set_by: Option<&'a str>,
     unit: &'a str,
     published: String,
     at_least: Option<f64>,
@@ -102,6 +110,7 @@ struct RowReport<'a> {
     simulated: Option<f64>,
     verdict: &'static str,
     missed_by: Option<f64>,
+    z: Option<f64>,
     source: &'a str,
     source_title: &'a str,
     certainty: erard::instrument::Certainty,
@@ -124,9 +133,40 @@ struct BlowReport {
     string_contact_ms: Option<f64>,
 }
 
+#[derive(Debug, Clone, Copy, Serialize)]
+struct TallyReport {
+    met: usize,
+    judged: usize,
+}
+
+impl From<Tally> for TallyReport {
+    fn from(Tally { met, judged }: Tally) -> Self {
+        TallyReport { met, judged }
+    }
+}
+
+/// A group of rows.
+#[derive(Debug, Serialize)]
+struct GroupReport {
+    name: String,
+    title: String,
+    predicted: TallyReport,
+    set: TallyReport,
+    z: Option<f64>,
+}
+
+impl From<GroupResult> for GroupReport {
+    fn from(GroupResult { name, title, set, predicted, z }: GroupResult) -> Self {
+        GroupReport { name, title, predicted: predicted.into(), set: set.into(), z }
+    }
+}
+
 #[derive(Debug, Serialize)]
 struct Report<'a> {
     instrument: &'a str,
+    predicted: TallyReport,
+    set: TallyReport,
+    groups: Vec<GroupReport>,
     met: usize,
     missed: usize,
     silent: usize,
@@ -145,6 +185,14 @@ impl<'a> Report<'a> {
             .map(|(row, (verdict, beside))| RowReport::new(row, *verdict, *beside, published))
             .collect();
         let count = |verdicts: &[&str]| rows.iter().filter(|row| verdicts.contains(&row.verdict)).count();
+        let groups: Vec<GroupReport> = validation.groups(published).into_iter().map(Into::into).collect();
+        let all = |of: fn(&GroupReport) -> TallyReport| {
+            let sum = |tally: TallyReport, one: TallyReport| TallyReport {
+                met: tally.met + one.met,
+                judged: tally.judged + one.judged,
+            };
+            groups.iter().map(of).fold(TallyReport { met: 0, judged: 0 }, sum)
+        };
         let ms = |s: Option<f64>| s.map(|s| s * 1e3);
         let blow = |b: &PressedBlow| BlowReport {
             force_N: if let Drive::Constant(force) = b.drive { Some(force) } else { None },
@@ -157,6 +205,9 @@ impl<'a> Report<'a> {
         };
         Report {
             instrument: &validation.instrument,
+            predicted: all(|group| group.predicted),
+            set: all(|group| group.set),
+            groups,
             met: count(&[MET]),
             missed: count(&[MISSED, ABSENT]),
             silent: count(&[SILENT]),
@@ -165,6 +216,14 @@ impl<'a> Report<'a> {
             pressed: validation.pressed.iter().map(blow).collect(),
             rows,
         }
+    }
+}
+
+impl Report<'_> {
+    /// Groups whose predicted rows are all met.
+    fn whole_groups(&self) -> usize {
+        let whole = |group: &&GroupReport| group.predicted.judged > 0 && group.predicted.met == group.predicted.judged;
+        self.groups.iter().filter(whole).count()
     }
 }
 
@@ -177,6 +236,7 @@ const OPEN: &str = "nothing published";
 impl<'a> RowReport<'a> {
     fn new(row: &'a Row, verdict: Verdict, constant_force: Option<f64>, published: &'a Published) -> Self {
         let skipped = if let Verdict::Skipped(skipped) = verdict { Some(skipped.reason()) } else { None };
+        let z = row.z(&verdict);
         let (verdict, simulated, missed_by) = match verdict {
             Verdict::Met { simulated } => (MET, Some(simulated), None),
             Verdict::Missed { simulated, by } => (MISSED, Some(simulated), Some(by)),
@@ -187,6 +247,9 @@ impl<'a> RowReport<'a> {
         RowReport {
             name: &row.name,
             quantity: &row.quantity,
+            group: &row.group,
+            kind: row.kind.name(),
+            set_by: row.set_by.as_deref(),
             unit: &row.unit,
             published: row.range(),
             at_least: row.at_least,
@@ -194,6 +257,7 @@ impl<'a> RowReport<'a> {
             simulated,
             verdict,
             missed_by,
+            z,
             source: &row.source,
             source_title: published.sources.get(&row.source).map_or("", |source| &source.title),
             certainty: row.certainty,
@@ -215,8 +279,21 @@ impl<'a> RowReport<'a> {
     }
 }
 
+/// Rows met of rows judged, by group.
+fn print_groups(groups: &[GroupReport]) {
+    let share =
+        |tally: TallyReport| if tally.judged == 0 { "-".into() } else { format!("{}/{}", tally.met, tally.judged) };
+    say!("  {:<32} {:>10} {:>10} {:>8}", "", "predicted", "set", "z");
+    for group in groups {
+        let z = group.z.map_or_else(|| "-".into(), |z| format!("{z:.2}"));
+        say!("  {:<32} {:>10} {:>10} {z:>8}", group.title, share(group.predicted), share(group.set));
+    }
+    say!();
+}
+
 fn print_table(rows: &[RowReport]) {
     say!("  {:<55} {:>30} {:>19} {:>10}  verdict", "", "published", "counts as met", "simulated");
+    let mut group = "";
     for row in rows {
         let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
         let by = row.missed_by.map_or_else(String::new, |by| {
@@ -225,8 +302,13 @@ fn print_table(rows: &[RowReport]) {
         });
         let beside =
             row.constant_force.map_or_else(String::new, |x| format!("  ({} under a constant force)", three(x)));
+        if row.group != group {
+            say!();
+            group = row.group;
+        }
+        let set = if row.set_by.is_some() { ", set" } else { "" };
         say!(
-            "  {:<55} {:>30} {:>19} {:>10}  {}{by}{beside}",
+            "  {:<55} {:>30} {:>19} {:>10}  {}{by}{set}{beside}",
             row.quantity,
             row.published,
             row.counts(),

@@ -84,7 +84,8 @@ fn flags(one: &Measured, named: bool) -> Markup {
 }
 
 fn table(measured: &[Measured], lengths: Lengths) -> Markup {
-    let is_shown = |line: &&Line| line.norm.is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
+    let is_shown =
+        |line: &&Line| line.norm().is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
     html! {
         h2 { "Measures" }
         div.wide tabindex="0" role="region" aria-label="Measures" { table {
@@ -116,7 +117,7 @@ fn row(line: &Line, measured: &[Measured], lengths: Lengths) -> Markup {
                 @if line.is_out(&one.sheet) { td.out { (value) " !" } } @else { td { (value) } }
             }
             td { (usual_of(line, measured, lengths)) }
-            td.source { (line.norm.map_or("", |norm| norm.source)) }
+            td.source { (line.norm().map_or("", |norm| &norm.source)) }
         }
     }
 }

@@ -56,7 +56,7 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
         row(group.heading, &mut std::iter::empty(), "");
         for line in group.lines {
             // A damper that is not there has no lines.
-            if measured.iter().all(|one| (line.value)(&one.sheet).is_none()) && line.norm.is_none() {
+            if measured.iter().all(|one| (line.value)(&one.sheet).is_none()) && line.norm().is_none() {
                 continue;
             }
             let label = format!("  {}", line.label);

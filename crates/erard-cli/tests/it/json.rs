@@ -105,7 +105,7 @@ fn home(name: &str) -> PathBuf {
 const MAPS: [&str; 2] = ["options", "table"];
 
 /// Texts that may be null.
-const NULLABLE: [&str; 4] = ["commit", "file", "sha256", "likely_reason"];
+const NULLABLE: [&str; 5] = ["commit", "file", "sha256", "likely_reason", "set_by"];
 
 /// The schema of all these values, which stand under the same key.
 fn infer(values: &[&Value], key: &str) -> Value {

@@ -15,6 +15,7 @@ mod sheet;
 mod slow_loop;
 mod timing;
 mod trial;
+pub mod usual;
 pub mod weights;
 
 pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure, measure_key, measure_some};

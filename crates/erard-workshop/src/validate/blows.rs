@@ -1,8 +1,11 @@
 //! Blows from the softest to the loudest: when the key is down and when the hammer is there.
 //!
-//! Three protocols, fixed before any number of an instrument was moved for them:
+//! Five protocols, fixed before any number of an instrument was moved for them:
 //!
 //! - *constant*: a force that is there at once and stays. Nobody plays so; it is the plainest of drives.
+//! - *ramped*: a force that rises within 10 ms by half a cosine and stays. Under a step the front of a key that bends trembles, and its largest
+//!   speed is that of the trembling.
+//! - *struck*: a finger of 0.1 kg arrives with a speed, and its muscle presses on ([`HandStroke::struck`]).
 //! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises from nothing at a constant rate, to the end of the run
 //!   ([`HandStroke::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and Fisette (Machines 8 (2020) 76) ask of an
 //!   actuator that is to play as a pianist does.
@@ -11,6 +14,8 @@
 //!
 //! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down ([`erard::events`]). Accelerometers see key
 //! bottom where the key is slowed down most, a millisecond or more later.
+
+use std::f64::consts::PI;
 
 use crate::measure::MeasureError;
 use erard::Progress;
@@ -32,6 +37,13 @@ const RATES_N_S: [f64; 2] = [4.0, 2500.0];
 /// Times within which a hand is led down, s: twice the longest published key stroke, and one that no led hand keeps.
 const SLOWEST_S: f64 = 0.5;
 const QUICKEST_S: f64 = 0.02;
+/// Speeds with which a finger arrives, m/s.
+const ARRIVALS_M_S: [f64; 2] = [0.02, 12.0];
+/// A ramped force rises within this time, s.
+const RAMP_S: f64 = 0.010;
+/// Fortissimo, by a paper that gives its force, N, and by others that give the hammer's speed, m/s.
+const FF_FORCE_N: f64 = 15.0;
+const FF_LEAST_M_S: f64 = 4.5;
 /// A force is found when it is known to this share.
 const CLOSE: f64 = 1e-3;
 /// A key that has gone so far has started, m: past the cloths on which it breathes.
@@ -42,6 +54,7 @@ const POINTS: usize = 25;
 pub(super) const PP_M_S: f64 = 0.5;
 pub(super) const FF_M_S: f64 = 5.0;
 pub(super) const MF_M_S: f64 = 1.99;
+const P_M_S: f64 = 0.79;
 const F_M_S: f64 = 3.15;
 /// The key stroke that a published f has, s.
 const F_STROKE_S: f64 = 0.025;
@@ -51,6 +64,10 @@ const F_STROKE_S: f64 = 0.025;
 pub enum Drive {
     /// By a constant force, N, that is there at once.
     Constant(f64),
+    /// By a force, N, that rises within 10 ms and stays.
+    Ramped(f64),
+    /// By a finger that arrives with so many m/s ([`HandStroke::struck`]).
+    Struck(f64),
     /// By a hand whose muscle's force rises at so many N/s ([`HandStroke::pressed`]).
     Pressed(f64),
     /// By a hand that is led down within so many s ([`HandStroke::led`]).
@@ -72,6 +89,8 @@ pub struct PressedBlow {
     pub hammer_speed_m_s: Option<f64>,
     /// Largest speed of the key front before the hammer meets the string, m/s.
     pub key_speed_m_s: f64,
+    /// Largest force of the finger before the hammer meets the string, N.
+    pub peak_n: f64,
     /// How long the hammer touches the string the first time, s.
     pub contact_s: Option<f64>,
     /// Farthest travel of the key front, m.
@@ -93,6 +112,10 @@ pub struct Loudness {
     pub at_15_n: PressedBlow,
     /// A blow under 35 N.
     pub at_35_n: PressedBlow,
+    /// Under a force that rises to 15 N.
+    pub ramped_15_n: PressedBlow,
+    /// Smallest force with such a rise for a hammer speed of 4.5 m/s, N.
+    pub force_for_ff_n: Option<f64>,
     /// Constant forces for the hammer speeds of the marks.
     pub mf: Option<PressedBlow>,
     /// The f blow.
@@ -118,6 +141,8 @@ pub struct ByHand {
     pub f_by_stroke: Option<PressedBlow>,
     /// Pressed, at the hammer speed of ff.
     pub ff: Option<PressedBlow>,
+    /// Struck, at the hammer speeds of pp, p, mf and ff.
+    pub struck: [Option<PressedBlow>; 4],
     /// Pressed as fast as a hand can.
     pub loudest: PressedBlow,
     /// Hammer speed where hammer and key bottom come together, pressed, m/s.
@@ -140,6 +165,11 @@ fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> R
     };
     let run = match drive {
         Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, progress)?,
+        Drive::Ramped(force_n) => {
+            let rises = |t: f64| force_n * (0.5 - 0.5 * libm::cos(PI * (t / RAMP_S).clamp(0.0, 1.0)));
+            simulate(instrument, &player::force(rises), &setup, progress)?
+        }
+        Drive::Struck(speed_m_s) => press_by_hand(instrument, &HandStroke::struck(speed_m_s), &setup, progress)?,
         Drive::Pressed(rate_n_s) => press_by_hand(instrument, &HandStroke::pressed(rate_n_s), &setup, progress)?,
         Drive::Led(duration_s) => press_by_hand(instrument, &HandStroke::led(duration_s), &setup, progress)?,
     };
@@ -154,6 +184,7 @@ impl PressedBlow {
         let until = run.time_s.partition_point(|&t| t < e.hammer_contact_s().unwrap_or(f64::INFINITY));
         let speeds = run.key_m[..until].windows(2).zip(run.time_s.windows(2));
         let key_speed_m_s = speeds.map(|(y, t)| (y[1] - y[0]) / (t[1] - t[0])).fold(0.0, f64::max);
+        let peak_n = run.force_n[..until].iter().copied().fold(0.0, f64::max);
         let string = instrument.roles.string.map(|zone| &run.zones[zone].normal_n[until.min(run.time_s.len())..]);
         let contact_s = string.filter(|_| e.hammer_contact_s().is_some()).map(|normal| {
             // The row of the first touch may still be without force.
@@ -168,6 +199,7 @@ impl PressedBlow {
             hammer_ahead_s: between(e.hammer_contact_s(), e.key_bottom_s),
             hammer_speed_m_s: e.hammer_speed_m_s(),
             key_speed_m_s,
+            peak_n,
             contact_s,
             deepest_m: run.key_m.iter().copied().fold(0.0, f64::max),
         }
@@ -186,6 +218,8 @@ struct Family {
 }
 
 const CONSTANT: Family = Family { drive: Drive::Constant, ends: FORCES_N };
+const RAMPED: Family = Family { drive: Drive::Ramped, ends: FORCES_N };
+const STRUCK: Family = Family { drive: Drive::Struck, ends: ARRIVALS_M_S };
 const PRESSED: Family = Family { drive: Drive::Pressed, ends: RATES_N_S };
 /// By the inverse of its time, 1/s, so that more is louder.
 const LED: Family = Family { drive: |per_s| Drive::Led(1.0 / per_s), ends: [1.0 / SLOWEST_S, 1.0 / QUICKEST_S] };
@@ -230,8 +264,8 @@ fn curve(
 
 /// All that the table asks about.
 pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Loudness, MeasureError> {
-    // Counted in blows: ten searches of about 13, two curves and four more.
-    const BLOWS: f64 = 10.0 * 13.0 + 2.0 * POINTS as f64 + 4.0;
+    // Counted in blows: fifteen searches of about 13, two curves and five more.
+    const BLOWS: f64 = 15.0 * 13.0 + 2.0 * POINTS as f64 + 5.0;
     let mut done = 0.0;
     let progress = &mut |_: f64| {
         done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
@@ -246,12 +280,18 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
     let mf = smallest(instrument, &CONSTANT, &speed(MF_M_S), progress)?;
     let f = smallest(instrument, &CONSTANT, &speed(F_M_S), progress)?;
     let force = |blow: &Option<PressedBlow>| match blow {
-        Some(PressedBlow { drive: Drive::Constant(force_n), .. }) => Some(*force_n),
+        Some(PressedBlow { drive: Drive::Constant(force_n) | Drive::Ramped(force_n), .. }) => Some(*force_n),
         _ => None,
     };
     let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), progress)?;
     let pressed = curve(instrument, &PRESSED, RATES_N_S[0], progress)?;
+    let mut struck = [None; 4];
+    for (blow, speed_m_s) in struck.iter_mut().zip([PP_M_S, P_M_S, MF_M_S, FF_M_S]) {
+        *blow = smallest(instrument, &STRUCK, &speed(speed_m_s), progress)?;
+    }
+    let ramped = smallest(instrument, &RAMPED, &speed(FF_LEAST_M_S), progress)?;
     let by_hand = ByHand {
+        struck,
         softest: smallest(instrument, &LED, &PressedBlow::whole, progress)?,
         pp: smallest(instrument, &LED, &speed(PP_M_S), progress)?,
         f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), progress)?,
@@ -265,7 +305,9 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
         force_of_a_20_ms_stroke_n: force(&quick),
         softest,
         at_0_8_n: blow(instrument, Drive::Constant(0.8), progress)?,
-        at_15_n: blow(instrument, Drive::Constant(15.0), progress)?,
+        at_15_n: blow(instrument, Drive::Constant(FF_FORCE_N), progress)?,
+        ramped_15_n: blow(instrument, Drive::Ramped(FF_FORCE_N), progress)?,
+        force_for_ff_n: force(&ramped),
         at_35_n: blow(instrument, Drive::Constant(FORCES_N[1]), progress)?,
         mf,
         f,
@@ -296,6 +338,7 @@ mod tests {
             hammer_ahead_s: Some(ahead),
             hammer_speed_m_s: Some(speed),
             key_speed_m_s: 0.0,
+            peak_n: 0.0,
             contact_s: None,
             deepest_m: 0.0,
         }

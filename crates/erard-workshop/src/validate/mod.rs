@@ -5,13 +5,15 @@
 //! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] puts both beside each other; what misses is said to miss.
 
 mod blows;
+mod keys;
 mod published;
+mod release;
 mod strings;
 mod touches;
 mod values;
 
 pub use blows::{Drive, Loudness, PressedBlow, measure as loudness};
-pub use published::{Published, PublishedError, Row};
+pub use published::{Kind, Published, PublishedError, Row};
 pub use strings::Skipped;
 pub use values::names;
 
@@ -21,7 +23,31 @@ use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use strings::Strung;
-use values::Flex;
+use values::{Flex, Simulated};
+
+/// Rows of one group and one kind that are met, of those that were judged.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Met.
+    pub met: usize,
+    /// Met or missed, or did not happen.
+    pub judged: usize,
+}
+
+/// A group of rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupResult {
+    /// Its name.
+    pub name: String,
+    /// What it is about.
+    pub title: String,
+    /// Rows that the instrument was set to.
+    pub set: Tally,
+    /// Rows that follow from the model.
+    pub predicted: Tally,
+    /// Root mean square of z over its predicted rows with two ends: the distance from the middle of the range over half its width, 1 at its ends.
+    pub z: Option<f64>,
+}
 
 /// How a simulated value stands to a published one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,10 +92,11 @@ pub struct Validation {
     pub pressed: Vec<PressedBlow>,
 }
 
-/// Share of the work that the technician's sheet takes, and the blows after it.
-const SHEET: f64 = 0.6;
-const BLOWS: f64 = 0.2;
+/// Shares of the work: the technician's sheet, and what comes after it.
+const SHEET: f64 = 0.5;
+const BLOWS: f64 = 0.25;
 const TOUCHES: f64 = 0.05;
+const KEYS: f64 = 0.05;
 
 /// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are about other keys. `progress` is told the share
 /// that is done and ends the work by returning false.
@@ -85,13 +112,17 @@ pub fn validate(
     let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
     let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;
     let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + TOUCHES * share))?;
+    let release = release::measure(instrument)?;
     let before = SHEET + BLOWS + TOUCHES;
+    let keys = keys::measure(keyboard, &mut |share| progress(before + KEYS * share))?;
+    let before = before + KEYS;
     let strung = Strung::measure(instrument, keyboard, &mut |share| progress(before + (1.0 - before) * share))?;
     let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
-    let value = |name: &str| values::value(name, &sheet, &loudness, &touches, &flex);
+    let found = Simulated { sheet, loudness, touches, release, flex };
+    let value = |name: &str| values::value(name, &found);
     let verdict = |row: &Row| {
         let Some(name) = row.measure.as_deref() else { return Verdict::Silent };
-        match strung.value(name) {
+        match strung.value(name).or_else(|| keys::value(name, keys)) {
             Some(Ok(found)) => row.judge(found),
             Some(Err(skipped)) => Verdict::Skipped(skipped),
             None => row.judge(value(name)),
@@ -103,7 +134,39 @@ pub fn validate(
         instrument: instrument.name.clone(),
         verdicts,
         beside,
-        blows: loudness.blows,
-        pressed: loudness.by_hand.blows,
+        blows: found.loudness.blows,
+        pressed: found.loudness.by_hand.blows,
     })
+}
+
+impl Validation {
+    /// Its groups, in the order in which the table's rows name them.
+    #[must_use]
+    pub fn groups(&self, published: &Published) -> Vec<GroupResult> {
+        let mut groups: Vec<GroupResult> = Vec::new();
+        let mut squares: Vec<Vec<f64>> = Vec::new();
+        for (row, verdict) in published.rows.iter().zip(&self.verdicts) {
+            let at = groups.iter().position(|group| group.name == row.group).unwrap_or_else(|| {
+                let title = published.groups.get(&row.group).cloned().unwrap_or_default();
+                let [set, predicted] = [Tally::default(); 2];
+                groups.push(GroupResult { name: row.group.clone(), title, set, predicted, z: None });
+                squares.push(Vec::new());
+                groups.len() - 1
+            });
+            let tally = match row.kind {
+                Kind::Set => &mut groups[at].set,
+                Kind::Predicted => &mut groups[at].predicted,
+            };
+            tally.met += usize::from(matches!(verdict, Verdict::Met { .. }));
+            tally.judged +=
+                usize::from(matches!(verdict, Verdict::Met { .. } | Verdict::Missed { .. } | Verdict::Absent));
+            if row.kind == Kind::Predicted {
+                squares[at].extend(row.z(verdict).map(|z| z * z));
+            }
+        }
+        for (group, squares) in groups.iter_mut().zip(&squares) {
+            group.z = (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt());
+        }
+        groups
+    }
 }

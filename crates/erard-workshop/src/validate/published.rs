@@ -6,22 +6,48 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::{Verdict, values};
+use crate::measure::norms::MIDDLE_C;
+use crate::measure::usual::usual;
 use erard::instrument::{Certainty, Source};
 
 /// What comes with the program.
 const BUILTIN: &str = include_str!("../../validation/published.toml");
+const FORMAT: &str = "erard-published/2";
 
 /// The table.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
-    /// `erard-published/1`.
+    /// `erard-published/2`.
     pub format: String,
+    /// Groups of rows by name, in words. Groups are independent of one another; rows of one group are not.
+    pub groups: BTreeMap<String, String>,
     /// Sources by name.
     pub sources: BTreeMap<String, Source>,
     /// The rows.
     #[serde(rename = "row")]
     pub rows: Vec<Row>,
+}
+
+/// Whether a row tests the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// The instrument was built, weighed or regulated to it.
+    Set,
+    /// It follows from the model.
+    Predicted,
+}
+
+impl Kind {
+    /// As the table has it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Set => "set",
+            Kind::Predicted => "predicted",
+        }
+    }
 }
 
 /// One published number.
@@ -32,6 +58,12 @@ pub struct Row {
     pub name: String,
     /// What it is, for people.
     pub quantity: String,
+    /// Name of its group.
+    pub group: String,
+    /// Whether it tests the model.
+    pub kind: Kind,
+    /// By what the instrument was set to it; of [`Kind::Set`] only.
+    pub set_by: Option<String>,
     /// Which simulated value it is compared with, one of [`super::names`]; `None` where the model has none.
     pub measure: Option<String>,
     /// The same quantity under a constant force, one of [`super::names`]: shown beside the row, and not counted.
@@ -42,6 +74,9 @@ pub struct Row {
     pub number: Option<f64>,
     /// What was published, in words, where neither range nor number says it.
     pub published: Option<String>,
+    /// The range is the usual one of middle C ([`crate::measure::usual`]).
+    #[serde(default)]
+    pub usual: bool,
     /// Lower end of what counts as met.
     pub at_least: Option<f64>,
     /// Upper end.
@@ -87,17 +122,26 @@ impl Published {
     /// # Errors
     /// See [`PublishedError`].
     pub fn parse(text: &str) -> Result<Self, PublishedError> {
-        let table: Published = toml::from_str(text).map_err(|error| PublishedError::Syntax(error.to_string()))?;
-        if table.format != "erard-published/1" {
-            return Err(PublishedError::Syntax(format!(
-                "`format` is `{}`; expected `erard-published/1`",
-                table.format
-            )));
+        let mut table: Published = toml::from_str(text).map_err(|error| PublishedError::Syntax(error.to_string()))?;
+        if table.format != FORMAT {
+            return Err(PublishedError::Syntax(format!("`format` is `{}`; expected `{FORMAT}`", table.format)));
+        }
+        for row in table.rows.iter_mut().filter(|row| row.usual) {
+            row.take_usual()?;
         }
         for (index, row) in table.rows.iter().enumerate() {
             let wrong = |what: String| Err(PublishedError::Row { row: row.name.clone(), what });
             if table.rows[..index].iter().any(|other| other.name == row.name) {
                 return wrong("its name stands in the table already; expected another".into());
+            }
+            if !table.groups.contains_key(&row.group) {
+                return wrong(format!("`group` is `{}`; expected one of `groups`", row.group));
+            }
+            if (row.kind == Kind::Set) != row.set_by.is_some() {
+                return wrong(format!(
+                    "`kind` is `{}`; expected `set_by` of rows that are set, and of no other",
+                    row.kind.name()
+                ));
             }
             if !table.sources.contains_key(&row.source) {
                 return wrong(format!("`source` is `{}`; expected one of `sources`", row.source));
@@ -124,6 +168,21 @@ impl Published {
 }
 
 impl Row {
+    /// Takes the range from the table of usual ones.
+    fn take_usual(&mut self) -> Result<(), PublishedError> {
+        let wrong = |what: &str| Err(PublishedError::Row { row: self.name.clone(), what: what.into() });
+        if !self.is_open() {
+            return wrong(
+                "`usual` takes its range from the table of usual ones; expected no `at_least` and no `at_most`",
+            );
+        }
+        let Some(range) = self.measure.as_deref().and_then(usual) else {
+            return wrong("`usual` expects a `measure` that has a usual range");
+        };
+        [self.at_least, self.at_most] = range.at(MIDDLE_C);
+        Ok(())
+    }
+
     /// No range was published.
     #[must_use]
     pub(crate) fn is_open(&self) -> bool {
@@ -140,6 +199,15 @@ impl Row {
             (_, Some(high)) if simulated > high => Verdict::Missed { simulated, by: simulated - high },
             _ => Verdict::Met { simulated },
         }
+    }
+
+    /// Distance of a simulated value from the middle of the range over half its width: 1 at either end. `None` without a value or without two
+    /// ends.
+    #[must_use]
+    pub fn z(&self, verdict: &Verdict) -> Option<f64> {
+        let (Verdict::Met { simulated } | Verdict::Missed { simulated, .. }) = verdict else { return None };
+        let [low, high] = [self.at_least?, self.at_most?];
+        Some((2.0 * simulated - low - high) / (high - low))
     }
 
     /// What was published: its words, its number, or the range.

@@ -2,11 +2,13 @@
 
 use super::blows::{FF_M_S, MF_M_S, PP_M_S};
 use crate::measure::MeasureError;
-use crate::struck::{Blow, Stopped, blow_of_speed, rest};
+use crate::struck::{Blow, STEP_S, Stopped, blow_of_speed, rest};
 use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard::run::SimulationError;
+use erard::strings::Strings;
+use erard::{Action, Input};
 
 /// The keys beside the instrument, which is middle C: A0, C6, C8.
 const A0: usize = 1;
@@ -19,7 +21,7 @@ const TRIES: f64 = 11.0;
 const CENTS_PER_B: f64 = 1200.0 / std::f64::consts::LN_2 * 0.5 * 4.0;
 
 /// The names that rows may ask for; the unit ends the name.
-pub(super) const NAMES: [&str; 11] = [
+pub(super) const NAMES: [&str; 15] = [
     "contact_a0_mf_ms",
     "contact_c8_mf_ms",
     "peak_a0_mf_N",
@@ -31,6 +33,10 @@ pub(super) const NAMES: [&str; 11] = [
     "second_partial_c4_cents",
     "second_partial_c6_cents",
     "second_partial_c8_cents",
+    "contact_c4_ff_over_mf",
+    "t60_a0_s",
+    "t60_c4_s",
+    "t60_c6_s",
 ];
 
 /// What a rigid string answers, too: a felt of middle C's that stands for string and felt has been given to it. Those of other keys are not graded for that, and it has no partials.
@@ -68,6 +74,8 @@ struct Found {
     c8: Option<Blow>,
     /// C4, C6, C8.
     cents: [Option<f64>; 3],
+    /// A0, C4, C6, under their dampers, s.
+    t60_s: [Option<f64>; 3],
 }
 
 /// The rows on strings for one instrument.
@@ -101,14 +109,19 @@ impl Strung {
         }
         if yields {
             found.cents[0] = cents(instrument);
+            found.t60_s[1] = t60_s(instrument)?;
         }
         if let Some(keyboard) = keyboard.filter(|_| yields) {
             let key = |key: usize| keyboard.key(key).ok().filter(Instrument::has_yielding_strings);
             if let Some(one) = key(A0) {
                 found.a0 = play(&one, MF_M_S)?;
+                found.t60_s[0] = t60_s(&one)?;
             }
             if let Some(one) = key(C8) {
                 found.c8 = play(&one, MF_M_S)?;
+            }
+            if let Some(one) = key(C6) {
+                found.t60_s[2] = t60_s(&one)?;
             }
             for (found, key) in found.cents[1..].iter_mut().zip([C6, C8].map(key)) {
                 *found = key.as_ref().and_then(cents);
@@ -144,6 +157,10 @@ impl Strung {
             "return_c4_ff" => back(ff),
             "second_partial_c4_cents" => found.cents[0],
             "second_partial_c6_cents" => found.cents[1],
+            "contact_c4_ff_over_mf" => contact(ff).zip(contact(mf)).map(|(ff, mf)| ff / mf),
+            "t60_a0_s" => found.t60_s[0],
+            "t60_c4_s" => found.t60_s[1],
+            "t60_c6_s" => found.t60_s[2],
             _ => found.cents[2],
         }))
     }
@@ -152,4 +169,50 @@ impl Strung {
 /// By how much the last of a note's strings has its second partial above twice its first's ideal, cents.
 fn cents(instrument: &Instrument) -> Option<f64> {
     instrument.strings.last().map(|string| CENTS_PER_B * string.inharmonicity())
+}
+
+/// A note under its damper: force that strikes it, N; how long it is held, and how long after it was let go the damper is taken to lie still, s.
+const STRUCK_N: f64 = 5.0;
+const HELD_S: f64 = 0.3;
+const LIES_S: f64 = 0.1;
+/// Levels are means over this time, s; the first 20 dB are waited for so long, s.
+const WINDOW_S: f64 = 20e-3;
+const FALL_DB: f64 = 20.0;
+const PATIENCE_S: f64 = 2.0;
+
+/// How long the force on the bridge takes to fall by 60 dB under the damper, at the rate at which it falls by 20 or as far as it does in two seconds, s;
+/// `None` where the note has no damper.
+fn t60_s(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
+    if instrument.strings.iter().all(|string| string.damper.is_none()) {
+        return Ok(None);
+    }
+    let mut action = rest(instrument)?;
+    let steps = |seconds: f64| (seconds / STEP_S).round() as usize;
+    for (input, seconds) in [(Input::Force(STRUCK_N), HELD_S), (Input::Free, LIES_S)] {
+        for _ in 0..steps(seconds) {
+            action.step(input);
+        }
+    }
+    let from_db = level_db(&mut action);
+    let mut time_s = 0.0;
+    loop {
+        time_s += WINDOW_S;
+        let fallen_db = from_db - level_db(&mut action);
+        if fallen_db >= FALL_DB || time_s >= PATIENCE_S {
+            return Ok((fallen_db > 0.0).then(|| 60.0 * time_s / fallen_db));
+        }
+    }
+}
+
+/// Level of the changing part of the force on the bridge over one window, dB.
+fn level_db(action: &mut Action) -> f64 {
+    let steps = (WINDOW_S / STEP_S) as usize;
+    let (mut squares, mut sum) = (0.0, 0.0);
+    for _ in 0..steps {
+        action.step(Input::Free);
+        let n = action.strings().map_or(0.0, Strings::bridge_n);
+        (squares, sum) = (squares + n * n, sum + n);
+    }
+    let mean = sum / steps as f64;
+    10.0 * (squares / steps as f64 - mean * mean).max(1e-30).log10()
 }

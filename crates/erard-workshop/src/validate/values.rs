@@ -1,9 +1,10 @@
 //! The simulated values by the names that rows of the table use. The unit ends the name.
 
 use super::blows::{Loudness, PressedBlow};
+use super::release::Release;
 use super::touches::Touches;
-use crate::measure::Sheet;
 use crate::measure::flex::POUND_N;
+use crate::measure::{LoopNumbers, Sheet};
 
 const MS_PER_S: f64 = 1e3;
 const MM_PER_M: f64 = 1e3;
@@ -12,11 +13,11 @@ const KG_N: f64 = 9.81;
 
 /// Every name that a row may ask for.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    NAMES.into_iter().chain(super::strings::NAMES)
+    NAMES.into_iter().chain(super::strings::NAMES).chain(super::keys::NAMES)
 }
 
 /// The names that are no business of strings.
-const NAMES: [&str; 47] = [
+const NAMES: [&str; 57] = [
     "down_weight_g",
     "up_weight_g",
     "balance_weight_g",
@@ -36,13 +37,14 @@ const NAMES: [&str; 47] = [
     "starting_force_N",
     "force_of_a_20_ms_stroke_N",
     "hammer_speed_at_0_8_N_m_s",
-    "hammer_speed_at_15_N_m_s",
+    "force_for_4_5_m_s_N",
     "key_stroke_at_0_8_N_ms",
     "key_stroke_at_15_N_ms",
     "key_stroke_f_ms",
     "longest_key_stroke_ms",
     "key_velocity_softest_m_s",
     "key_velocity_at_15_N_m_s",
+    "key_velocity_ramped_15_N_m_s",
     "key_velocity_mf_m_s",
     "key_velocity_f_m_s",
     "hammer_ahead_at_0_8_N_ms",
@@ -64,6 +66,15 @@ const NAMES: [&str; 47] = [
     "key_stroke_led_pp_ms",
     "key_flex_mm_per_kg",
     "shank_flex_mm_per_lb",
+    "let_off_resistance_N",
+    "damper_resistance_N",
+    "damper_start_mm",
+    "struck_force_pp_N",
+    "struck_force_p_N",
+    "struck_force_mf_N",
+    "struck_force_ff_N",
+    "release_rebound_mm",
+    "release_home_ms",
 ];
 
 /// What the parts give on the bench, m/N; `None` without the part.
@@ -75,8 +86,35 @@ pub(super) struct Flex {
     pub shank_m_per_n: Option<f64>,
 }
 
+/// What was simulated of an instrument.
+#[derive(Debug)]
+pub(super) struct Simulated {
+    pub sheet: Sheet,
+    pub loudness: Loudness,
+    pub touches: Touches,
+    pub release: Release,
+    pub flex: Flex,
+}
+
+/// The damper's share of a slow key counts from so far below where it starts to so far above the bottom, mm: the let-off between them is in both ways.
+const AWAY_MM: f64 = 1.0;
+
+/// What the damper adds to the force of a slow key on its way down, N.
+fn damper_resistance(sheet: &Sheet) -> Option<f64> {
+    let with = sheet.hysteresis_dampers_down.as_ref()?;
+    let from = sheet.damper_start_share? * sheet.dip_mm? + AWAY_MM;
+    let to = sheet.dip_mm? - AWAY_MM;
+    let mean = |way: &LoopNumbers| {
+        let rows = way.down_key_mm.iter().zip(&way.down_force_N).filter(|(key, _)| (from..to).contains(*key));
+        let (sum, count) = rows.fold((0.0, 0_u32), |(sum, count), (_, force)| (sum + force, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    };
+    Some(mean(with)? - mean(&sheet.hysteresis)?)
+}
+
 /// The value of one of them, in the unit that ends it; `None` where it did not come about (or there is no such name).
-pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &Touches, flex: &Flex) -> Option<f64> {
+pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
+    let Simulated { sheet, loudness, touches, release, flex } = found;
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
     let of = |blow: &Option<PressedBlow>, get: fn(&PressedBlow) -> Option<f64>| blow.as_ref().and_then(get);
     let l = loudness;
@@ -101,13 +139,14 @@ pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &To
         "starting_force_N" => l.starting_force_n,
         "force_of_a_20_ms_stroke_N" => l.force_of_a_20_ms_stroke_n,
         "hammer_speed_at_0_8_N_m_s" => l.at_0_8_n.hammer_speed_m_s,
-        "hammer_speed_at_15_N_m_s" => l.at_15_n.hammer_speed_m_s,
+        "force_for_4_5_m_s_N" => l.force_for_ff_n,
         "key_stroke_at_0_8_N_ms" => ms(l.at_0_8_n.key_stroke_s),
         "key_stroke_at_15_N_ms" => ms(l.at_15_n.key_stroke_s),
         "key_stroke_f_ms" => ms(of(&l.f, |b| b.key_stroke_s)),
         "longest_key_stroke_ms" => ms(of(&l.softest, |b| b.key_stroke_s)),
         "key_velocity_softest_m_s" => of(&l.softest, |b| Some(b.key_speed_m_s)),
         "key_velocity_at_15_N_m_s" => Some(l.at_15_n.key_speed_m_s),
+        "key_velocity_ramped_15_N_m_s" => Some(l.ramped_15_n.key_speed_m_s),
         "key_velocity_mf_m_s" => of(&l.mf, |b| Some(b.key_speed_m_s)),
         "key_velocity_f_m_s" => of(&l.f, |b| Some(b.key_speed_m_s)),
         "hammer_ahead_at_0_8_N_ms" => ms(l.at_0_8_n.hammer_ahead_s),
@@ -127,6 +166,15 @@ pub(super) fn value(name: &str, sheet: &Sheet, loudness: &Loudness, touches: &To
         "hammer_ahead_led_pp_ms" => ms(of(&hand.pp, |b| b.hammer_ahead_s)),
         "hammer_ahead_led_softest_ms" => ms(of(&hand.softest, |b| b.hammer_ahead_s)),
         "key_stroke_led_pp_ms" => ms(of(&hand.pp, |b| b.key_stroke_s)),
+        "let_off_resistance_N" => sheet.let_off_resistance_N,
+        "damper_resistance_N" => damper_resistance(sheet),
+        "damper_start_mm" => Some(sheet.damper_start_share? * sheet.dip_mm?),
+        "struck_force_pp_N" => of(&hand.struck[0], |b| Some(b.peak_n)),
+        "struck_force_p_N" => of(&hand.struck[1], |b| Some(b.peak_n)),
+        "struck_force_mf_N" => of(&hand.struck[2], |b| Some(b.peak_n)),
+        "struck_force_ff_N" => of(&hand.struck[3], |b| Some(b.peak_n)),
+        "release_rebound_mm" => release.rebound_m.map(|m| m * MM_PER_M),
+        "release_home_ms" => ms(release.home_s),
         "key_flex_mm_per_kg" => Some(flex.key_m_per_n? * KG_N * MM_PER_M),
         "shank_flex_mm_per_lb" => Some(flex.shank_m_per_n? * POUND_N * MM_PER_M),
         _ => None,

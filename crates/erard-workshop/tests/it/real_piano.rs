@@ -10,6 +10,7 @@ use erard::stroke::Recording;
 use erard_workshop::compare::{Choice, Comparison, Driven, Which, compare_chosen};
 use erard_workshop::distances::Protocol;
 use erard_workshop::regulate::{Goal, regulate};
+use erard_workshop::validate::Published;
 use moreau::Settings;
 
 /// Turned as the recorded one was found. No mass, felt or friction is touched.
@@ -99,5 +100,60 @@ fn medium_and_fast_strokes_throw_the_hammer() {
         // Held by the back check, each where it is.
         let held = |hammer: &[f64]| hammer[hammer.len() - 800];
         assert!((held(&measured) - held(&simulated)).abs() < 2.0, "{} {}", held(&measured), held(&simulated));
+    }
+}
+
+fn recorded(name: &str) -> String {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/recordings").join(name);
+    std::fs::read_to_string(file).unwrap()
+}
+
+/// Cells of a recorded table, without its heading.
+fn cells(text: &str) -> impl Iterator<Item = Vec<&str>> {
+    text.lines().skip(1).map(|line| line.split(',').collect())
+}
+
+/// By linear interpolation between the sorted values.
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = share * (values.len() - 1) as f64;
+    let below = at.floor() as usize;
+    values[below] + (at - below as f64) * (values[(below + 1).min(values.len() - 1)] - values[below])
+}
+
+/// The ranges of the rows on releases are the 10 to 90 % of the recorded releases that judge.
+#[test]
+fn recorded_releases_give_the_published_ranges() {
+    let text = recorded("kawai-kg-3c-releases.csv");
+    let published = Published::builtin();
+    for (name, column, digits) in [("release_home", 3, 1.0), ("release_rebound", 4, 100.0)] {
+        let judges = cells(&text).filter(|row| row[2] == "judge");
+        let mut values: Vec<f64> = judges.map(|row| row[column].parse().unwrap()).collect();
+        assert_eq!(values.len(), 21);
+        let row = published.rows.iter().find(|row| row.name == name).unwrap();
+        let [low, high] = [0.1, 0.9].map(|share| (quantile(&mut values, share) * digits).round() / digits);
+        assert_eq!((row.at_least, row.at_most), (Some(low), Some(high)), "{name}");
+    }
+}
+
+/// Every recorded stroke either chooses or judges; what judges was cut out of the source where the list says, and nothing is in both.
+#[test]
+fn strokes_choose_or_judge() {
+    let split = recorded("split.csv");
+    let strokes: Vec<Vec<&str>> = cells(&split).filter(|row| row[1] == "two").collect();
+    assert!(strokes.iter().all(|row| ["choose", "judge"].contains(&row[5])));
+    let span = |row: &[&str]| [2, 3].map(|column| row[column].parse::<f64>().unwrap());
+    for (n, one) in strokes.iter().enumerate() {
+        for other in &strokes[..n] {
+            let ([a, b], [c, d]) = (span(one), span(other));
+            assert!(b <= c || d <= a, "{} and {}", one[0], other[0]);
+        }
+    }
+    let raw = recorded("kawai-kg-3c-judge-raw.csv");
+    for row in strokes.iter().filter(|row| row[5] == "judge") {
+        let times: Vec<f64> = cells(&raw).filter(|cut| cut[0] == row[0]).map(|cut| cut[1].parse().unwrap()).collect();
+        let [from, to] = span(row);
+        assert!((times[0] - from).abs() < 1e-3 && (times[times.len() - 1] - to).abs() < 1e-3, "{}", row[0]);
+        assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.5e-3).abs() < 1e-9), "{}", row[0]);
     }
 }

@@ -1,0 +1,151 @@
+//! Usual ranges of the technician's numbers, `validation/usual.toml`: one table for the sheet, its flags and the rows of `validate`.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+/// What comes with the program.
+const BUILTIN: &str = include_str!("../../validation/usual.toml");
+const FORMAT: &str = "erard-usual/1";
+/// Keys of a piano.
+const KEYS: usize = 88;
+
+static TABLE: LazyLock<BTreeMap<String, UsualRange>> =
+    LazyLock::new(|| parse(BUILTIN).expect("the built-in table of usual ranges reads"));
+
+/// A usual range, and who says so.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UsualRange {
+    #[serde(rename = "at_least")]
+    low: Option<Limit>,
+    #[serde(rename = "at_most")]
+    high: Option<Limit>,
+    /// Where it was read, and what was made of it.
+    pub source: String,
+}
+
+/// One end of a usual range.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+enum Limit {
+    /// The same for all keys.
+    All(f64),
+    /// At some keys, ascending, and on straight lines between them; beyond the first and the last as there.
+    ByKey(Vec<(usize, f64)>),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    format: String,
+    usual: BTreeMap<String, UsualRange>,
+}
+
+/// The usual range of a line of the sheet, by its key; `None` where nothing is usual.
+#[must_use]
+pub fn usual(key: &str) -> Option<&'static UsualRange> {
+    TABLE.get(key)
+}
+
+/// Every key that has a usual range.
+#[cfg(test)]
+pub(super) fn keys() -> impl Iterator<Item = &'static str> {
+    TABLE.keys().map(String::as_str)
+}
+
+fn parse(text: &str) -> Result<BTreeMap<String, UsualRange>, String> {
+    let table: Table = toml::from_str(text).map_err(|error| error.to_string())?;
+    if table.format != FORMAT {
+        return Err(format!("`format` is `{}`; expected `{FORMAT}`", table.format));
+    }
+    for (key, range) in &table.usual {
+        let fault = |what: &str| Err(format!("`usual.{key}`: {what}"));
+        if range.low.is_none() && range.high.is_none() {
+            return fault("expected `at_least` or `at_most`");
+        }
+        if [&range.low, &range.high].into_iter().flatten().any(|limit| !limit.is_sound()) {
+            return fault("expected a finite number, or pairs of a key from 1 to 88, ascending, and a finite number");
+        }
+        if (1..=KEYS).any(|at| matches!(range.at(at), [Some(low), Some(high)] if low >= high)) {
+            return fault("expected `at_least` below `at_most`");
+        }
+    }
+    Ok(table.usual)
+}
+
+impl UsualRange {
+    /// From low to high at a key, 1 to 88; either end may be open.
+    #[must_use]
+    pub fn at(&self, key: usize) -> [Option<f64>; 2] {
+        [&self.low, &self.high].map(|limit| limit.as_ref().and_then(|limit| limit.at(key)))
+    }
+
+    /// Whether it differs from bass to treble.
+    #[must_use]
+    pub fn depends_on_the_key(&self) -> bool {
+        [&self.low, &self.high].into_iter().flatten().any(|limit| matches!(limit, Limit::ByKey(_)))
+    }
+}
+
+impl Limit {
+    fn at(&self, key: usize) -> Option<f64> {
+        let points = match self {
+            Limit::All(value) => return Some(*value),
+            Limit::ByKey(points) => points,
+        };
+        let after = points.partition_point(|(at, _)| *at <= key);
+        let &(left, from) = points.get(after.saturating_sub(1))?;
+        Some(match points.get(after) {
+            Some(&(right, to)) if key > left => from + (to - from) * (key - left) as f64 / (right - left) as f64,
+            _ => from,
+        })
+    }
+
+    fn is_sound(&self) -> bool {
+        match self {
+            Limit::All(value) => value.is_finite(),
+            Limit::ByKey(points) => {
+                let fits = |(key, value): &(usize, f64)| (1..=KEYS).contains(key) && value.is_finite();
+                !points.is_empty() && points.iter().all(fits) && points.windows(2).all(|pair| pair[0].0 < pair[1].0)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::norms::lines;
+    use crate::measure::range::HARDLY_HEARD_M_S;
+
+    /// Every range belongs to a line of the sheet; a number that stands in code and in the table is one number.
+    #[test]
+    fn ranges_are_those_of_lines() {
+        for key in keys() {
+            assert!(lines().any(|line| line.key == key), "{key}");
+        }
+        assert_eq!(usual("double_strike_m_s").unwrap().at(40), [None, Some(HARDLY_HEARD_M_S)]);
+    }
+
+    /// A damaged table says what is wrong and where.
+    #[test]
+    fn damaged_tables_are_refused() {
+        let told = |body: &str| parse(&format!("format = \"{FORMAT}\"\n[usual.dip_mm]\nsource = \"s\"\n{body}"));
+        assert!(told("at_least = 9.5\nat_most = [[40, 11], [88, 12]]").is_ok());
+        for (body, what) in [
+            ("", "expected `at_least` or `at_most`"),
+            ("at_least = nan", "finite number"),
+            ("at_least = []", "finite number"),
+            ("at_least = [[40, 1], [40, 2]]", "ascending"),
+            ("at_least = [[89, 1]]", "1 to 88"),
+            ("at_least = 2\nat_most = [[1, 3], [88, 1]]", "below `at_most`"),
+            ("low = 2", "unknown field"),
+        ] {
+            let error = told(body).unwrap_err();
+            assert!(error.contains(what), "{body}: {error}");
+        }
+        assert!(parse("format = \"x\"\n[usual]").unwrap_err().contains(FORMAT));
+    }
+}
