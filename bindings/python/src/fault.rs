@@ -64,6 +64,10 @@ pub fn asked(error: &InstrumentSpecError) -> PyErr {
     match error {
         InstrumentSpecError::File(error) => file(error),
         InstrumentSpecError::NoKey { key, .. } => input(error.to_string(), &Place { found: key, ..Place::default() }),
+        InstrumentSpecError::NoSample { sample, .. } => {
+            input(error.to_string(), &Place { found: sample, ..Place::default() })
+        }
+        InstrumentSpecError::Sampled { asked } => input(error.to_string(), &Place { found: asked, ..Place::default() }),
         InstrumentSpecError::IsKeyboard { file } => input(error.to_string(), &Place { file, ..Place::default() }),
         InstrumentSpecError::UnknownKeyboard { name } => {
             input(error.to_string(), &Place { found: name, ..Place::default() })

@@ -11,6 +11,26 @@ use crate::keyboard::{KEYS, Keyboard, is_keyboard};
 /// What stands between a keyboard and the number of a key, as in `concert-grand:key=88`.
 pub const KEY: &str = ":key=";
 
+/// What stands before the number of a sample, as in `concert-grand:sample=17`.
+pub const SAMPLE: &str = ":sample=";
+/// The last sample.
+pub const LAST_SAMPLE: u32 = 1_000_000;
+
+/// What was asked for without its `:sample=N`, which may stand before or behind `:key=N`, and the number of the sample.
+///
+/// # Errors
+/// [`InstrumentSpecError::NoSample`].
+pub fn split_sample(asked: &str) -> Result<(String, Option<u32>), InstrumentSpecError> {
+    let Some((before, rest)) = asked.split_once(SAMPLE) else { return Ok((asked.to_owned(), None)) };
+    let (number, after) = rest.find(':').map_or((rest, ""), |end| rest.split_at(end));
+    let sample = number.parse().ok().filter(|sample| (1..=LAST_SAMPLE).contains(sample));
+    let is_known = (after.is_empty() || after.starts_with(KEY)) && !before.is_empty();
+    match sample.filter(|_| is_known) {
+        Some(sample) => Ok((format!("{before}{after}"), Some(sample))),
+        None => Err(InstrumentSpecError::NoSample { asked: asked.to_owned(), sample: format!("{number}{after}") }),
+    }
+}
+
 /// What was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InstrumentSpec<'a> {
@@ -38,6 +58,24 @@ pub enum InstrumentSpecError {
         /// What stands in the number's place.
         key: String,
     },
+    /// No such sample.
+    #[error(
+        "{asked}: `{sample}` is no sample; expected a number from 1 to {LAST_SAMPLE}, as in concert-grand{SAMPLE}17 or concert-grand{KEY}88{SAMPLE}17"
+    )]
+    NoSample {
+        /// As it was asked for.
+        asked: String,
+        /// What stands in the number's place.
+        sample: String,
+    },
+    /// A sample where only files and names are understood.
+    #[error(
+        "{asked}: samples are drawn and regulated by the command; `erard list {asked} > sample.toml` writes one as a file"
+    )]
+    Sampled {
+        /// As it was asked for.
+        asked: String,
+    },
     /// A keyboard has many instruments.
     #[error("{file}: this is a keyboard; name one of its keys, as in {file}{KEY}40")]
     IsKeyboard {
@@ -62,8 +100,11 @@ impl<'a> InstrumentSpec<'a> {
     /// Understands what was asked for. What exists, has an extension or a folder is a file.
     ///
     /// # Errors
-    /// [`InstrumentSpecError::NoKey`].
+    /// [`InstrumentSpecError::NoKey`], [`InstrumentSpecError::NoSample`], [`InstrumentSpecError::Sampled`].
     pub fn of(asked: &'a str) -> Result<Self, InstrumentSpecError> {
+        if split_sample(asked)?.1.is_some() {
+            return Err(InstrumentSpecError::Sampled { asked: asked.to_owned() });
+        }
         if let Some((keyboard, key)) = asked.rsplit_once(KEY) {
             let number = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
             let no_key = || InstrumentSpecError::NoKey { asked: asked.to_owned(), key: key.to_owned() };
@@ -120,6 +161,31 @@ impl<'a> InstrumentSpec<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A sample stands before or behind a key; what is none is told.
+    #[test]
+    fn samples_are_split_off() {
+        let split = |asked: &str| split_sample(asked).map_err(|error| error.to_string());
+        for asked in ["concert-grand:key=88:sample=17", "concert-grand:sample=17:key=88"] {
+            assert_eq!(split(asked).unwrap(), ("concert-grand:key=88".to_owned(), Some(17)), "{asked}");
+        }
+        assert_eq!(split("mine.toml:sample=1").unwrap(), ("mine.toml".to_owned(), Some(1)));
+        assert_eq!(split("concert-grand").unwrap(), ("concert-grand".to_owned(), None));
+        for wrong in [
+            "a:sample=0",
+            "a:sample=",
+            "a:sample=x",
+            "a:sample=-1",
+            "a:sample=1000001",
+            "a:sample=1:sample=2",
+            ":sample=3",
+            "a:sample=1:keys=2",
+        ] {
+            assert!(split(wrong).unwrap_err().contains("from 1 to 1000000"), "{wrong}");
+        }
+        let told = InstrumentSpec::of("concert-grand:sample=17").unwrap_err().to_string();
+        assert!(told.contains("erard list concert-grand:sample=17"), "{told}");
+    }
 
     /// Names, files and keys are told apart; what there is none of is named.
     #[test]

@@ -5,6 +5,9 @@ use erard::instrument::{Instrument, InstrumentFile};
 
 use super::FitError;
 
+/// From a spread so wide on, upper over lower end, the file says how far a number may be off; a narrower one says how far grands of this kind differ, and
+/// another piano may lie beyond it.
+const KNOWN_TO_A_FACTOR: f64 = 2.3;
 /// Bounds of a factor of which the file does not say how far it may be off.
 const USUAL_FACTORS: [f64; 2] = [0.2, 5.0];
 /// The same of a screw, as a share of what it can do.
@@ -114,7 +117,8 @@ fn one(own: &Quantity, bounds: &Asked<[f64; 2]>) -> Result<Free, FitError> {
     let [least, most] = own.parameter.range();
     let usual = || {
         let screw = [-USUAL_TURN * most, USUAL_TURN * most];
-        own.spread.unwrap_or(if own.parameter.is_factor() { USUAL_FACTORS } else { screw })
+        let usual = if own.parameter.is_factor() { USUAL_FACTORS } else { screw };
+        own.spread.filter(|[low, high]| high / low >= KNOWN_TO_A_FACTOR || *low < 0.0).unwrap_or(usual)
     };
     let given = bounds.iter().find(|(name, _)| *name == own.name).map(|(_, bounds)| *bounds);
     let [low, high] = given.unwrap_or_else(usual);

@@ -41,6 +41,7 @@ pub(crate) fn set(item: &mut Item, new: impl Into<Value>, source: &str, note: &s
         // How far the old number may have been off.
         cited.remove("spread");
         cited.remove("spread_factor");
+        cited.remove("together");
         return;
     }
     let mut cited = InlineTable::new();

@@ -53,6 +53,8 @@ pub struct Citation {
     pub certainty: Certainty,
     /// How far it may be off, if that is known.
     pub spread: Option<Spread>,
+    /// What it is off together with: numbers with the same name here share one deviation.
+    pub together: Option<String>,
     /// Derivation or caution.
     pub note: Option<String>,
 }

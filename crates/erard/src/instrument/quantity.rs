@@ -164,6 +164,8 @@ pub struct Cited<T> {
     pub spread: Option<At<NonNegative>>,
     /// Times or divided by: for what is known to a factor only, such as a felt's stiffness. At least 1.
     pub spread_factor: Option<At<SpreadFactor>>,
+    /// Numbers with the same word here are off together, by the same share of their spreads: one cloth or one piece of wood serves them all.
+    pub together: Option<At<String>>,
     /// How it was derived, or a caution.
     pub note: Option<String>,
 }

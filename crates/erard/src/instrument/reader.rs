@@ -123,7 +123,16 @@ impl<'a> Reader<'a> {
                     }
                     (None, None) => None,
                 };
-                Some(self.citation(&cited.source, cited.certainty, spread, cited.note.as_deref())?)
+                if let Some(together) = cited.together.as_ref().filter(|_| spread.is_none()) {
+                    let expected = "`spread` or `spread_factor` beside it";
+                    return Err(Fault::at(
+                        together.span(),
+                        "`together` says with what a number is off, but not how far",
+                        expected,
+                    ));
+                }
+                let citation = self.citation(&cited.source, cited.certainty, spread, cited.note.as_deref())?;
+                Some(Citation { together: cited.together.as_ref().map(|name| name.to_string()), ..citation })
             }
         };
         self.numbers.push(ReadNumber { span: number.span(), values: values.to_vec(), citation });
@@ -171,7 +180,7 @@ impl<'a> Reader<'a> {
             let expected = one_of(self.sources.keys().map(String::as_str), "an entry of [sources]");
             return Err(Fault::at(source.span(), "no such source", expected));
         }
-        Ok(Citation { source: source.to_string(), certainty, spread, note: note.map(str::to_owned) })
+        Ok(Citation { source: source.to_string(), certainty, spread, together: None, note: note.map(str::to_owned) })
     }
 }
 

@@ -51,6 +51,24 @@ impl Keyboard {
         self.base_path.as_deref()
     }
 
+    /// The text of the base instrument's file.
+    #[must_use]
+    pub fn base_text(&self) -> &str {
+        &self.base_text
+    }
+
+    /// The same keyboard around another base instrument, whose file must have the numbers that are graded.
+    ///
+    /// # Errors
+    /// What is wrong with the text, or with its first or last key.
+    pub fn around(&self, base_text: String) -> Result<Self, Box<FileError>> {
+        let keyboard = Keyboard { base_text, ..self.clone() };
+        for key in [1, KEYS] {
+            keyboard.key(key)?;
+        }
+        Ok(keyboard)
+    }
+
     /// The text of a key's instrument file: the base instrument's with its gradings, every graded number cited. Its name is the
     /// keyboard's with number and note of the key.
     #[must_use]
