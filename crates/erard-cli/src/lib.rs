@@ -10,6 +10,8 @@
 )]
 
 pub mod answer;
+mod bands;
+mod cache;
 pub mod cli_reference;
 pub mod command;
 mod compare;
@@ -27,6 +29,7 @@ mod paper;
 pub mod progress;
 mod recordings;
 mod regulate;
+mod samples;
 pub mod say;
 mod sheet;
 mod signals;

@@ -117,7 +117,23 @@ pub(crate) struct StrikeReport {
     pub speed_m_s: f64,
 }
 
+/// A number of a summary by its name, with its unit.
+type Event = (&'static str, &'static str, fn(&Summary) -> Option<f64>);
+
 impl Summary {
+    /// What differs from piano to piano.
+    pub(crate) const EVENTS: [Event; 9] = [
+        ("hammer_speed_m_s", "m/s", |s| s.hammer_speed_m_s),
+        ("key_start_ms", "ms", |s| Some(1e3 * s.key_start_s?)),
+        ("let_off_ms", "ms", |s| Some(1e3 * s.let_off_s?)),
+        ("hammer_contact_ms", "ms", |s| Some(1e3 * s.hammer_contact_s?)),
+        ("key_bottom_ms", "ms", |s| Some(1e3 * s.key_bottom_s?)),
+        ("check_ms", "ms", |s| Some(1e3 * s.check_s?)),
+        ("free_flight_ms", "ms", |s| Some(1e3 * s.free_flight_s?)),
+        ("peak_force_N", "N", |s| Some(s.peak_force_N)),
+        ("drive_work_mJ", "mJ", |s| Some(1e3 * s.drive_work_J)),
+    ];
+
     /// The numbers of a run that took so long by the clock, s; `names`: of the model, of the drive and of the solver.
     pub(crate) fn new(run: &Run, setup: &Setup, names: [&str; 3], elapsed_s: f64) -> Self {
         let [model, drive, solver] = names;

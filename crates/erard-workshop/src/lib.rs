@@ -15,6 +15,7 @@ pub mod fmu;
 pub mod kinematics;
 pub mod measure;
 pub mod regulate;
+pub mod sample;
 pub mod sensitivities;
 pub mod struck;
 pub mod study;

@@ -9,13 +9,15 @@ use serde::Serialize;
 
 use crate::answer;
 use crate::failure::Failure;
+use crate::samples::sample_text;
 use crate::say;
 use crate::say::verbatim;
 
 /// Lists what is built in: instruments, keyboards, strokes, linkages; or prints one of them as the file that it is.
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name
+    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name; or a sample, as in
+    /// `concert-grand:sample=17` or `concert-grand:key=88:sample=17`
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -69,6 +71,10 @@ impl List {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(name) = &self.name {
+            if let Some(text) = sample_text(name)? {
+                verbatim(&text);
+                return Ok(());
+            }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let names: Vec<String> = all().into_iter().map(|one| one.name).collect();
                 Failure::Usage(format!("nothing built in is called `{name}` (built in: {})", names.join(", ")))

@@ -8,13 +8,14 @@ use erard::player;
 use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::advice::advise;
 use erard_workshop::cores::{self, Ending, do_all, job};
-use erard_workshop::measure::norms::MIDDLE_C;
+use erard_workshop::measure::norms::{MIDDLE_C, lines as all_lines};
 use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
 use erard_workshop::regulate::Status;
 use moreau::Settings;
 
 use super::options::{instrument_path, key_number, keys_of, load_instrument, measured_lines};
 use super::out::OutOptions;
+use crate::bands::{self, BandOptions};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};
@@ -60,6 +61,8 @@ pub(crate) struct Measure {
     #[command(flatten)]
     lengths: Lengths,
     #[command(flatten)]
+    bands: BandOptions,
+    #[command(flatten)]
     headed: Headed,
     #[command(flatten)]
     out: OutOptions,
@@ -73,6 +76,9 @@ impl Measure {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let asked = self.asked()?;
         let many = asked.len() > self.instruments.len() + self.more.len() && asked.len() > 1;
+        if let Some(count) = self.bands.bands {
+            return self.banded(&asked, count);
+        }
         if many || !self.only.is_empty() {
             return self.rows(&asked);
         }
@@ -157,6 +163,39 @@ impl Measure {
             asked.push("concert-grand".to_owned());
         }
         Ok(asked)
+    }
+
+    /// The lines of one instrument's sheet with their bands.
+    fn banded(&self, asked: &[String], count: u32) -> Result<(), Failure> {
+        let [asked] = asked else {
+            return Err(Failure::Usage(format!("--bands: found {} instruments, expected one", asked.len())));
+        };
+        if self.sheet {
+            return Err(Failure::Usage("--bands and --sheet: a sheet is of one piano; ask for either".into()));
+        }
+        let lines = if self.only.is_empty() { all_lines().collect() } else { measured_lines("--only", &self.only)? };
+        let named = self.named(std::slice::from_ref(asked))?;
+        let Some(one) = named.first() else { return Err(Failure::Internal("no instrument".into())) };
+        let mut output = self.out.prepare("measure", &["bands.csv", "bands.json"])?;
+        let mut progress = Progress::new("measuring");
+        let own = measure_some(&one.instrument, &lines, &mut |share| progress.tell(share))
+            .map_err(|error| Failure::Measure { label: one.label.clone(), error })?;
+        drop(progress);
+        let names: Vec<bands::Named> = lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
+        let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
+        let kept = keys.join(",");
+        let rows = bands::bands(asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
+            let found = bands::unless_interrupted(measure_some(instrument, &lines, progress))?;
+            Ok(found.unwrap_or_else(|| vec![None; lines.len()]))
+        })?;
+        bands::stage(&rows, &mut output)?;
+        output.commit()?;
+        say!("{} - values and bands over {count} samples", one.label);
+        say!();
+        bands::lines(&rows, count).iter().for_each(|line| say!("{line}"));
+        say!();
+        say!("Written to {}: bands.csv, bands.json", shown(self.out.folder()));
+        Ok(())
     }
 
     /// One row per instrument.

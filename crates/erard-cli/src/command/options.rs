@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use erard::instrument::{Instrument, InstrumentFile, utf8};
-use erard::instrument_spec::{InstrumentSpec, KEY};
+use erard::instrument_spec::{InstrumentSpec, KEY, SAMPLE, split_sample};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
 use erard::one_dof;
 use erard::run::{Setup, SimulationError};
@@ -17,13 +17,15 @@ use crate::failure::Failure;
 use crate::identity;
 use crate::inputs;
 use crate::recordings::{Ready, RecordingOptions};
+use crate::samples::sample_text;
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
 
 /// Which instrument.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88
+    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88; with :sample=17, one plausible
+    /// grand around it
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
     /// Which model of it
@@ -110,6 +112,11 @@ pub(crate) struct InstrumentsOption {
 }
 
 impl InstrumentsOption {
+    /// The first that was asked for.
+    pub(crate) fn first(&self) -> &str {
+        self.instruments.first().map_or("", String::as_str)
+    }
+
     /// Loads the instrument, or both, reduced to the model that was asked for.
     pub(crate) fn load(&self) -> Result<Vec<Noted>, Failure> {
         if self.instruments.len() > 2 {
@@ -125,6 +132,9 @@ impl InstrumentsOption {
 
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
 pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
+    if let Some(text) = sampled(asked)? {
+        return Ok(text.0);
+    }
     if let Some(one) = KeyboardKey::asked(asked)? {
         return one.instrument();
     }
@@ -148,6 +158,9 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
 
 /// The same, with the text it was read from.
 pub(crate) fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
+    if let Some(sample) = sampled(asked)? {
+        return Ok(sample);
+    }
     if let Some(one) = KeyboardKey::asked(asked)? {
         return Ok((one.instrument()?, one.text()?));
     }
@@ -157,6 +170,14 @@ pub(crate) fn load_instrument_and_text(asked: &str) -> Result<(Instrument, Strin
     };
     let (file, text) = load_file(path)?;
     Ok((file.instrument, text))
+}
+
+/// A sample of an instrument, with its text; `None` where no sample was asked for.
+fn sampled(asked: &str) -> Result<Option<(Instrument, String)>, Failure> {
+    let Some(text) = sample_text(asked)? else { return Ok(None) };
+    let instrument = Instrument::parse(&text, asked)?;
+    identity::used("instrument", &instrument.name, None, text.as_bytes());
+    Ok(Some((instrument, text)))
 }
 
 /// The path of an instrument file; `None` where a name is meant.
@@ -211,6 +232,9 @@ impl KeyboardKey {
 
 /// What is asked for in the place of an instrument, many keys of a keyboard (`concert-grand:key=1..88`, `:key=1,40,88`) one by one.
 pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
+    if let (rest, Some(sample)) = split_sample(asked).map_err(|error| Failure::Usage(error.to_string()))? {
+        return Ok(keys_of(&rest)?.into_iter().map(|key| format!("{key}{SAMPLE}{sample}")).collect());
+    }
     let Some((keyboard, keys)) = asked.rsplit_once(KEY).filter(|(_, keys)| keys.contains("..") || keys.contains(','))
     else {
         return Ok(vec![asked.to_owned()]);
@@ -244,7 +268,7 @@ pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'stat
 
 /// The number of the key that is asked for in the place of an instrument; `None` where that is no key of a keyboard.
 pub(crate) fn key_number(asked: &str) -> Option<usize> {
-    asked.rsplit_once(KEY)?.1.parse().ok()
+    split_sample(asked).ok()?.0.rsplit_once(KEY)?.1.parse().ok()
 }
 
 /// A keyboard by file or by name.

@@ -15,6 +15,7 @@ use super::hand::HandOptions;
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
+use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::inside::{self, LossReport, losses_svg, reactions_svg};
@@ -69,6 +70,8 @@ pub(crate) struct Press {
     pedal: Pedal,
     #[command(flatten)]
     hand: HandOptions,
+    #[command(flatten)]
+    bands: BandOptions,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -162,11 +165,23 @@ impl Press {
             output.figure("losses", &losses_svg(&run, &title, recorded, &report))?;
             lost = Some(report);
         }
+        let banded = match self.bands.bands {
+            Some(count) => {
+                let rows = self.banded(&summary, &stroke, &setup, count)?;
+                bands::stage(&rows, &mut output)?;
+                Some((rows, count))
+            }
+            None => None,
+        };
         let written = output.commit()?;
 
         say!("{} - {} ({drive} driven)", run.instrument, stroke.title);
         say!();
         say!("{summary}");
+        if let Some((rows, count)) = banded {
+            bands::lines(&rows, count).iter().for_each(|line| say!("{line}"));
+            say!();
+        }
         if let Some(report) = lost {
             for line in report.lines() {
                 say!("{line}");
@@ -186,6 +201,23 @@ impl Press {
         Ok(())
     }
 
+    /// What happened, with its bands over samples of the instrument.
+    fn banded(&self, own: &Summary, stroke: &Stroke, setup: &Setup, count: u32) -> Result<Vec<BandRow>, Failure> {
+        let names: Vec<bands::Named> =
+            Summary::EVENTS.iter().map(|(name, unit, _)| ((*name).to_owned(), (*unit).to_owned())).collect();
+        let values = |summary: &Summary| Summary::EVENTS.iter().map(|(_, _, value)| value(summary)).collect::<Vec<_>>();
+        let names_of = [self.instrument.model.name(), drive_name(stroke, setup), self.step.solver_name()];
+        let model = self.instrument.model;
+        bands::bands(self.instrument.first(), count, &names, &values(own), None, |instrument, _, progress| {
+            let none = || vec![None; Summary::EVENTS.len()];
+            let Ok(instrument) = model.reduce(instrument.clone()) else { return Ok(none()) };
+            let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(none()) };
+            let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
+            let run = bands::unless_interrupted(run)?;
+            Ok(run.map_or_else(none, |run| values(&Summary::new(&run, setup, names_of, 0.0))))
+        })
+    }
+
     /// Two instruments under one stroke, or one under two.
     fn pair(
         &self,
@@ -203,6 +235,9 @@ impl Press {
             (Some(other), _) => vec![stroke, other.load()?],
             (None, _) => vec![stroke],
         };
+        if self.bands.bands.is_some() {
+            return Err(Failure::Usage("--bands belong to one run; play the two one by one".into()));
+        }
         if self.reactions || self.losses || self.wav.is_some() {
             return Err(Failure::Usage("--reactions, --losses and --wav show one run; play the two one by one".into()));
         }

@@ -7,6 +7,7 @@ use erard::run::Setup;
 use erard_workshop::cores::{self, do_all, job};
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
+use erard_workshop::sample::SampleError;
 use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
 
 use super::hand::HandOptions;
@@ -15,6 +16,7 @@ use super::options::{
     load_keyboard, measured_lines,
 };
 use super::out::OutOptions;
+use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
@@ -85,6 +87,8 @@ pub(crate) struct Study {
     /// Simulated time of every stroke, s [default: the stroke's, and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
+    #[command(flatten)]
+    bands: BandOptions,
     /// Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4
     #[arg(long)]
     single: bool,
@@ -123,7 +127,16 @@ impl Study {
         let varied = Varied { instrument: &instrument, source: &source, model: self.instrument.model, axes: &axes };
         let rows = play(&varied, &measures, &stroke, &setup, workers)?;
 
-        let columns = columns(&axes, &measures, &rows);
+        let mut columns = columns(&axes, &measures, &rows);
+        let banded = match self.bands.bands {
+            Some(count) => {
+                let found = self.banded(&varied, &columns, &measures, &stroke, &setup, count)?;
+                let shown = bands::lines(&found[..found.len().min(self.rows.saturating_mul(SHOWN_BANDS))], count);
+                columns.extend(band_columns(&columns, axes.len(), &found));
+                shown
+            }
+            None => Vec::new(),
+        };
         output.stage("study.csv", |w| table::write_optional_csv(&columns, w))?;
         output.stage("study.parquet", |w| table::write_optional_parquet("study", &columns, w))?;
         let mut written = vec!["study.csv", "study.parquet"];
@@ -144,6 +157,10 @@ impl Study {
             say!();
             say!("{} of {} rows; --rows all prints every one, and study.csv holds them", self.rows, rows.len());
         }
+        if !banded.is_empty() {
+            say!();
+            banded.iter().for_each(|line| say!("{line}"));
+        }
         for doubt in doubts(&rows) {
             tell!("warning: not to be trusted: {doubt}");
         }
@@ -152,6 +169,57 @@ impl Study {
         say!("{} strokes; {failed} failed", rows.len());
         say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
         Ok(())
+    }
+
+    /// The values of every row, row by row, with their bands over samples of the instrument: the same study of each.
+    fn banded(
+        &self,
+        varied: &Varied<'_>,
+        columns: &[(String, Vec<Option<f64>>)],
+        measures: &[&'static Line],
+        stroke: &Stroke,
+        setup: &Setup,
+        count: u32,
+    ) -> Result<Vec<BandRow>, Failure> {
+        let Source::Text(_) = varied.source else {
+            return Err(Failure::Usage(
+                "--bands are of one instrument or key; --vary key and gradings vary a keyboard".into(),
+            ));
+        };
+        let axes = varied.axes;
+        let strokes = columns.first().map_or(0, |(_, values)| values.len()) * count as usize;
+        if strokes > MOST {
+            return Err(Failure::Usage(format!(
+                "{strokes} strokes; expected {MOST} at most: give fewer values or samples"
+            )));
+        }
+        let flat = |columns: &[(String, Vec<Option<f64>>)]| -> Vec<Option<f64>> {
+            let results = results(columns, axes.len());
+            (0..columns[0].1.len()).flat_map(|row| results.iter().map(move |(_, values)| values[row])).collect()
+        };
+        let mut names: Vec<bands::Named> = Vec::new();
+        for row in 0..columns[0].1.len() {
+            let at: Vec<String> = columns[..axes.len()]
+                .iter()
+                .map(|(name, values)| format!("{name} {}", values[row].unwrap_or(f64::NAN)))
+                .collect();
+            names.extend(
+                results(columns, axes.len())
+                    .iter()
+                    .map(|(name, _)| (format!("{}: {name}", at.join(", ")), String::new())),
+            );
+        }
+        let model = self.instrument.model;
+        bands::bands(self.instrument.asked(), count, &names, &flat(columns), None, |instrument, text, progress| {
+            let Ok(instrument) = model.reduce(instrument.clone()) else { return Ok(vec![None; names.len()]) };
+            let source = Source::Text(text.to_owned());
+            let own = Varied { instrument: &instrument, source: &source, model, axes };
+            match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
+                Ok(rows) => Ok(flat(&crate::study::columns(axes, measures, &rows))),
+                Err(_) if !progress(0.0) => Err(SampleError::Interrupted),
+                Err(_) => Ok(vec![None; names.len()]),
+            }
+        })
     }
 
     /// The derivatives of a stroke's outcome.
@@ -258,9 +326,20 @@ fn play(
     setup: &Setup,
     workers: Workers,
 ) -> Result<Vec<Row>, Failure> {
+    let mut progress = Progress::new("playing");
+    play_all_rows(varied, measures, stroke, setup, workers, &mut |share| progress.tell(share))
+}
+
+fn play_all_rows(
+    varied: &Varied<'_>,
+    measures: &[&'static Line],
+    stroke: &Stroke,
+    setup: &Setup,
+    workers: Workers,
+    progress: &mut erard::Progress<'_>,
+) -> Result<Vec<Row>, Failure> {
     let axes = varied.axes;
     let count: usize = axes.iter().map(|axis| axis.shown.len()).product();
-    let mut progress = Progress::new("playing");
     let mut rows = Vec::with_capacity(count);
     // Measuring one variant takes as long as playing many.
     let playing = if measures.is_empty() { 1.0 } else { 0.05 };
@@ -268,7 +347,7 @@ fn play(
         let from = rows.len();
         let portion: Vec<Vec<usize>> = (from..count.min(from + PORTION)).map(|k| combination(axes, k)).collect();
         let size = portion.len() as f64;
-        let mut tell = |share: f64| progress.tell((from as f64 + share * size) / count as f64);
+        let mut tell = |share: f64| progress((from as f64 + share * size) / count as f64);
         let played = play_portion(varied, &portion, stroke, setup, workers, &mut |share| tell(playing * share))?;
         let measured = measure_portion(&played, measures, &mut |share| tell(playing + (1.0 - playing) * share))?;
         rows.extend(portion.iter().zip(played.outcomes).zip(measured).map(|((indices, outcome), measured)| Row {
@@ -278,6 +357,32 @@ fn play(
         }));
     }
     Ok(rows)
+}
+
+/// Columns that bands are of: what came of a stroke, not what was varied, nor how well it was computed.
+fn results(columns: &[(String, Vec<Option<f64>>)], varied: usize) -> &[(String, Vec<Option<f64>>)] {
+    &columns[varied..columns.len() - OF_THE_SOLUTION]
+}
+
+/// `failed`, `trusted` and the energy residual.
+const OF_THE_SOLUTION: usize = 3;
+/// Bands are printed of so many results for each printed row, at most.
+const SHOWN_BANDS: usize = 12;
+
+/// Either end of a band.
+type BandEnd = fn(&BandRow) -> Option<f64>;
+
+/// The bands as columns beside those that they are of.
+fn band_columns(
+    columns: &[(String, Vec<Option<f64>>)],
+    varied: usize,
+    found: &[BandRow],
+) -> Vec<(String, Vec<Option<f64>>)> {
+    let results = results(columns, varied);
+    let of = |index: usize, end: BandEnd| found.iter().skip(index).step_by(results.len()).map(end).collect();
+    let ends: [(&str, BandEnd); 2] = [("5", |row| row.low), ("95", |row| row.high)];
+    let named = results.iter().enumerate();
+    named.flat_map(|(index, (name, _))| ends.map(|(end, get)| (format!("{name}_{end}"), of(index, get)))).collect()
 }
 
 /// The index of each axis' value in the k-th combination, the last axis fastest.

@@ -1,13 +1,15 @@
 //! `erard validate`.
 
-use super::options::{KeyboardKey, load_instrument};
+use super::options::{KeyboardKey, load_instrument_and_text};
 use super::out::OutOptions;
+use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::say;
 use crate::table::{three, write_records};
 use clap::Args;
+use erard::instrument_spec::split_sample;
 use erard::keyboard::Keyboard;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
 use erard_workshop::validate::{Drive, GroupResult, PressedBlow, Published, Row, Tally, Validation, Verdict, validate};
@@ -34,17 +36,23 @@ pub(crate) struct Validate {
     #[arg(long)]
     fail_on_miss: bool,
     #[command(flatten)]
+    bands: BandOptions,
+    #[command(flatten)]
     out: OutOptions,
 }
 
 impl Validate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let instrument = load_instrument(&self.instrument)?;
-        let keyboard = match KeyboardKey::asked(&self.instrument)? {
+        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+        let (of, sample) = split_sample(&self.instrument).map_err(|error| Failure::Usage(error.to_string()))?;
+        let keyboard = match KeyboardKey::asked(&of)? {
             Some(one) => Some(one.keyboard),
-            None => Keyboard::builtin(&self.instrument),
+            None => Keyboard::builtin(&of),
         };
+        // A sample's other keys are graded from the sample.
+        let around = |text: &str| keyboard.as_ref().and_then(|keyboard| keyboard.around(text.to_owned()).ok());
+        let keyboard = if sample.is_some() { around(&text) } else { keyboard.clone() };
         let published = Published::builtin();
         let mut output = self
             .out
@@ -54,8 +62,15 @@ impl Validate {
             .map_err(|error| Failure::Measure { label: self.instrument.clone(), error })?;
         drop(progress);
 
+        let bands = match self.bands.bands {
+            Some(count) => Some(self.banded(&published, &validation, keyboard.as_ref(), count)?),
+            None => None,
+        };
         let svg = order_svg(&validation, &published);
-        let report = Report::new(&validation, &published);
+        let mut report = Report::new(&validation, &published);
+        if let Some(bands) = &bands {
+            report.take_bands(bands, &published);
+        }
         output.json("validate.json", &report)?;
         output.stage("validate.csv", |w| write_records(&report.rows, w))?;
         output.figure("order-of-events", &svg)?;
@@ -74,6 +89,9 @@ impl Validate {
             report.set.met,
             report.set.judged
         );
+        if report.undecided > 0 {
+            say!("{} rows cannot be told: their bands are wider than what was published", report.undecided);
+        }
         say!("{} that the model cannot speak to, {} for which nothing published was found", report.silent, report.open);
         say!();
         say!(
@@ -108,6 +126,8 @@ struct RowReport<'a> {
     at_least: Option<f64>,
     at_most: Option<f64>,
     simulated: Option<f64>,
+    band_low: Option<f64>,
+    band_high: Option<f64>,
     verdict: &'static str,
     missed_by: Option<f64>,
     z: Option<f64>,
@@ -169,6 +189,7 @@ struct Report<'a> {
     groups: Vec<GroupReport>,
     met: usize,
     missed: usize,
+    undecided: usize,
     silent: usize,
     open: usize,
     rows: Vec<RowReport<'a>>,
@@ -210,6 +231,7 @@ impl<'a> Report<'a> {
             groups,
             met: count(&[MET]),
             missed: count(&[MISSED, ABSENT]),
+            undecided: 0,
             silent: count(&[SILENT]),
             open: count(&[OPEN]),
             blows: validation.blows.iter().map(blow).collect(),
@@ -220,6 +242,30 @@ impl<'a> Report<'a> {
 }
 
 impl Report<'_> {
+    /// Gives rows their bands; a row whose band is wider than what was published is neither met nor missed.
+    fn take_bands(&mut self, bands: &[BandRow], published: &Published) {
+        for ((report, band), row) in self.rows.iter_mut().zip(bands).zip(&published.rows) {
+            (report.band_low, report.band_high) = (band.low, band.high);
+            let known = band.low.zip(band.high).filter(|_| [MET, MISSED].contains(&report.verdict));
+            if !known.is_some_and(|(low, high)| row.is_undecided([low, high])) {
+                continue;
+            }
+            let was_met = report.verdict == MET;
+            (report.verdict, report.missed_by) = (UNDECIDED, None);
+            report.likely_reason = Some(WIDE);
+            self.undecided += 1;
+            let group = self.groups.iter_mut().find(|group| group.name == report.group);
+            let is_set = report.set_by.is_some();
+            let tallies = group.map(|group| if is_set { &mut group.set } else { &mut group.predicted });
+            let all = if is_set { &mut self.set } else { &mut self.predicted };
+            for tally in tallies.into_iter().chain([all]) {
+                tally.judged -= 1;
+                tally.met -= usize::from(was_met);
+            }
+            if was_met { self.met -= 1 } else { self.missed -= 1 }
+        }
+    }
+
     /// Groups whose predicted rows are all met.
     fn whole_groups(&self) -> usize {
         let whole = |group: &&GroupReport| group.predicted.judged > 0 && group.predicted.met == group.predicted.judged;
@@ -230,6 +276,7 @@ impl Report<'_> {
 const MET: &str = "met";
 const MISSED: &str = "missed";
 const ABSENT: &str = "did not happen";
+const UNDECIDED: &str = "cannot tell";
 const SILENT: &str = "cannot speak to it";
 const OPEN: &str = "nothing published";
 
@@ -255,6 +302,8 @@ impl<'a> RowReport<'a> {
             at_least: row.at_least,
             at_most: row.at_most,
             simulated,
+            band_low: None,
+            band_high: None,
             verdict,
             missed_by,
             z,
@@ -279,6 +328,32 @@ impl<'a> RowReport<'a> {
     }
 }
 
+/// Why a row cannot be told.
+const WIDE: &str = "the band of plausible grands is wider than what was published: numbers of the instrument have to be known better first";
+
+impl Validate {
+    /// The simulated values of all rows with their bands.
+    fn banded(
+        &self,
+        published: &Published,
+        own: &Validation,
+        keyboard: Option<&Keyboard>,
+        count: u32,
+    ) -> Result<Vec<BandRow>, Failure> {
+        let names: Vec<bands::Named> = published.rows.iter().map(|row| (row.name.clone(), row.unit.clone())).collect();
+        let simulated =
+            |validation: &Validation| validation.verdicts.iter().map(Verdict::simulated).collect::<Vec<_>>();
+        let kept = format!("{published:?}{}", keyboard.map_or("", Keyboard::base_text));
+        let kept = Some(("validated", kept.as_str()));
+        bands::bands(&self.instrument, count, &names, &simulated(own), kept, |instrument, text, progress| {
+            let keyboard = keyboard.and_then(|keyboard| keyboard.around(text.to_owned()).ok());
+            let found = validate(instrument, keyboard.as_ref(), published, progress);
+            let found = bands::unless_interrupted(found)?;
+            Ok(found.map_or_else(|| vec![None; names.len()], |found| simulated(&found)))
+        })
+    }
+}
+
 /// Rows met of rows judged, by group.
 fn print_groups(groups: &[GroupReport]) {
     let share =
@@ -292,7 +367,16 @@ fn print_groups(groups: &[GroupReport]) {
 }
 
 fn print_table(rows: &[RowReport]) {
-    say!("  {:<55} {:>30} {:>19} {:>10}  verdict", "", "published", "counts as met", "simulated");
+    let banded = rows.iter().any(|row| row.band_low.is_some());
+    let band = |row: Option<&RowReport>| match row {
+        _ if !banded => String::new(),
+        None => format!(" {:>19}", "5 to 95 %"),
+        Some(row) => match (row.band_low, row.band_high) {
+            (Some(low), Some(high)) => format!(" {:>19}", format!("{} to {}", three(low), three(high))),
+            _ => format!(" {:>19}", ""),
+        },
+    };
+    say!("  {:<55} {:>30} {:>19} {:>10}{}  verdict", "", "published", "counts as met", "simulated", band(None));
     let mut group = "";
     for row in rows {
         let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
@@ -308,11 +392,12 @@ fn print_table(rows: &[RowReport]) {
         }
         let set = if row.set_by.is_some() { ", set" } else { "" };
         say!(
-            "  {:<55} {:>30} {:>19} {:>10}  {}{by}{set}{beside}",
+            "  {:<55} {:>30} {:>19} {:>10}{}  {}{by}{set}{beside}",
             row.quantity,
             row.published,
             row.counts(),
             simulated,
+            band(Some(row)),
             row.verdict
         );
     }

@@ -23,6 +23,7 @@ mod measure;
 mod nothing_lost;
 mod recordings;
 mod regulate;
+mod samples;
 mod studio;
 mod study;
 mod trust;

@@ -51,7 +51,7 @@ fn a_validated_grand() {
     }
     let csv = folder.read("out/validate.csv");
     assert!(csv.starts_with(
-        "name,quantity,group,kind,set_by,unit,published,at_least,at_most,simulated,verdict,missed_by,z,source"
+        "name,quantity,group,kind,set_by,unit,published,at_least,at_most,simulated,band_low,band_high,verdict,missed_by,z,source"
     ));
     assert_eq!(csv::Reader::from_reader(csv.as_bytes()).records().count(), rows.len());
     assert!(report["blows"].as_array().unwrap().len() > 10);

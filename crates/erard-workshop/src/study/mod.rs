@@ -57,6 +57,11 @@ impl Workers {
         Workers { threads: cores::count(), lanes: Lanes::most() }
     }
 
+    /// One thread, for who has other work on the others.
+    pub fn one() -> Self {
+        Workers { threads: 1, ..Workers::all() }
+    }
+
     /// The same in single precision.
     pub fn all_single() -> Self {
         Workers { lanes: Lanes::most_single(), ..Workers::all() }

@@ -77,6 +77,19 @@ pub enum Verdict {
     Skipped(Skipped),
 }
 
+impl Verdict {
+    /// What was simulated, in the row's unit; `None` where nothing was.
+    #[must_use]
+    pub fn simulated(&self) -> Option<f64> {
+        match *self {
+            Verdict::Met { simulated } | Verdict::Missed { simulated, .. } | Verdict::Open { simulated } => {
+                Some(simulated)
+            }
+            Verdict::Absent | Verdict::Silent | Verdict::Skipped(_) => None,
+        }
+    }
+}
+
 /// An instrument beside the published measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {

@@ -16,6 +16,7 @@ mod measures;
 mod press_mutants;
 mod real_piano;
 mod regulate;
+mod samples;
 mod sensitivities;
 mod study;
 mod validate;

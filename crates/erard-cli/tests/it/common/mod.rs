@@ -51,6 +51,8 @@ impl Folder {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
         command.current_dir(&self.0).args(self.1).args(arguments);
+        // The user's own cache is not touched.
+        command.env("XDG_CACHE_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/cache"));
         command
     }
 

@@ -1,0 +1,109 @@
+//! Values with their 5 to 95 % bands over many samples of an instrument.
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard_workshop::sample::{Band, SampleError, band};
+use serde::Serialize;
+
+use crate::cache;
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::samples::Samples;
+use crate::table::{three, write_records};
+
+/// Whether values have bands.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct BandOptions {
+    /// Give every value its 5 to 95 % band over so many plausible grands around the instrument: drawn within the spreads of its file, regulated and
+    /// weighed to the usual ranges. The first time that takes minutes; drawn grands are kept in the user's cache folder [default without a number: 200]
+    #[arg(
+        long,
+        value_name = "SAMPLES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "200",
+        value_parser = clap::value_parser!(u32).range(2..=10_000)
+    )]
+    pub bands: Option<u32>,
+}
+
+/// A value of the instrument itself, and its band.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct BandRow {
+    pub name: String,
+    pub unit: String,
+    pub value: Option<f64>,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+    /// In so many samples it came about.
+    pub samples: usize,
+}
+
+impl BandRow {
+    fn new(name: String, unit: String, value: Option<f64>, band: Option<Band>) -> Self {
+        let (low, high) = (band.map(|band| band.low), band.map(|band| band.high));
+        BandRow { name, unit, value, low, high, samples: band.map_or(0, |band| band.samples) }
+    }
+}
+
+/// What a value is called, and its unit.
+pub(crate) type Named = (String, String);
+
+/// Values of the instrument that was asked for, with their bands over its first samples. `values` finds them in an instrument, in one order; what it finds of a sample is kept as
+/// `kind` with what else it depends on, unless that is nothing.
+pub(crate) fn bands(
+    asked: &str,
+    count: u32,
+    names: &[Named],
+    own: &[Option<f64>],
+    kept: Option<(&str, &str)>,
+    values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<Vec<Option<f64>>, SampleError> + Sync,
+) -> Result<Vec<BandRow>, Failure> {
+    let samples = Samples::of(asked)?;
+    let mut progress = Progress::new("sampling");
+    let found = samples.each(count, &mut progress, |_, text, progress| {
+        let known = kept.and_then(|(kind, of)| serde_json::from_str(&cache::get(kind, &[of, text])?).ok());
+        if let Some(known) = known.filter(|known: &Vec<Option<f64>>| known.len() == names.len()) {
+            return Ok(known);
+        }
+        let instrument = Instrument::parse(text, asked)?;
+        let values = values(&instrument, text, progress)?;
+        if let (Some((kind, of)), Ok(json)) = (kept, serde_json::to_string(&values)) {
+            cache::put(kind, &[of, text], &json);
+        }
+        Ok(values)
+    })?;
+    let of = |index: usize| band(found.iter().map(|values| values.get(index).copied().flatten()));
+    let rows = names.iter().zip(own).enumerate();
+    Ok(rows.map(|(index, ((name, unit), own))| BandRow::new(name.clone(), unit.clone(), *own, of(index))).collect())
+}
+
+/// What did not end because of its own instrument is a value that is not there; an interruption ends the work.
+pub(crate) fn unless_interrupted<T>(result: Result<T, impl Into<SampleError>>) -> Result<Option<T>, SampleError> {
+    match result.map_err(Into::into) {
+        Ok(found) => Ok(Some(found)),
+        Err(SampleError::Interrupted) => Err(SampleError::Interrupted),
+        Err(SampleError::Measure(error)) if error.is_interruption() => Err(SampleError::Interrupted),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Stages `bands.csv` and `bands.json`.
+pub(crate) fn stage(rows: &[BandRow], output: &mut Output) -> Result<(), Failure> {
+    output.json("bands.json", &rows)?;
+    output.stage("bands.csv", |w| write_records(rows, w))
+}
+
+/// The rows for people.
+pub(crate) fn lines(rows: &[BandRow], count: u32) -> Vec<String> {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(8);
+    let number = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), three);
+    let mut lines = vec![format!("  {:<width$} {:>10} {:>10} {:>10}", "", "value", "5 %", "95 %")];
+    lines.extend(rows.iter().map(|row| {
+        let few = if row.samples < count as usize { format!("  in {} of {count}", row.samples) } else { String::new() };
+        let [value, low, high] = [row.value, row.low, row.high].map(number);
+        format!("  {:<width$} {value:>10} {low:>10} {high:>10} {}{few}", row.name, row.unit).trim_end().to_owned()
+    }));
+    lines
+}

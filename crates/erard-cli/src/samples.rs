@@ -1,0 +1,123 @@
+//! Samples of an instrument: plausible grands around its file, drawn, put right, and kept in the user's cache.
+
+use std::sync::OnceLock;
+
+use erard::instrument_spec::{SAMPLE, split_sample};
+use erard_workshop::cores::{self, do_all, job};
+use erard_workshop::sample::{SampleError, Sampled};
+
+use crate::cache;
+use crate::command::options::{KeyboardKey, load_instrument_and_text};
+use crate::failure::Failure;
+use crate::progress::Progress;
+
+/// What cached samples are called.
+const KIND: &str = "sample";
+
+/// Where samples come from.
+pub(crate) struct Samples {
+    /// What was asked for, without a sample.
+    asked: String,
+    source: Source,
+    /// Made when a sample is not in the cache.
+    sampled: OnceLock<Sampled>,
+}
+
+enum Source {
+    Text(String),
+    Key(KeyboardKey),
+}
+
+impl Samples {
+    /// Samples of what is asked for in the place of an instrument.
+    pub(crate) fn of(asked: &str) -> Result<Self, Failure> {
+        if split_sample(asked).map_err(usage)?.1.is_some() {
+            return Err(Failure::Usage(format!(
+                "{asked} is one sample already; a band is of many: leave `{SAMPLE}N` out"
+            )));
+        }
+        let source = match KeyboardKey::asked(asked)? {
+            Some(key) => Source::Key(key),
+            None => Source::Text(load_instrument_and_text(asked)?.1),
+        };
+        Ok(Samples { asked: asked.to_owned(), source, sampled: OnceLock::new() })
+    }
+
+    /// The text of one sample's instrument file.
+    pub(crate) fn text(&self, sample: u32, progress: &mut erard::Progress<'_>) -> Result<String, SampleError> {
+        let number = sample.to_string();
+        let (base, key) = match &self.source {
+            Source::Text(text) => (text.clone(), String::new()),
+            // A key's own text holds its keyboard's gradings; the base is what is drawn.
+            Source::Key(KeyboardKey { keyboard, key }) => (keyboard.base_text().to_owned(), keyboard.key_text(*key)),
+        };
+        let of = [base.as_str(), key.as_str(), &number];
+        if let Some(text) = cache::get(KIND, &of) {
+            return Ok(text);
+        }
+        let text = self.sampled(progress)?.text(sample, progress)?;
+        cache::put(KIND, &of, &text);
+        Ok(text)
+    }
+
+    fn sampled(&self, progress: &mut erard::Progress<'_>) -> Result<&Sampled, SampleError> {
+        if let Some(made) = self.sampled.get() {
+            return Ok(made);
+        }
+        let made = match &self.source {
+            Source::Text(text) => Sampled::of_file(text, &self.asked, progress)?,
+            Source::Key(KeyboardKey { keyboard, key }) => Sampled::of_key(keyboard, *key, progress)?,
+        };
+        Ok(self.sampled.get_or_init(|| made))
+    }
+
+    /// Does something with each of the first so many samples, on all cores; the results, in the order of the samples.
+    pub(crate) fn each<T: Send>(
+        &self,
+        count: u32,
+        progress: &mut Progress,
+        work: impl Fn(u32, &str, &mut erard::Progress<'_>) -> Result<T, SampleError> + Sync,
+    ) -> Result<Vec<T>, Failure> {
+        progress.say("sampling");
+        self.sampled(&mut |_| progress.tell(0.0)).map_err(|error| self.failed(error))?;
+        let mut found: Vec<Option<T>> = (0..count).map(|_| None).collect();
+        let jobs = found.iter_mut().zip(1..).map(|(place, sample)| {
+            let work = &work;
+            job(place, move |progress| {
+                let text = self.text(sample, progress)?;
+                work(sample, &text, progress)
+            })
+        });
+        do_all(jobs.collect(), cores::count(), &mut |share| progress.tell(share))
+            .map_err(|error| self.failed(error))?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
+    fn failed(&self, error: SampleError) -> Failure {
+        failed(&self.asked, error)
+    }
+}
+
+/// A sample that was asked for in the place of an instrument: its text; `None` where none was.
+pub(crate) fn sample_text(asked: &str) -> Result<Option<String>, Failure> {
+    let (of, sample) = split_sample(asked).map_err(usage)?;
+    let Some(sample) = sample else { return Ok(None) };
+    let mut progress = Progress::new("drawing a sample");
+    let text = Samples::of(&of)?.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(asked, error))?;
+    Ok(Some(text))
+}
+
+fn usage(error: erard::instrument_spec::InstrumentSpecError) -> Failure {
+    Failure::Usage(error.to_string())
+}
+
+fn failed(asked: &str, error: SampleError) -> Failure {
+    match error {
+        SampleError::Interrupted => Failure::from(erard::run::SimulationError::Interrupted),
+        SampleError::Measure(error) if error.is_interruption() => {
+            Failure::from(erard::run::SimulationError::Interrupted)
+        }
+        SampleError::Measure(error) => Failure::Measure { label: asked.to_owned(), error },
+        error => Failure::Usage(error.to_string()),
+    }
+}

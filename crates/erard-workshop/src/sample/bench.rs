@@ -1,0 +1,208 @@
+//! A sample on the bench: regulated to the distances of the instrument that it is a sample of, its friction and its leads put right.
+
+use super::draw::ten_digits;
+use crate::distances::{self, Distances, Protocol};
+use crate::measure::MeasureError;
+use crate::measure::usual::usual;
+use crate::measure::weights::{Touch, by_loop, free_way};
+use crate::regulate::{Goal, RegulateError, Specification, Status, regulate};
+use erard::Progress;
+use erard::grand::{Parts, pedal_down};
+use erard::instrument::{Instrument, InstrumentFile, with_numbers};
+
+const MM_PER_M: f64 = 1e3;
+/// Where leads are put, mm before the balance pin.
+const LEADS_AT_MM: f64 = 165.0;
+/// The most that leads may be changed, g: two of 14 g out, or four in.
+const LEADS_G: [f64; 2] = [-28.0, 56.0];
+/// Weights and distances are put so far inside their usual ranges, g and mm.
+const INSIDE_G: f64 = 0.2;
+const INSIDE_MM: f64 = 0.05;
+/// A pin rubs at least by this share of what was drawn.
+const LEAST_FRICTION: f64 = 0.1;
+/// How far the key goes down for each millimetre of the hammer on its way to let-off.
+const KEY_PER_HAMMER: f64 = 0.19;
+
+/// What a sample is put right to: the distances and the balance weight of the instrument that it is a sample of, and the key whose usual ranges hold.
+#[derive(Debug, Clone)]
+pub(super) struct Aim {
+    goals: Specification,
+    balance_g: f64,
+    key: usize,
+}
+
+/// Why a sample stays as it is.
+#[derive(Debug)]
+pub(super) enum Unfit {
+    /// Nobody would keep this grand: redrawn.
+    Implausible,
+    /// It was not measured at all.
+    Stopped,
+}
+
+impl From<MeasureError> for Unfit {
+    fn from(error: MeasureError) -> Self {
+        if error.is_interruption() { Unfit::Stopped } else { Unfit::Implausible }
+    }
+}
+
+impl From<RegulateError> for Unfit {
+    fn from(error: RegulateError) -> Self {
+        match error {
+            RegulateError::Measure(distances::DistanceError::Interrupted) => Unfit::Stopped,
+            _ => Unfit::Implausible,
+        }
+    }
+}
+
+/// What keeps a value inside its usual range.
+#[derive(Debug, Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    fn of(line: &str, key: usize) -> Self {
+        let [low, high] = usual(line).map_or([None; 2], |range| range.at(key));
+        Range { low: low.unwrap_or(f64::NEG_INFINITY), high: high.unwrap_or(f64::INFINITY) }
+    }
+
+    fn within(self, margin: f64) -> Self {
+        Range { low: self.low + margin, high: self.high - margin }
+    }
+
+    fn and(self, low: f64, high: f64) -> Self {
+        Range { low: self.low.max(low), high: self.high.min(high) }
+    }
+
+    /// The nearest within; `None` where it is empty.
+    fn nearest(self, x: f64) -> Option<f64> {
+        (self.low <= self.high).then(|| x.clamp(self.low, self.high))
+    }
+
+    fn holds(self, x: Option<f64>) -> bool {
+        x.is_some_and(|x| (self.low..=self.high).contains(&x))
+    }
+}
+
+impl Aim {
+    pub(super) fn of(instrument: &Instrument, key: usize, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+        let own = distances::measure(instrument, &Protocol::default(), progress)?;
+        let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise).filter_map(|goal| {
+            let has_screw = goal.screws().iter().any(|(name, _)| instrument.screw(name).is_some());
+            Some((goal, goal.of(&own)?)).filter(|_| has_screw)
+        });
+        let balance_g = touch(instrument, progress)?.balance_weight_g().unwrap_or(f64::NAN);
+        Ok(Aim { goals: goals.collect(), balance_g, key })
+    }
+
+    /// The text of a drawn file with screws, friction and leads put right.
+    pub(super) fn put_right(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
+        let (text, found) = regulated(text, &self.goals, progress)?;
+        let (text, found) = match self.for_aftertouch(&found)? {
+            Some(goals) => regulated(&text, &goals, progress)?,
+            None => (text, found),
+        };
+        let text = self.weighed(&text, progress)?;
+        let touch = touch(&parsed(&text)?, progress)?;
+        let mm = |distance: Option<f64>| distance.map(|m| MM_PER_M * m);
+        let checked = [
+            ("dip_mm", mm(found.dip_m)),
+            ("blow_mm", mm(found.blow_m)),
+            ("let_off_mm", mm(found.let_off_m)),
+            ("drop_mm", mm(found.drop_m)),
+            ("aftertouch_mm", mm(found.aftertouch_m)),
+            ("check_mm", mm(found.check_m)),
+            ("down_weight_g", touch.down_weight_g),
+            ("up_weight_g", touch.up_weight_g),
+            ("balance_weight_g", touch.balance_weight_g()),
+            ("friction_weight_g", touch.friction_weight_g()),
+        ];
+        let is_usual = checked.iter().all(|(line, value)| Range::of(line, self.key).holds(*value));
+        if is_usual { Ok(text) } else { Err(Unfit::Implausible) }
+    }
+
+    /// Where the aftertouch is not usual, other goals: the dip does it, and where that is at its end the blow.
+    fn for_aftertouch(&self, found: &Distances) -> Result<Option<Specification>, Unfit> {
+        let mm = |distance: Option<f64>| distance.map(|m| MM_PER_M * m).ok_or(Unfit::Implausible);
+        let range = |line: &str| Range::of(line, self.key).within(INSIDE_MM);
+        let [aftertouch, dip, blow] = [mm(found.aftertouch_m)?, mm(found.dip_m)?, mm(found.blow_m)?];
+        let wanted = range("aftertouch_mm").nearest(aftertouch).ok_or(Unfit::Implausible)? - aftertouch;
+        if wanted == 0.0 {
+            return Ok(None);
+        }
+        let new_dip = range("dip_mm").nearest(dip + wanted).ok_or(Unfit::Implausible)?;
+        let left = wanted - (new_dip - dip);
+        let new_blow = range("blow_mm").nearest(blow - left / KEY_PER_HAMMER).ok_or(Unfit::Implausible)?;
+        let other = |(goal, value): &(Goal, f64)| match goal {
+            Goal::Dip => (*goal, new_dip / MM_PER_M),
+            Goal::Blow => (*goal, new_blow / MM_PER_M),
+            _ => (*goal, *value),
+        };
+        Ok(Some(self.goals.iter().map(other).collect()))
+    }
+
+    /// Friction of the key's pins and leads, for friction, balance, down- and up-weight within their usual ranges: friction as near to what was drawn, and
+    /// balance as near to the file's, as they allow.
+    fn weighed(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
+        let instrument = parsed(text)?;
+        let found = touch(&instrument, progress)?;
+        let (Some(balance_g), Some(friction_g)) = (found.balance_weight_g(), found.friction_weight_g()) else {
+            return Err(Unfit::Implausible);
+        };
+        let range = |line: &str| Range::of(line, self.key).within(INSIDE_G);
+        let (down, up) = (range("down_weight_g"), range("up_weight_g"));
+        // D = B + F and U = B - F: no B goes with an F below half of what parts the lowest D from the highest U.
+        let parting = 0.5 * (down.low - up.high);
+        let friction = range("friction_weight_g").and(parting, f64::INFINITY);
+        let wanted_g = friction.nearest(friction_g).ok_or(Unfit::Implausible)?;
+        let balance = range("balance_weight_g").and(down.low - wanted_g, down.high - wanted_g);
+        let balance = balance.and(up.low + wanted_g, up.high + wanted_g);
+        let aim_g = balance.nearest(self.balance_g).ok_or(Unfit::Implausible)?;
+
+        let parts = Parts::of(&instrument).map_err(|_| Unfit::Implausible)?;
+        let front_mm = MM_PER_M * instrument.roles.key_front_m[0].abs();
+        let key = &instrument.bodies[parts.key];
+        // The pins carry what stands on the ground.
+        let pinned = key.parent.map_or(key, |under| &instrument.bodies[under]);
+        let old = pinned.friction_torque_n_m;
+        let torque = old + 1e-6 * (wanted_g - friction_g) * front_mm * instrument.gravity_m_s2;
+        let lead_g = (balance_g - aim_g) * front_mm / LEADS_AT_MM;
+        if torque < LEAST_FRICTION * old || !(LEADS_G[0]..=LEADS_G[1]).contains(&lead_g) {
+            return Err(Unfit::Implausible);
+        }
+        let (lead_kg, at_m) = (1e-3 * lead_g, [-LEADS_AT_MM / MM_PER_M, key.center_of_mass_m[1]]);
+        let mass_kg = key.mass_kg + lead_kg;
+        let center_m = (key.mass_kg * key.center_of_mass_m[0] + lead_kg * at_m[0]) / mass_kg;
+        let inertia = key.inertia_kg_m2 + lead_kg * (at_m[0] * at_m[0] + at_m[1] * at_m[1]);
+        let changes = [
+            (format!("body.{}.friction_torque_N_m", pinned.name), torque),
+            (format!("body.{}.mass_g", key.name), 1e3 * mass_kg),
+            (format!("body.{}.center_of_mass_mm", key.name), MM_PER_M * center_m),
+            (format!("body.{}.inertia_kg_m2", key.name), inertia),
+        ];
+        let changes: Vec<_> = changes.iter().map(|(path, value)| (path.as_str(), 0, ten_digits(*value))).collect();
+        with_numbers(text, &changes).ok_or(Unfit::Implausible)
+    }
+}
+
+/// The text of a file with its screws turned, and what is then measured.
+fn regulated(text: &str, goals: &Specification, progress: &mut Progress<'_>) -> Result<(String, Distances), Unfit> {
+    let mut going = |status: &Status| progress(status.share);
+    let found = regulate(&parsed(text)?, goals, &Protocol::default(), &mut going)?;
+    let text = found.instrument.rewrite(text, "Screws of a sample", "put right in this sample");
+    Ok((text.map_err(|_| Unfit::Implausible)?, found.after))
+}
+
+/// Down-weight and up-weight from a slow loop, dampers lifted.
+fn touch(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touch, MeasureError> {
+    let parts = Parts::of(instrument)?;
+    let lifted = pedal_down(instrument, &parts);
+    let way = free_way(&lifted, &parts, progress)?;
+    Ok(by_loop(&lifted, way.end_m, progress)?.touch)
+}
+
+fn parsed(text: &str) -> Result<Instrument, Unfit> {
+    InstrumentFile::parse(text, "sample").map(|file| file.instrument).map_err(|_| Unfit::Implausible)
+}

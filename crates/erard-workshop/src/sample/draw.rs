@@ -1,0 +1,67 @@
+//! The numbers of a sample: each that has a spread deviates from its file's.
+
+use super::random::deviation;
+use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
+
+/// A felt's stiffness was sized by the force at this share of its thickness; where the exponent deviates, that force is kept.
+const SIZED_AT: f64 = 0.05;
+/// The same where no thickness is said, m.
+const SIZED_AT_M: f64 = 1e-4;
+
+/// The text of a file with its numbers drawn; `None` where no number has a spread. The same deviation serves all numbers that are `together`.
+pub(super) fn drawn(file: &InstrumentFile, text: &str, sample: u32, attempt: u32) -> Option<String> {
+    let numbers = &file.provenance.numbers;
+    let mut changes: Vec<(&str, usize, f64)> = Vec::new();
+    for number in numbers {
+        let Some(citation) = &number.citation else { continue };
+        let Some(spread) = citation.spread.filter(|spread| !is_exact(*spread)) else { continue };
+        let name = citation.together.as_deref().unwrap_or(&number.key);
+        for (component, value) in number.values.iter().enumerate() {
+            let by = deviation(sample, attempt, name, component);
+            let new = match spread {
+                Spread::PlusMinus(most) => value + by * most,
+                Spread::Factor(most) => value * libm::pow(most, by),
+            };
+            changes.push((&number.key, component, new));
+        }
+    }
+    if changes.is_empty() {
+        return None;
+    }
+    keep_the_sizing(numbers, &mut changes);
+    let written: Vec<(&str, usize, f64)> =
+        changes.iter().map(|(key, which, value)| (*key, *which, ten_digits(*value))).collect();
+    with_numbers(text, &written)
+}
+
+fn is_exact(spread: Spread) -> bool {
+    match spread {
+        Spread::PlusMinus(by) => by == 0.0,
+        Spread::Factor(by) => by == 1.0,
+    }
+}
+
+/// F = k g^r: with another r another k gives the same force where the felt was sized.
+fn keep_the_sizing<'a>(numbers: &'a [CitedNumber], changes: &mut Vec<(&'a str, usize, f64)>) {
+    let value =
+        |key: &str| numbers.iter().find(|number| number.key == key).and_then(|number| number.values.first().copied());
+    let exponents: Vec<(&str, f64)> =
+        changes.iter().filter(|(key, ..)| key.ends_with(".exponent")).map(|(key, _, value)| (*key, *value)).collect();
+    for (key, new) in exponents {
+        let felt = key.trim_end_matches(".exponent");
+        let Some(old) = value(key) else { continue };
+        let depth_m = value(&format!("{felt}.thickness_mm")).map_or(SIZED_AT_M, |mm| 1e-3 * mm * SIZED_AT);
+        let stiffness = format!("{felt}.stiffness_N_per_m_r");
+        let factor = libm::pow(depth_m, old - new);
+        if let Some((_, _, k)) = changes.iter_mut().find(|(key, ..)| *key == stiffness) {
+            *k *= factor;
+        } else if let Some(number) = numbers.iter().find(|number| number.key == stiffness) {
+            changes.push((&number.key, 0, number.values[0] * factor));
+        }
+    }
+}
+
+/// Rounded, so that a number reads as people write one.
+pub(super) fn ten_digits(x: f64) -> f64 {
+    format!("{x:.9e}").parse().unwrap_or(x)
+}

@@ -1,0 +1,156 @@
+//! Not one piano but many: plausible grands around an instrument file.
+//!
+//! A sample is one grand. Every number of the file that has a spread deviates, numbers that are `together` by the same share of theirs (`draw`, `random`); then screws, friction
+//! and leads are put right on the bench (`bench`), as a technician would: the drawn piano has the distances and the balance weight of the file's,
+//! and a friction weight within the usual range. A grand that cannot be put right nobody would keep; it is drawn again.
+//!
+//! A sample is decided by its number and the file alone, and has the same bits on every machine: integers, `libm` and the engine. Keys of one keyboard are one
+//! piano: its base instrument is drawn, graded over the keys, and each key put right by itself.
+
+mod band;
+mod bench;
+mod draw;
+mod random;
+
+pub use band::{Band, band};
+
+use erard::Progress;
+use erard::instrument::{FileError, InstrumentFile};
+use erard::keyboard::Keyboard;
+use erard::run::SimulationError;
+use thiserror::Error;
+
+use crate::cores::Ending;
+use crate::measure::MeasureError;
+use crate::measure::norms::MIDDLE_C;
+use bench::{Aim, Unfit};
+
+/// How often a grand that cannot be put right is drawn again.
+const ATTEMPTS: u32 = 40;
+
+/// Why there is no sample.
+#[derive(Debug, Error)]
+pub enum SampleError {
+    /// No number of the file has a spread.
+    #[error(
+        "{file}: no number has a `spread` or `spread_factor`, so that there is nothing to draw; expected estimates that say how far they may be off"
+    )]
+    Certain {
+        /// The file.
+        file: String,
+    },
+    /// Too many grands in a row that cannot be put right.
+    #[error(
+        "{file}: none of {ATTEMPTS} drawn grands can be regulated and weighed to the usual ranges; expected smaller spreads"
+    )]
+    Hopeless {
+        /// The file.
+        file: String,
+    },
+    /// The instrument is no piano action.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// The file, or a key of it, does not read.
+    #[error(transparent)]
+    File(#[from] Box<FileError>),
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<SimulationError> for SampleError {
+    fn from(error: SimulationError) -> Self {
+        match error {
+            SimulationError::Interrupted => SampleError::Interrupted,
+            error => SampleError::Measure(error.into()),
+        }
+    }
+}
+
+impl Ending for SampleError {
+    fn is_interruption(&self) -> bool {
+        match self {
+            SampleError::Interrupted => true,
+            SampleError::Measure(error) => error.is_interruption(),
+            _ => false,
+        }
+    }
+}
+
+/// What samples are drawn of.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    /// What messages call it.
+    name: String,
+    base: InstrumentFile,
+    base_text: String,
+    base_aim: Aim,
+    /// Where a key of it is asked for: the keyboard, the key, and what it is put right to.
+    key: Option<(Keyboard, usize, Aim)>,
+}
+
+impl Sampled {
+    /// Samples of an instrument file.
+    ///
+    /// # Errors
+    /// See [`SampleError`].
+    pub fn of_file(text: &str, name: &str, progress: &mut Progress<'_>) -> Result<Self, SampleError> {
+        let base = InstrumentFile::parse(text, name)?;
+        let base_aim = Aim::of(&base.instrument, MIDDLE_C, progress)?;
+        Ok(Sampled { name: name.to_owned(), base, base_text: text.to_owned(), base_aim, key: None })
+    }
+
+    /// Samples of a key: of the whole keyboard's piano.
+    ///
+    /// # Errors
+    /// See [`SampleError`].
+    pub fn of_key(keyboard: &Keyboard, key: usize, progress: &mut Progress<'_>) -> Result<Self, SampleError> {
+        let of_base = Self::of_file(keyboard.base_text(), &keyboard.name, progress)?;
+        let aim = Aim::of(&keyboard.key(key)?, key, progress)?;
+        Ok(Sampled { key: Some((keyboard.clone(), key, aim)), ..of_base })
+    }
+
+    /// The text of a sample's instrument file, from 1. `progress` ends the work by returning false.
+    ///
+    /// # Errors
+    /// See [`SampleError`].
+    pub fn text(&self, sample: u32, progress: &mut Progress<'_>) -> Result<String, SampleError> {
+        let base = self.base_text(sample, progress)?;
+        let Some((keyboard, key, aim)) = &self.key else { return Ok(base) };
+        let text = keyboard.around(base)?.key_text(*key);
+        match aim.put_right(&text, progress) {
+            Ok(right) => Ok(named(&right, sample)),
+            Err(Unfit::Implausible) => {
+                Err(SampleError::Hopeless { file: format!("{}, key {key}, sample {sample}", self.name) })
+            }
+            Err(Unfit::Stopped) => Err(SampleError::Interrupted),
+        }
+    }
+
+    /// The same of the base instrument, where a key is asked for. Whether a piano is drawn again is decided by it, so that all keys are one piano's.
+    fn base_text(&self, sample: u32, progress: &mut Progress<'_>) -> Result<String, SampleError> {
+        for attempt in 0..ATTEMPTS {
+            if !progress(0.0) {
+                return Err(SampleError::Interrupted);
+            }
+            let Some(drawn) = draw::drawn(&self.base, &self.base_text, sample, attempt) else {
+                return Err(SampleError::Certain { file: self.name.clone() });
+            };
+            match self.base_aim.put_right(&drawn, progress) {
+                Ok(right) => return Ok(named(&right, sample)),
+                Err(Unfit::Implausible) => {}
+                Err(Unfit::Stopped) => return Err(SampleError::Interrupted),
+            }
+        }
+        Err(SampleError::Hopeless { file: self.name.clone() })
+    }
+}
+
+/// The same text under a name that says which sample it is.
+fn named(text: &str, sample: u32) -> String {
+    let name = text.lines().find(|line| line.starts_with("name = \""));
+    name.map_or_else(
+        || text.to_owned(),
+        |line| text.replacen(line, &format!("{}, sample {sample}\"", line.trim_end().trim_end_matches('"')), 1),
+    )
+}
