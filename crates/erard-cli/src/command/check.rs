@@ -9,6 +9,7 @@ use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
 use erard::stroke::{Column, Dialect, PositionSeries, Role, Series};
 use erard_workshop::compare::LONGEST_S;
 use erard_workshop::kinematics::LinkageFile;
+use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
 use serde::Serialize;
 use serde_json::Value;
@@ -112,6 +113,8 @@ impl Check {
             self.keyboard(name, bytes)
         } else if says("format").is_some_and(|format| format.starts_with("erard-published")) {
             Self::published(name, &text)
+        } else if says("format").is_some_and(|format| format.starts_with("erard-usual")) {
+            Self::usual(name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
             Self::linkage(name, bytes)
         } else {
@@ -128,6 +131,15 @@ impl Check {
             say!("  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
         }
         Ok(Checked { kind: "linkage", file: name.into(), name: Some(file.name), ..Checked::default() })
+    }
+
+    fn usual(name: &str, text: &str) -> Result<Checked, Failure> {
+        let lines = usual::check(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
+        say!("{name}: usual ranges");
+        say!();
+        say!("  of {lines} lines of the technician's sheet");
+        let counts = BTreeMap::from([("lines", lines)]);
+        Ok(Checked { kind: "usual ranges", file: name.into(), counts, ..Checked::default() })
     }
 
     fn published(name: &str, text: &str) -> Result<Checked, Failure> {

@@ -41,6 +41,7 @@ fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
     let mut files = 0;
     for entry in std::fs::read_dir(root.join(home)).unwrap() {
         let path = entry.unwrap().path();
+        let kind = if path.ends_with("usual.toml") { "usual ranges" } else { kind };
         let kind = if path.extension().is_some_and(|e| e == "json") { "a JSON Schema" } else { kind };
         let said = folder.good(&["check", path.to_str().unwrap()]);
         assert!(said.contains(kind), "{}: {said}", path.display());
@@ -78,7 +79,8 @@ fn check_knows_every_format() {
     for (name, text, part) in [
         ("a.json", "{}", "no kind"),
         ("b.json", "{", "no JSON"),
-        ("c.toml", "format = \"erard-published/1\"\n", "sources"),
+        ("c.toml", "format = \"erard-published/2\"\n", "groups"),
+        ("d.toml", "format = \"erard-usual/1\"\n[usual.dip_mm]\nsource = \"s\"\n", "expected `at_least` or `at_most`"),
     ] {
         folder.file(name, text);
         let said = folder.bad(&["check", name]);

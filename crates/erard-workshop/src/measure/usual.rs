@@ -55,6 +55,14 @@ pub(super) fn keys() -> impl Iterator<Item = &'static str> {
     TABLE.keys().map(String::as_str)
 }
 
+/// Reads a table of usual ranges: how many lines of the sheet it has.
+///
+/// # Errors
+/// What is wrong, where, and what is expected.
+pub fn check(text: &str) -> Result<usize, String> {
+    parse(text).map(|table| table.len())
+}
+
 fn parse(text: &str) -> Result<BTreeMap<String, UsualRange>, String> {
     let table: Table = toml::from_str(text).map_err(|error| error.to_string())?;
     if table.format != FORMAT {
