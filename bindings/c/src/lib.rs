@@ -4,6 +4,7 @@
 //! what allocates, what may be called in real time. No physics is here: `erard`, `erard-workshop` and `erard-figures` are called.
 
 mod action;
+mod dials;
 mod fmi;
 mod instrument;
 mod keyboard;

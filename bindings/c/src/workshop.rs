@@ -8,7 +8,6 @@ use erard::instrument::InstrumentFile;
 use erard::keyboard::KEYS;
 use erard_figures::drawing::{PoseOptions, pose_svg};
 use erard_figures::page::scene;
-use erard_workshop::dials::{dials, turned};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
@@ -16,6 +15,7 @@ use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
 use erard_workshop::trying::try_once;
 use serde_json::{Map, Value, json};
 
+use crate::dials::{dials, turned};
 use crate::instrument::{ErardInstrument, boxed, file_fault, given};
 use crate::status::{ErardStatus, Fault, told};
 use crate::text::{give, name};

@@ -12,7 +12,6 @@
 pub mod answer;
 mod bands;
 mod cache;
-pub mod cli_reference;
 pub mod command;
 mod compare;
 mod excerpt;

@@ -8,7 +8,6 @@ pub mod balance;
 pub mod benchmarks;
 pub mod compare;
 pub mod cores;
-pub mod dials;
 pub mod distances;
 pub mod fit;
 pub mod fmu;

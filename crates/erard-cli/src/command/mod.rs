@@ -172,7 +172,7 @@ pub fn run_program<P: FromArgMatches>(
 }
 
 /// The program's arguments, as they are read, told by `--help`, and listed in the book.
-pub(crate) fn definition() -> clap::Command {
+pub fn definition() -> clap::Command {
     out::with_default_folders(Command::command())
 }
 

@@ -8,6 +8,7 @@ mod arrows;
 mod changed;
 mod fallback;
 #[cfg(test)]
+#[path = "../../tests/common/two_levers.rs"]
 pub(crate) mod fixture;
 mod force;
 mod grand;

@@ -130,7 +130,7 @@ impl KnownScrew {
     }
 
     /// The least and most setting, m, rad or N m.
-    pub(crate) fn limits(&self, instrument: &Instrument, screw: &Screw) -> [f64; 2] {
+    pub fn limits(&self, instrument: &Instrument, screw: &Screw) -> [f64; 2] {
         match self.range {
             Range::Length(from, to) | Range::Angle(from, to) if self.sense(screw) > 0.0 => [from, to],
             Range::Length(from, to) | Range::Angle(from, to) => [-to, -from],

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::common::{add_four_bar, angle_error, four_bar, slider_crank};
-use moreau_linkage::closed_form::{FourBar, SliderCrank};
+use crate::textbook::{FourBar, SliderCrank};
 use moreau_linkage::{Direction, Length, Linkage, Mechanism, Pose};
 use proptest::prelude::*;
 

@@ -1,6 +1,8 @@
 //! The tests of linkages: one program, so that it is linked once.
 
 mod common;
+#[path = "../../../moreau-rigid/src/problems/closed_forms.rs"]
+mod textbook;
 
 mod closed_forms;
 mod discs;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::common::{angle_error, four_bar, slider_crank};
-use moreau_linkage::closed_form::{FourBar, SliderCrank};
+use crate::textbook::{FourBar, SliderCrank};
 use moreau_linkage::{Mechanism, Pose, StartError, StopKind};
 
 fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {

@@ -2,8 +2,9 @@
 
 use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;
-use moreau_linkage::closed_form::{FourBar, SliderCrank, wrap};
+use moreau_linkage::closed_form::wrap;
 
+use super::closed_forms::{FourBar, SliderCrank};
 use super::row::{Order, Row};
 use super::run::{Run, at};
 

@@ -5,6 +5,7 @@
 
 mod ball;
 mod belt;
+pub mod closed_forms;
 mod disc;
 mod finite;
 mod incline;

@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // every test file uses some of it
 
-use moreau_linkage::closed_form::{FourBar, SliderCrank};
+use crate::textbook::{FourBar, SliderCrank};
 use moreau_linkage::{BodyId, JointId, Length, Linkage, PointId};
 
 /// A linkage with its drives still to be chosen.

@@ -7,12 +7,12 @@ use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
 use serde::Serialize;
 
-use crate::regulate::known_screw;
+use erard_workshop::regulate::known_screw;
 
 /// What dials are listed under.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Group {
+pub(crate) enum Group {
     /// The screws of the file.
     Screws,
     /// Where parts stand.
@@ -27,25 +27,25 @@ pub enum Group {
 
 /// A slider: a name, a value with its unit, how far it goes, and which numbers of the file it changes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Dial {
+pub(crate) struct Dial {
     /// Its name, which no other dial of the instrument has: a screw's own, else e.g. `knuckle`.
-    pub name: String,
+    name: String,
     /// What it is called at the bench.
-    pub label: String,
+    label: String,
     /// What more of it does.
-    pub note: String,
+    note: String,
     /// Where it is listed.
-    pub group: Group,
+    group: Group,
     /// Its unit: `mm`, `deg`, `g`, `N mm`, or `x` for a factor that is 1 as the file has it.
-    pub unit: &'static str,
+    unit: &'static str,
     /// Decimals that mean something.
-    pub decimals: usize,
+    decimals: usize,
     /// Its value in this instrument.
-    pub value: f64,
+    value: f64,
     /// How far down it goes.
-    pub from: f64,
+    from: f64,
     /// How far up.
-    pub to: f64,
+    to: f64,
     #[serde(skip)]
     kind: Kind,
 }
@@ -79,7 +79,7 @@ const LEAD_AT_MM: f64 = 155.0;
 
 /// All dials of an instrument; of what is no grand action, its screws.
 #[must_use]
-pub fn dials(file: &InstrumentFile) -> Vec<Dial> {
+pub(crate) fn dials(file: &InstrumentFile) -> Vec<Dial> {
     let mut all: Vec<Dial> = (0..file.instrument.screws.len()).filter_map(|screw| of_screw(file, screw)).collect();
     if let Ok(parts) = Parts::of(&file.instrument) {
         all.extend(places(file, &parts));
@@ -95,7 +95,7 @@ pub fn dials(file: &InstrumentFile) -> Vec<Dial> {
 ///
 /// # Errors
 /// A line that says which dial there is not, or beyond which range.
-pub fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Result<String, String> {
+pub(crate) fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Result<String, String> {
     let all = dials(file);
     let mut changes: Numbers = Vec::new();
     for (name, value) in wanted {
@@ -118,7 +118,7 @@ pub fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Re
 impl Dial {
     /// The numbers of the file for a value, in the file's own units.
     #[must_use]
-    pub(crate) fn changes(&self, value: f64) -> Numbers {
+    fn changes(&self, value: f64) -> Numbers {
         let by = value - self.value;
         match &self.kind {
             Kind::Itself(path, units) => vec![(path.clone(), 0, tidy(value * units))],

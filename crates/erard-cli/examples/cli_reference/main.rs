@@ -1,5 +1,7 @@
 //! Prints the command-line reference: `cargo run --release -p erard-cli --example cli_reference > book/src/cli.md`.
 
+mod page;
+
 fn main() {
-    print!("{}", erard_cli::cli_reference::markdown());
+    print!("{}", page::markdown(erard_cli::command::definition()));
 }
