@@ -142,7 +142,7 @@ pub unsafe extern "C" fn erard_regulate(
         })?;
         let inside = |error: &dyn std::fmt::Display| Fault::new(ErardStatus::Internal, error.to_string());
         let file = regulated.rewrite(&own.text).map_err(|error| inside(&error))?;
-        let mut report = serde_json::to_value(regulated.report()).map_err(|error| inside(&error))?;
+        let mut report = regulated.report();
         report["file"] = file.into();
         give(report.to_string(), length)
     })

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::samples::Samples;
-use crate::table::{three, write_records};
+use crate::table::{Table, three};
 
 /// Whether values have bands.
 #[derive(Debug, Clone, Copy, Args)]
@@ -92,18 +92,15 @@ pub(crate) fn unless_interrupted<T>(result: Result<T, impl Into<SampleError>>) -
 /// Stages `bands.csv` and `bands.json`.
 pub(crate) fn stage(rows: &[BandRow], output: &mut Output) -> Result<(), Failure> {
     output.json("bands.json", &rows)?;
-    output.stage("bands.csv", |w| write_records(rows, w))
+    output.table("bands.csv", &Table::of_records(&rows)?)
 }
 
 /// The rows for people.
 pub(crate) fn lines(rows: &[BandRow], count: u32) -> Vec<String> {
-    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(8);
     let number = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), three);
-    let mut lines = vec![format!("  {:<width$} {:>10} {:>10} {:>10}", "", "value", "5 %", "95 %")];
-    lines.extend(rows.iter().map(|row| {
-        let few = if row.samples < count as usize { format!("  in {} of {count}", row.samples) } else { String::new() };
-        let [value, low, high] = [row.value, row.low, row.high].map(number);
-        format!("  {:<width$} {value:>10} {low:>10} {high:>10} {}{few}", row.name, row.unit).trim_end().to_owned()
-    }));
-    lines
+    let cells = rows.iter().map(|row| {
+        let few = if row.samples < count as usize { format!("in {} of {count}", row.samples) } else { String::new() };
+        [row.name.clone(), number(row.value), number(row.low), number(row.high), row.unit.clone(), few]
+    });
+    Table::of(["", "value", "5 %", "95 %", "", ""], cells).to_string().lines().map(str::to_owned).collect()
 }

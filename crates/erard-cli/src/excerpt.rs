@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use erard::instrument::FileError;
 
+use crate::table::{WIDEST, wrapped};
+
 /// Longest line that is shown, bytes: more would bury the message.
 const LONGEST_LINE: usize = 400;
-/// Columns of the terminal that are used.
-const WIDTH: usize = 110;
 
 /// Draws the place of an error; `None` where the error belongs to no line, or a line there is longer than a terminal can show.
 pub(crate) fn excerpt(error: &FileError) -> Option<String> {
@@ -32,7 +32,8 @@ pub(crate) fn excerpt(error: &FileError) -> Option<String> {
     }
     let _ = writeln!(out, "{margin}╰────");
     if !error.expected.is_empty() {
-        out += &wrapped("  help: ", &format!("expected {}", error.expected));
+        let help = format!("expected {}", error.expected);
+        let _ = writeln!(out, "  help: {}", wrapped(&help, WIDEST - 8).join("\n        "));
     }
     Some(out)
 }
@@ -48,25 +49,6 @@ fn mark(error: &FileError) -> [String; 2] {
         _ => format!("{}┬{}", "─".repeat(middle), "─".repeat(length - 1 - middle)),
     };
     [format!("{}{mark}", " ".repeat(before)), " ".repeat(before + middle)]
-}
-
-/// Text in lines that fit, the first after a title and the others below its text.
-fn wrapped(title: &str, text: &str) -> String {
-    let indent = title.chars().count();
-    let (mut out, mut column) = (title.to_owned(), indent);
-    for (index, word) in text.split_whitespace().enumerate() {
-        let length = word.chars().count();
-        if column > indent && column + 1 + length > WIDTH {
-            out += &format!("\n{}", " ".repeat(indent));
-            column = indent;
-        } else if index > 0 {
-            out.push(' ');
-            column += 1;
-        }
-        out += word;
-        column += length;
-    }
-    out + "\n"
 }
 
 #[cfg(test)]
@@ -92,7 +74,7 @@ mod tests {
   help: expected one of `name`, `hinged_on`, `pivot_mm`, `angle_deg`, `mass_g`, `inertia_kg_m2`,
         `center_of_mass_mm`,";
         assert!(drawn.starts_with(picture), "{drawn}");
-        assert!(drawn.lines().all(|line| line.chars().count() <= super::WIDTH), "{drawn}");
+        assert!(drawn.lines().all(|line| line.chars().count() <= super::WIDEST), "{drawn}");
     }
 
     #[test]

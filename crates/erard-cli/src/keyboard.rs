@@ -2,15 +2,12 @@
 
 pub(crate) mod pair;
 
-use std::fmt::Write as _;
-use std::io::Write;
-
 use erard::keyboard::KEYS;
 use erard::trust::worst_of_each;
 use erard_workshop::trying::Tried;
 use erard_workshop::weighing::WeighedKey;
 
-use crate::table::write_rows;
+use crate::table::{Table, decimal};
 use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_svg};
 
 /// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
@@ -72,34 +69,35 @@ fn samples(weighed: &[WeighedKey]) -> Vec<usize> {
     samples
 }
 
-/// Sample notes as text, grams to a tenth.
+/// The table for people: a row per quantity, a column per sample of the keys.
 pub(crate) fn text(weighed: &[WeighedKey]) -> String {
     let samples: Vec<&WeighedKey> = samples(weighed).into_iter().map(|at| &weighed[at]).collect();
-    let mut out = String::new();
-    let mut row = |name: &str, unit: &str, cells: Vec<String>| {
-        let cells: String = cells.iter().map(|cell| format!("{cell:>8}")).collect();
-        let _ = writeln!(out, "  {name:<18}{cells}  {unit}");
+    let row = |name: &str, unit: &str, cell: &dyn Fn(&WeighedKey) -> String| {
+        let cells = samples.iter().map(|one| cell(one));
+        std::iter::once(name.to_owned()).chain(cells).chain([unit.to_owned()]).collect::<Vec<_>>()
     };
-    row("key", "", samples.iter().map(|w| w.key.to_string()).collect());
-    row("note", "", samples.iter().map(|w| w.note.clone()).collect());
+    let mut rows = vec![row("note", "", &|one| one.note.clone())];
     for (column, name) in COLUMNS[GRAMS].iter().enumerate() {
         let name = name.trim_end_matches("_g").replace('_', " ");
-        let cell = |number: f64| if number.is_finite() { format!("{number:.1}") } else { "-".to_owned() };
-        row(&name, "g", samples.iter().map(|w| cell(numbers(w)[column])).collect());
+        rows.push(row(&name, "g", &|one| decimal(Some(numbers(one)[column]), 1)));
     }
+    let mut out = Table::of(row("key", "", &|one| one.key.to_string()), rows).to_string();
     if samples.len() < weighed.len() {
-        let _ = writeln!(out, "\n  {} of {} keys; keyboard.csv holds every one", samples.len(), weighed.len());
+        out += &format!("\n  {} of {} keys; keyboard.csv holds every one\n", samples.len(), weighed.len());
     }
     out
 }
 
-/// Writes the table; a weight that no trial found is an empty field.
-///
-/// # Errors
-/// Of the writer.
-pub(crate) fn write_csv(weighed: &[WeighedKey], writer: &mut dyn Write) -> std::io::Result<()> {
-    let numbers = |one: &WeighedKey| numbers(one).map(|number| Some(number).filter(|number| number.is_finite()));
-    write_rows(&COLUMNS, weighed.iter().map(|one| ([one.key.to_string(), one.note.clone()], numbers(one))), writer)
+/// All keys, for a file: what is not known is empty.
+pub(crate) fn table(weighed: &[WeighedKey]) -> Table<'static> {
+    let table = Table::default()
+        .optional(COLUMNS[0], weighed.iter().map(|one| Some(one.key as f64)))
+        .words(COLUMNS[1], weighed.iter().map(|one| one.note.clone()));
+    COLUMNS
+        .iter()
+        .skip(2)
+        .enumerate()
+        .fold(table, |table, (index, name)| table.optional(*name, weighed.iter().map(|one| Some(numbers(one)[index]))))
 }
 
 /// What the abscissa over the keys of a piano counts.

@@ -4,9 +4,12 @@ use std::fmt;
 use std::time::Duration;
 
 use erard_workshop::distances::Distances;
-use erard_workshop::regulate::{Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit};
-use serde::Serialize;
+use erard_workshop::regulate::{
+    Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
+};
+use serde_json::{Value, json};
 
+use crate::table::Table;
 use crate::units::Lengths;
 
 /// A value as the reader's ruler shows it, to a hundredth of a millimetre.
@@ -44,26 +47,25 @@ pub(crate) struct Shown<'r>(pub &'r Regulated, pub Lengths);
 
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "  goal             asked        before       after        screw              turned by")?;
         let number = |goal: Goal, value: Option<f64>| value.map_or("-".to_owned(), |v| shown_value(goal, v, self.1));
+        let mut rows = Vec::new();
         for achieved in &self.0.achieved {
             let goal = achieved.goal;
-            let start = format!(
-                "  {:<15}  {:<11}  {:<11}  {:<11}",
-                goal.name(),
+            let mut start = vec![
+                goal.name().to_owned(),
                 number(goal, Some(achieved.target)),
                 number(goal, achieved.before),
-                number(goal, achieved.after)
-            );
+                number(goal, achieved.after),
+            ];
             let mut screws = self.0.screws_of(goal).peekable();
             if screws.peek().is_none() {
-                writeln!(f, "{start}  -")?;
+                rows.push([start.clone(), vec!["-".to_owned(), String::new()]].concat());
             }
-            for (n, turned) in screws.enumerate() {
-                let start = if n == 0 { start.clone() } else { " ".repeat(start.chars().count()) };
+            for turned in screws {
                 let text = turned_text(turned, self.1);
-                let rest = text.strip_prefix(turned.name.as_str()).unwrap_or(&text);
-                writeln!(f, "{start}  {:<17} {rest}", turned.name)?;
+                let rest = text.strip_prefix(turned.name.as_str()).unwrap_or(&text).trim_start();
+                let start = std::mem::replace(&mut start, vec![String::new(); 4]);
+                rows.push([start, vec![turned.name.clone(), rest.to_owned()]].concat());
             }
         }
         let asked = |goal| self.0.achieved.iter().any(|a| a.goal == goal);
@@ -74,61 +76,44 @@ impl fmt::Display for Shown<'_> {
         // They are lengths, as the blow is.
         let others = others.map(|((name, before), (_, after))| (name, Goal::Blow, before, after));
         for (name, goal, before, after) in goals.chain(others) {
-            writeln!(f, "  {name:<15}  {:<11}  {:<11}  {}", "-", number(goal, before), number(goal, after))?;
+            let cells = ["-".to_owned(), number(goal, before), number(goal, after), String::new(), String::new()];
+            rows.push([vec![name.to_owned()], cells.to_vec()].concat());
         }
-        Ok(())
+        Table::of(["goal", "asked", "before", "after", "screw", "turned by"], rows).fmt(f)
     }
 }
 
-/// The report beside the new instrument file.
-#[derive(Debug, Serialize)]
-pub(crate) struct Report {
-    input: String,
-    output: String,
-    elapsed_s: f64,
-    double_strike_m_s: BeforeAndAfter,
-    #[serde(flatten)]
-    regulated: erard_workshop::regulate::Report,
+/// The report: what the workshop reports, and what of it a command knows.
+pub(crate) fn report(
+    regulated: &Regulated,
+    double_strike_m_s: [f64; 2],
+    input: &str,
+    output: &str,
+    elapsed: Duration,
+) -> Value {
+    let [before, after] = double_strike_m_s;
+    let mut report = json!({
+        "input": input,
+        "output": output,
+        "elapsed_s": elapsed.as_secs_f64(),
+        "double_strike_m_s": {"before": before, "after": after},
+    });
+    if let (Value::Object(own), Value::Object(more)) = (&mut report, regulated.report()) {
+        own.extend(more);
+    }
+    report
 }
 
-/// The second blow of a soft note, m/s.
-#[derive(Debug, Serialize)]
-struct BeforeAndAfter {
-    before: f64,
-    after: f64,
-}
-
-impl Report {
-    /// Of a regulated action that was read from `input` and is written to `output`, which took so long. `double_strike_m_s` is the second blow of a
-    /// soft note before and after, m/s.
-    pub(crate) fn new(
-        regulated: &Regulated,
-        double_strike_m_s: [f64; 2],
-        input: &str,
-        output: &str,
-        elapsed: Duration,
-    ) -> Self {
-        let [before, after] = double_strike_m_s;
-        Report {
-            double_strike_m_s: BeforeAndAfter { before, after },
-            input: input.into(),
-            output: output.into(),
-            elapsed_s: elapsed.as_secs_f64(),
-            regulated: regulated.report(),
-        }
-    }
-
-    /// A line for every goal that is not met.
-    pub(crate) fn misses(&self) -> Vec<String> {
-        let missed = self.regulated.goals.iter().filter(|goal| !goal.met);
-        missed
-            .map(|goal| {
-                let nearest = goal.after.map_or("it does not happen".to_owned(), |after| {
-                    format!("the nearest is {:.2} {}", after, goal.unit)
-                });
-                let why = goal.why_not.as_deref().unwrap_or_default();
-                format!("{} {} {} is not met: {nearest} ({why})", goal.goal, goal.asked, goal.unit)
-            })
-            .collect()
-    }
+/// What could not be met, a line each.
+pub(crate) fn misses(regulated: &Regulated) -> Vec<String> {
+    let missed = regulated.achieved.iter().filter(|achieved| achieved.miss.is_some());
+    let line = |missed: &Achieved| {
+        let (factor, unit) = unit(missed.goal.kind());
+        let nearest = missed
+            .after
+            .map_or("it does not happen".to_owned(), |after| format!("the nearest is {:.2} {unit}", after * factor));
+        let (goal, asked, why) = (missed.goal.name(), missed.target * factor, missed.reason().unwrap_or_default());
+        format!("{goal} {asked} {unit} is not met: {nearest} ({why})")
+    };
+    missed.map(line).collect()
 }

@@ -91,6 +91,23 @@ pub fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress: &mut P
     failures.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
 }
 
+/// Does the same work for each of many, on so many threads, and returns what came of them in their order.
+///
+/// # Errors
+/// As [`do_all`].
+pub fn map<I: Sync, T: Send, E: Ending>(
+    items: &[I],
+    threads: usize,
+    progress: &mut Progress<'_>,
+    work: impl Fn(&I, &mut Progress<'_>) -> Result<T, E> + Sync,
+) -> Result<Vec<T>, E> {
+    let mut found: Vec<Option<T>> = items.iter().map(|_| None).collect();
+    let work = &work;
+    let jobs = found.iter_mut().zip(items).map(|(place, item)| job(place, move |progress| work(item, progress)));
+    do_all(jobs.collect(), threads, progress)?;
+    found.into_iter().collect::<Option<Vec<T>>>().ok_or_else(|| SimulationError::Interrupted.into())
+}
+
 /// [`do_all`] on the caller's thread, one job after the other. `progress` is asked by the jobs themselves.
 fn do_all_here<E: Ending>(jobs: Vec<Job<'_, E>>, progress: &mut Progress<'_>) -> Result<(), E> {
     let count = jobs.len() as f64;

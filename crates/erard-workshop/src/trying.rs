@@ -1,6 +1,6 @@
 //! Does an instrument play? Each is pressed once, and what speaks against the run is told.
 
-use crate::cores::{self, do_all, job};
+use crate::cores;
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
@@ -50,12 +50,5 @@ pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<
 /// # Errors
 /// See [`try_once`].
 pub fn try_all(instruments: &[Instrument], progress: &mut Progress<'_>) -> Result<Vec<Tried>, MeasureError> {
-    let mut tried: Vec<Option<Tried>> = vec![None; instruments.len()];
-    let jobs = tried
-        .iter_mut()
-        .zip(instruments)
-        .map(|(place, instrument)| job(place, move |progress| Ok(try_once(instrument, progress)?)))
-        .collect();
-    do_all::<MeasureError>(jobs, cores::count(), progress)?;
-    tried.into_iter().map(|one| one.ok_or(MeasureError::Lost)).collect()
+    cores::map(instruments, cores::count(), progress, |instrument, progress| Ok(try_once(instrument, progress)?))
 }

@@ -1,6 +1,6 @@
 //! Every key on the technician's bench: hammers, leads and touch weights over the keyboard.
 
-use crate::cores::{self, do_all, job};
+use crate::cores;
 use crate::measure::MeasureError;
 use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
 use crate::trying::{Tried, try_once};
@@ -33,14 +33,7 @@ pub struct WeighedKey {
 /// # Errors
 /// See [`MeasureError`].
 pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<WeighedKey>, MeasureError> {
-    let mut weighed: Vec<Option<WeighedKey>> = vec![None; keys.len()];
-    let jobs = weighed
-        .iter_mut()
-        .zip(keys)
-        .map(|(place, (key, instrument))| job(place, move |progress| weigh_key(*key, instrument, progress)))
-        .collect();
-    do_all(jobs, cores::count(), progress)?;
-    weighed.into_iter().map(|key| key.ok_or(MeasureError::Lost)).collect()
+    cores::map(keys, cores::count(), progress, |(key, instrument), progress| weigh_key(*key, instrument, progress))
 }
 
 fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<WeighedKey, MeasureError> {

@@ -2,21 +2,17 @@
 
 use clap::Args;
 use erard::run::SimulationError;
-use erard_workshop::benchmarks::{Effort, Report, measure};
+use erard_workshop::benchmarks::{Effort, measure};
+use serde_json::Value;
 
 use crate::answer;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::say;
-use crate::table::three;
+use crate::table::{Table, three};
 
 /// What stands below the options.
-const AFTER: &str = "\
-All on the built-in concert grand with steps of 50 us. `step` is the engine alone over a played note, `press` what `erard press`
-computes, `batch` a parameter study and a tremolo, grands side by side in the lanes of the processor's vectors and on all
-its cores, `keyboard` a fortissimo tremolo over 88 keys on one core, `single steps` random playing with every step timed by itself, `kinematics` the geometry alone. Times are wall-clock
-medians with the distance of the quartiles in percent: on a machine that does other work they are worth less, and the slowest
-single steps are those that the operating system interrupts. Nothing is written.";
+const AFTER: &str = include_str!("help/bench.txt");
 
 /// Measures how fast this machine simulates: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 #[derive(Debug, Args)]
@@ -46,97 +42,72 @@ impl Bench {
     }
 }
 
-fn print(report: &Report) {
-    let Report { instruction_sets, single, many, keyboard, latencies } = report;
-    let row = |name: &str, value: f64, unit: &str, spread: f64, then: String| {
-        say!("  {name:<34}{:>9} {unit:<4}{:>6} %   {then}", three(value), format!("+-{:.0}", 50.0 * spread));
+/// Prints the times: names, medians and spreads of what was timed, and how much faster than what it is.
+fn print(report: &Value) {
+    let number = |key: &str| report[key].as_f64().unwrap_or(f64::NAN);
+    let lanes = match number("lanes") {
+        lanes if lanes > 1.0 => format!("{lanes} in lanes"),
+        _ => "without lanes".to_owned(),
     };
-    let real_time = |factor: f64| format!("{} x real time", three(factor));
-    say!("The concert grand on this machine: {} cores, {}", many.cores, instruction_sets.join(", "));
-    say!();
-    row("step", single.step_ns_median, "ns", single.step_ns_spread, real_time(single.real_time_factor));
-    row("press", single.press_ms_median, "ms", single.press_ms_spread, real_time(single.press_real_time_factor));
-    row("kinematics, a pose", single.kinematics_pose_ns_median, "ns", single.kinematics_pose_ns_spread, String::new());
-    say!();
-    let lanes = if many.lanes > 1 { format!("{} in lanes", many.lanes) } else { "without lanes".to_owned() };
-    let speed = |factor: f64| format!("{factor:.2} x one after the other");
-    row(
-        "batch, one after the other",
-        many.batch_one_by_one_ns_median,
-        "ns",
-        many.batch_one_by_one_ns_spread,
-        String::new(),
-    );
-    row(
-        &format!("batch, {lanes}"),
-        many.batch_lanes_ns_median,
-        "ns",
-        many.batch_lanes_ns_spread,
-        speed(many.batch_speedup_per_core),
-    );
-    row(
-        &format!("batch, {lanes}, all cores"),
-        many.batch_all_cores_ns_median,
-        "ns",
-        many.batch_all_cores_ns_spread,
-        speed(many.batch_speedup_all_cores),
-    );
-    if let Some(factor) = many.batch_four_lanes_speedup_per_core.filter(|_| many.lanes > 4) {
-        say!("  {:<58}{}", "batch, 4 in lanes", speed(factor));
+    let real_time = |key: &str| format!("{} x real time", three(number(key)));
+    let speed = |key: &str| format!("{:.2} x one after the other", number(key));
+    let timed = |name: &str, stem: &str, then: String| {
+        let unit = stem.rsplit('_').next().unwrap_or_default();
+        let spread = format!("+-{:.0} %", 50.0 * number(&format!("{stem}_spread")));
+        [name.to_owned(), three(number(&format!("{stem}_median"))), unit.to_owned(), spread, then]
+    };
+    let ratio = |name: String, then: String| [name, String::new(), String::new(), String::new(), then];
+    let mut many = vec![
+        timed("batch, one after the other", "batch_one_by_one_ns", String::new()),
+        timed(&format!("batch, {lanes}"), "batch_lanes_ns", speed("batch_speedup_per_core")),
+        timed(&format!("batch, {lanes}, all cores"), "batch_all_cores_ns", speed("batch_speedup_all_cores")),
+    ];
+    if number("lanes") > 4.0 && !report["batch_four_lanes_speedup_per_core"].is_null() {
+        many.push(ratio("batch, 4 in lanes".to_owned(), speed("batch_four_lanes_speedup_per_core")));
     }
-    if let (Some(lanes), Some(factor)) = (many.batch_single_lanes, many.batch_single_speedup_per_core) {
-        say!("  {:<58}{}", format!("batch, {lanes} in lanes of single precision"), speed(factor));
+    if !report["batch_single_lanes"].is_null() {
+        let name = format!("batch, {} in lanes of single precision", report["batch_single_lanes"]);
+        many.push(ratio(name, speed("batch_single_speedup_per_core")));
     }
-    say!("  {:<58}{}", format!("tremolo, {lanes}"), speed(many.batch_tremolo_speedup_per_core));
-    say!("  {:<58}{}", format!("tremolo, {lanes}, all cores"), speed(many.batch_tremolo_speedup_all_cores));
-    row("study, a stroke on all cores", many.study_stroke_ms_median, "ms", many.study_stroke_ms_spread, String::new());
+    many.push(ratio(format!("tremolo, {lanes}"), speed("batch_tremolo_speedup_per_core")));
+    many.push(ratio(format!("tremolo, {lanes}, all cores"), speed("batch_tremolo_speedup_all_cores")));
+    many.push(timed("study, a stroke on all cores", "study_stroke_ms", String::new()));
+    let single = [
+        timed("step", "step_ns", real_time("real_time_factor")),
+        timed("press", "press_ms", real_time("press_real_time_factor")),
+        timed("kinematics, a pose", "kinematics_pose_ns", String::new()),
+    ];
+    let keyboard = [
+        ratio("keyboard, ten-finger tremolo".to_owned(), real_time("keyboard_real_time_factor")),
+        ratio("keyboard, all 88 keys at once".to_owned(), real_time("keyboard_all_keys_real_time_factor")),
+    ];
+    let sets = report["instruction_sets"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    say!("The concert grand on this machine: {} cores, {}", report["cores"], sets.collect::<Vec<_>>().join(", "));
     say!();
-    say!("  {:<58}{}", "keyboard, ten-finger tremolo", real_time(keyboard.keyboard_real_time_factor));
-    say!("  {:<58}{}", "keyboard, all 88 keys at once", real_time(keyboard.keyboard_all_keys_real_time_factor));
+    say!("{}", Table::of([""; 5], single.into_iter().chain(many).chain(keyboard)));
     say!(
         "  in the tremolo {:.1} keys are awake on average, {} at most; {} of {} ticks took longer than they simulate",
-        keyboard.keyboard_awake_mean,
-        keyboard.keyboard_awake_max,
-        keyboard.keyboard_ticks_over_budget,
-        keyboard.keyboard_ticks_timed
+        number("keyboard_awake_mean"),
+        report["keyboard_awake_max"],
+        report["keyboard_ticks_over_budget"],
+        report["keyboard_ticks_timed"]
     );
     say!();
-    say!("  {:<30}{:>11}{:>10}{:>10}{:>10}{:>11}", "single steps (ns)", "timed", "50 %", "99 %", "99.99 %", "slowest");
-    for (name, timed, times) in [
-        (
-            "one grand",
-            latencies.steps_timed,
-            [latencies.step_ns_p50, latencies.step_ns_p99, latencies.step_ns_p9999, latencies.step_ns_max],
-        ),
-        (
-            "as many as there are lanes",
-            latencies.group_steps_timed,
-            [
-                latencies.group_step_ns_p50,
-                latencies.group_step_ns_p99,
-                latencies.group_step_ns_p9999,
-                latencies.group_step_ns_max,
-            ],
-        ),
-        (
-            "a tick of the tremolo",
-            keyboard.keyboard_ticks_timed,
-            [
-                keyboard.keyboard_tick_ns_p50,
-                keyboard.keyboard_tick_ns_p99,
-                keyboard.keyboard_tick_ns_p9999,
-                keyboard.keyboard_tick_ns_max,
-            ],
-        ),
-    ] {
-        let [half, most, nearly, slowest] = times;
-        say!("  {name:<30}{timed:>11}{half:>10}{most:>10}{nearly:>10}{slowest:>11}");
-    }
+    let rows = [
+        ("one grand", "steps_timed", "step_ns"),
+        ("as many as there are lanes", "group_steps_timed", "group_step_ns"),
+        ("a tick of the tremolo", "keyboard_ticks_timed", "keyboard_tick_ns"),
+    ];
+    let rows = rows.map(|(name, timed, stem)| {
+        let times = ["p50", "p99", "p9999", "max"].map(|which| report[format!("{stem}_{which}")].to_string());
+        [vec![name.to_owned(), report[timed].to_string()], times.to_vec()].concat()
+    });
+    say!("{}", Table::of(["single steps (ns)", "timed", "50 %", "99 %", "99.99 %", "slowest"], rows));
     say!(
         "  at most {} Newton iterations and {} active sets a step; {} steps not converged; the clock itself takes {} ns",
-        latencies.newton_iterations_max,
-        latencies.active_sets_max,
-        latencies.unconverged_steps,
-        latencies.clock_ns
+        report["newton_iterations_max"],
+        report["active_sets_max"],
+        report["unconverged_steps"],
+        report["clock_ns"]
     );
 }

@@ -1,6 +1,5 @@
 //! `erard check`.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,12 +10,11 @@ use erard_workshop::compare::LONGEST_S;
 use erard_workshop::kinematics::LinkageFile;
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
-use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 
 use super::list::built_in;
 use crate::answer;
-use crate::compare::PreparedChannel;
+use crate::compare::prepared_channel;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::keyboard::doubts;
@@ -36,35 +34,14 @@ pub(crate) struct Check {
     recording: RecordingOptions,
 }
 
-/// What `--json` answers; what a kind has not is left out.
-#[derive(Debug, Default, Serialize)]
-struct Checked {
-    /// `instrument`, `keyboard`, `linkage`, `published measurements`, `stroke`, `JSON`.
-    kind: &'static str,
-    file: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    name: Option<String>,
-    /// How many there are of each.
-    counts: BTreeMap<&'static str, usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stroke: Option<CheckedStroke>,
-}
-
-#[derive(Debug, Serialize)]
-struct CheckedStroke {
-    start_s: f64,
-    end_s: f64,
-    position_of: &'static str,
-    columns: Vec<CheckedColumn>,
-    channels: Vec<PreparedChannel>,
-    warnings: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct CheckedColumn {
-    role: &'static str,
-    title: String,
-    unit: &'static str,
+/// The answer: what a file is, what it is called, what it holds how many of.
+fn checked<const N: usize>(kind: &str, file: &str, name: Option<&str>, counts: [(&str, usize); N]) -> Value {
+    let counts: Map<String, Value> = counts.into_iter().map(|(what, count)| (what.to_owned(), count.into())).collect();
+    let mut checked = json!({"kind": kind, "file": file, "counts": counts});
+    if let Some(name) = name {
+        checked["name"] = name.into();
+    }
+    checked
 }
 
 /// Endings of tables.
@@ -103,7 +80,7 @@ impl Check {
     }
 
     /// What a text says that it is decides.
-    fn toml(&self, name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+    fn toml(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let text = String::from_utf8_lossy(bytes);
         let says = |key: &str| {
             let document = toml::from_str::<toml::Table>(&text).ok()?;
@@ -122,7 +99,7 @@ impl Check {
         }
     }
 
-    fn linkage(name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+    fn linkage(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let file = LinkageFile::parse_bytes(bytes, name)?;
         let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
         say!("{name}: a linkage, \"{}\"", file.name);
@@ -130,19 +107,18 @@ impl Check {
         if let Some(let_off) = &design.let_off {
             say!("  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
         }
-        Ok(Checked { kind: "linkage", file: name.into(), name: Some(file.name), ..Checked::default() })
+        Ok(checked("linkage", name, Some(&file.name), []))
     }
 
-    fn usual(name: &str, text: &str) -> Result<Checked, Failure> {
+    fn usual(name: &str, text: &str) -> Result<Value, Failure> {
         let lines = usual::check(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
         say!("{name}: usual ranges");
         say!();
         say!("  of {lines} lines of the technician's sheet");
-        let counts = BTreeMap::from([("lines", lines)]);
-        Ok(Checked { kind: "usual ranges", file: name.into(), counts, ..Checked::default() })
+        Ok(checked("usual ranges", name, None, [("lines", lines)]))
     }
 
-    fn published(name: &str, text: &str) -> Result<Checked, Failure> {
+    fn published(name: &str, text: &str) -> Result<Value, Failure> {
         let table = Published::parse(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
         let silent = table.rows.iter().filter(|row| row.measure.is_none()).count();
         say!("{name}: published measurements");
@@ -152,12 +128,12 @@ impl Check {
             table.rows.len(),
             table.sources.len()
         );
-        let counts = BTreeMap::from([("rows", table.rows.len()), ("sources", table.sources.len())]);
-        Ok(Checked { kind: "published measurements", file: name.into(), counts, ..Checked::default() })
+        let counts = [("rows", table.rows.len()), ("sources", table.sources.len())];
+        Ok(checked("published measurements", name, None, counts))
     }
 
     /// What this program writes, and its schemas.
-    fn json(name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+    fn json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: no JSON: {error}"));
         let value: Value = serde_json::from_slice(bytes).map_err(|error| wrong(&error))?;
         let first = value.as_array().and_then(|list| list.first()).unwrap_or(&value);
@@ -189,11 +165,11 @@ impl Check {
             let expected = "a result of this program with `made_by`, a file with `format`, or a JSON Schema";
             return Err(Failure::Usage(format!("{name}: JSON of no kind that is known here; expected {expected}")));
         }
-        let title = text("/made_by/command").or(text("/format")).or(text("/title")).map(str::to_owned);
-        Ok(Checked { kind: "JSON", file: name.into(), name: title, ..Checked::default() })
+        let title = text("/made_by/command").or(text("/format")).or(text("/title"));
+        Ok(checked("JSON", name, title, []))
     }
 
-    fn instrument(name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+    fn instrument(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let file = InstrumentFile::parse_bytes(bytes, name)?;
         let i: &Instrument = &file.instrument;
         say!("{name}: an instrument, \"{}\"", i.name);
@@ -270,7 +246,7 @@ impl Check {
             let (line, key, now) = (one.number.line, one.number.key, numbers(&one.number.values));
             say!("  line {line:>4}  {key}: {now}; {} in {}: \"{note}\"", numbers(&one.was), one.builtin);
         }
-        let counts = BTreeMap::from([
+        let counts = [
             ("bodies", i.bodies.len()),
             ("springs", i.springs.len()),
             ("zones", i.zones.len()),
@@ -279,12 +255,12 @@ impl Check {
             ("parts", i.parts.len()),
             ("numbers", file.provenance.numbers.len()),
             ("numbers_without_a_source", file.provenance.bare().count()),
-        ]);
-        Ok(Checked { kind: "instrument", file: name.into(), name: Some(i.name.clone()), counts, ..Checked::default() })
+        ];
+        Ok(checked("instrument", name, Some(&i.name), counts))
     }
 
     /// Every key's instrument is read and pressed once, so that a file that is called sound has none that is not.
-    fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<Checked, Failure> {
+    fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
         let instruments = keyboard.instruments()?;
         let mut progress = Progress::new("pressing every key");
@@ -317,17 +293,15 @@ impl Check {
         for doubt in doubts((1..).zip(&tried)) {
             tell!("warning: {doubt}");
         }
-        let counts =
-            BTreeMap::from([("gradings", keyboard.gradings.len()), ("points", points().count()), ("keys", KEYS)]);
-        let title = Some(keyboard.name.clone());
-        Ok(Checked { kind: "keyboard", file: name.into(), name: title, counts, ..Checked::default() })
+        let counts = [("gradings", keyboard.gradings.len()), ("points", points().count()), ("keys", KEYS)];
+        Ok(checked("keyboard", name, Some(&keyboard.name), counts))
     }
 
-    fn stroke(&self) -> Result<Checked, Failure> {
+    fn stroke(&self) -> Result<Value, Failure> {
         Ok(Self::told_stroke(&self.recording.load(&self.file)?))
     }
 
-    fn told_stroke(ready: &Ready) -> Checked {
+    fn told_stroke(ready: &Ready) -> Value {
         let Ready { name, recording, prepared, position_of } = ready;
         let (start_s, end_s) = (prepared.series.start_s(), prepared.series.end_s());
         let rows = recording.time_s.len();
@@ -382,17 +356,17 @@ impl Check {
         for warning in &warnings {
             say!("  look: {warning}");
         }
-        let column = |c: &Column| CheckedColumn { role: c.role.name(), title: c.title.clone(), unit: c.unit };
-        let stroke = CheckedStroke {
-            start_s,
-            end_s,
-            position_of: position_of.name(),
-            columns: recording.layout.columns.iter().map(column).collect(),
-            channels: prepared.report.channels.iter().map(PreparedChannel::new).collect(),
-            warnings,
-        };
-        let counts = BTreeMap::from([("rows", rows)]);
-        Checked { kind: "stroke", file: name.clone(), counts, stroke: Some(stroke), ..Checked::default() }
+        let column = |c: &Column| json!({"role": c.role.name(), "title": c.title, "unit": c.unit});
+        let mut checked = checked("stroke", name, None, [("rows", rows)]);
+        checked["stroke"] = json!({
+            "start_s": start_s,
+            "end_s": end_s,
+            "position_of": position_of.name(),
+            "columns": recording.layout.columns.iter().map(column).collect::<Value>(),
+            "channels": prepared.report.channels.iter().map(prepared_channel).collect::<Value>(),
+            "warnings": warnings,
+        });
+        checked
     }
 }
 

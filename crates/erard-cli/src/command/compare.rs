@@ -1,7 +1,6 @@
 //! `erard compare`.
 
 use std::borrow::Cow;
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,12 +10,13 @@ use erard_workshop::compare::{Choice, Comparison, DRIVES, Driven, LONGEST_S, Tri
 
 use super::options::{DriveName, Model, StepOptions, check, load_instrument};
 use super::out::OutOptions;
-use crate::compare::{ComparisonReport, print_table};
+use crate::compare::{print_table, report};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
+use crate::table::Table;
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
@@ -68,14 +68,14 @@ impl Compare {
         let comparison = compare_chosen(&instrument, &series, &choice, &setup, &mut |share| progress.tell(share))?;
         drop(progress);
 
-        output.stage("compare.csv", |w| write_csv(&comparison, w))?;
-        let report = ComparisonReport::new(&comparison, &prepared.report, &title, &instrument.name);
+        output.table("compare.csv", &table(&comparison))?;
+        let report = report(&comparison, &prepared.report, &title, &instrument.name);
         output.json("compare.json", &report)?;
         if !self.no_pictures {
             let svg = figure_svg(&figure(&comparison, &title, &instrument.name));
             output.figure("compare", &svg)?;
         }
-        output.commit()?;
+        let written = output.commit()?;
 
         say!("{title} beside {}", instrument.name);
         for line in prepared.report.told() {
@@ -90,7 +90,7 @@ impl Compare {
             say!("look: {warning}");
         }
         say!();
-        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        say!("{written}");
         Ok(())
     }
 
@@ -131,26 +131,24 @@ impl Compare {
     }
 }
 
-fn write_csv(c: &Comparison, writer: &mut dyn Write) -> std::io::Result<()> {
-    let mut columns: Vec<(String, &[f64])> = vec![("time_s".into(), &c.time_s)];
-    if let Some(force) = &c.measured_force_n {
-        columns.push(("measured_force_N".into(), force));
-    }
-    if let Some(position) = &c.measured_position_m {
-        columns.push(("measured_position_m".into(), position));
-    }
-    if let Some(hammer) = &c.measured_hammer_m {
-        columns.push(("measured_hammer_head_m".into(), hammer));
+fn table(c: &Comparison) -> Table<'_> {
+    let measured = [
+        ("measured_force_N", &c.measured_force_n),
+        ("measured_position_m", &c.measured_position_m),
+        ("measured_hammer_head_m", &c.measured_hammer_m),
+    ];
+    let mut table = Table::default().numbers("time_s", &c.time_s);
+    for (name, values) in measured {
+        table = if let Some(values) = values { table.numbers(name, values) } else { table };
     }
     for t in &c.trials {
         let stem = format!("{}_{}", t.driven.name(), t.which.name().replace('-', "_"));
-        columns.push((format!("{stem}_force_N"), &t.force_n));
-        columns.push((format!("{stem}_key_m"), &t.key_m));
+        table = table.numbers(format!("{stem}_force_N"), &t.force_n).numbers(format!("{stem}_key_m"), &t.key_m);
         if !t.hammer_m.is_empty() {
-            columns.push((format!("{stem}_hammer_head_m"), &t.hammer_m));
+            table = table.numbers(format!("{stem}_hammer_head_m"), &t.hammer_m);
         }
     }
-    crate::table::write_columns(&columns, c.time_s.len(), writer)
+    table
 }
 
 /// The range of some curves and half as much again on both sides.

@@ -10,7 +10,6 @@ use super::options::{InstrumentOption, Noted, StrokeOptions};
 use super::out::OutOptions;
 use super::press::play_observed;
 use crate::failure::Failure;
-use crate::inputs::shown;
 use crate::say;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_svg};
 use erard_figures::figure::png_from_svg;
@@ -144,9 +143,7 @@ impl Draw {
         let png = png_from_svg(&svg, 1.0).map_err(|e| Failure::Internal(e.to_string()))?;
         output.stage("action.svg", |w| w.write_all(svg.as_bytes()))?;
         output.stage("action.png", |w| w.write_all(&png))?;
-        for path in output.commit()? {
-            say!("{}", shown(&path));
-        }
+        say!("{}", output.commit()?);
         Ok(())
     }
 

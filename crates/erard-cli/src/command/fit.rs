@@ -14,25 +14,13 @@ use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Plan, Problem, 
 use super::options::{DriveName, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::fit::{Report, column, figure, lines, value, write_csv};
-use crate::inputs::shown;
+use crate::fit::{column, figure, lines, report, table, value, warnings};
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
 use crate::{say, tell};
 
 /// What stands below the options.
-const AFTER: &str = "\
-Each recording drives the model, by its force where it has one, and what else was recorded is compared: force, key and hammer, of several recordings at once. Names are
-those of `study --vary`: screws (`let_off`) and `body.hammer.mass`, `body.key.friction`, `spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and the like; a
-name that does not exist is answered with those that are near. Without --bounds a number may be as far off as the instrument's file says; where it does not say, a factor from 0.2 to 5,
-or a fiftieth of what a screw can do.
-
-Least squares, with derivatives by differences of strokes that are played side by side: first what leads to the blow, then all of it; and again from elsewhere until two have ended
-alike. --low-pass is for what drives; what is compared is never filtered, and its noise is read from the recording where --sigma does not say it. The errors heed the noise of the
-sensors, that of what drives, and misfit beyond both; what the data do not tell is said in words.
-
-Writes fit.json, fitted.toml (the instrument with the fitted numbers, each with its error in its note), fit.csv (measured, fitted, and what is left over in units of the noise), and
-fit.svg and fit.png.";
+const AFTER: &str = include_str!("help/fit.txt");
 
 /// Fits numbers of an instrument to recordings, with their errors, and says what the recordings do not tell.
 #[derive(Debug, Args)]
@@ -195,24 +183,23 @@ impl Fit {
 
         let recordings: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
         let fitted = found.rewrite(&text, &recordings).map_err(|error| Failure::Internal(error.to_string()))?;
-        let report = Report::new(&found, &problem, &instrument.name);
-        output.json("fit.json", &report)?;
+        output.json("fit.json", &report(&found, &problem, &instrument.name))?;
         output.text("fitted.toml", &fitted)?;
-        output.stage("fit.csv", |w| write_csv(&channels, problem.data.len(), w))?;
+        output.table("fit.csv", &table(&channels, problem.data.len()))?;
         if !self.no_pictures {
             let svg = figure_svg(&figure(&channels, &recordings, &instrument.name));
             output.figure("fit", &svg)?;
         }
-        output.commit()?;
+        let written = output.commit()?;
 
         for line in lines(&found, &problem, &instrument.name) {
             say!("{line}");
         }
-        for warning in report.warnings() {
+        for warning in warnings(&found, &problem) {
             tell!("warning: {warning}");
         }
         say!();
-        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        say!("{written}");
         Ok(())
     }
 

@@ -12,18 +12,14 @@ use rawzip::time::UtcDateTime;
 use rawzip::{CompressionMethod, ZipArchiveWriter};
 
 use super::options::load_instrument_and_text;
+use super::out::OwnFile;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::output::Output;
 use crate::say;
 
 /// What stands below the options.
-const AFTER: &str = "\
-The unit runs by itself: in it are the instrument's text and the library liberard, which is looked for beside the command, in ../lib, or
-where --library says. Who has the project's source builds it: cargo build --release -p erard-c
-
-Inputs: force (N), or position (m) and velocity (m/s), as the parameter `drive` says (1, 2). Outputs: key, key_speed, finger_force, hammer,
-hammer_speed, string_force, blow_time, blow_speed, blows, and contact.ZONE. Every number of the instrument's file is a parameter by its path.";
+const AFTER: &str = include_str!("help/fmu.txt");
 
 /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
 #[derive(Debug, Args)]
@@ -63,18 +59,15 @@ impl Fmu {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
-        let file = self.file()?;
-        let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let Some(name) = file.file_name().map(|name| name.to_string_lossy().into_owned()) else {
-            return Err(Failure::Usage(format!("--out {}: expected the name of a file", shown(&file))));
-        };
+        let OwnFile { folder, name } =
+            OwnFile::of(self.out.as_deref(), &self.instrument, ".fmu", "unit's", self.force)?;
         let (library, bytes, binary) = self.library()?;
-        let mut output = Output::files(folder, self.force, &[&name])?;
+        let mut output = Output::files(&folder, self.force, &[&name])?;
         // As the library will read it: the file's name is in its errors only.
         let read = InstrumentFile::parse(&text, INSTRUMENT)?;
         let archive = archive(&read, &text, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;
         output.stage(&name, |w| w.write_all(&archive))?;
-        output.commit()?;
+        let written = output.commit()?;
         let all = variables(&read, &text);
         let parameters = all.iter().filter(|variable| variable.is_parameter()).count();
         say!("{} - a unit for FMI 2.0, co-simulation, {} kB", instrument.name, archive.len() / 1024);
@@ -82,30 +75,8 @@ impl Fmu {
         say!("  {} variables, {parameters} of them parameters", all.len());
         say!("  library {} as {binary}", shown(&library));
         say!();
-        say!("Written to {}: {name}", shown(folder));
+        say!("{written}");
         Ok(())
-    }
-
-    /// Where the unit goes.
-    fn file(&self) -> Result<PathBuf, Failure> {
-        let file = self.out.clone().unwrap_or_else(|| {
-            let stem = Path::new(&self.instrument).file_stem().unwrap_or_default().to_string_lossy();
-            PathBuf::from(format!("{}.fmu", stem.replace([':', '='], "-")))
-        });
-        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
-        if file.is_dir() {
-            return wrong("is a folder; --out takes the name of the unit's file");
-        }
-        if file.extension().is_none_or(|end| !end.eq_ignore_ascii_case("fmu")) {
-            return wrong("a unit's name ends in .fmu");
-        }
-        if inputs::is_one(&file) {
-            return wrong("is the instrument itself, which is never replaced; give another name with --out");
-        }
-        if file.exists() && !self.force {
-            return wrong("exists; give another name with --out, or --force to replace it");
-        }
-        Ok(file)
     }
 
     /// The library: its path, its bytes, and its place in the archive.

@@ -9,27 +9,14 @@ use super::options::{KeyboardKey, load_keyboard};
 use super::out::OutOptions;
 use super::weigh::WeighOptions;
 use crate::failure::Failure;
-use crate::inputs::shown;
-use crate::keyboard::{doubts, pair, text, weighed_svg, write_csv};
+use crate::keyboard::{doubts, pair, table, text, weighed_svg};
 use crate::progress::Progress;
 use crate::say;
 use crate::say::verbatim;
 use crate::tell;
 
 /// What stands below the options.
-const AFTER: &str = "\
-Writes keyboard.csv, and keyboard.svg and keyboard.png: hammers, leads and touch weights over the number of the key. The touch
-weights are measured, key by key, in a slow loop with the dampers lifted. Every command takes a key of a keyboard as its
-instrument: erard measure concert-grand:key=1 concert-grand:key=88. Every key is pressed once with a mezzo forte, too: the
-hammer's speed, and whether the press can be trusted, are columns of the table.
-
-Of two keyboards it writes keyboard-1.csv and keyboard-2.csv, difference.csv (the second less the first), keyboard.json with all three,
-keyboard.svg and keyboard.png with both in every panel, and keyboard.html: the figure, and a row for every key.
-
-With --weigh it works on a piano's own keys: writes weigh.html (the work list, to be printed), weigh.csv and weigh.json, and weigh.svg and
-weigh.png. From BW + FW = KR WW + R SW (Stanwood 1996) come each key's ratio, friction and inertia; strike weights and ratios are smoothed
-over the keyboard; and for each key stand the leads, the strike weight or the move of the capstan that alone would give the target. A sample
-of keys is checked in the dynamic model.";
+const AFTER: &str = include_str!("help/keyboard.txt");
 
 /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument, or balances a piano's keys.
 #[derive(Debug, Args)]
@@ -73,7 +60,7 @@ impl Keyboard {
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
         drop(progress);
         let svg = weighed_svg(&keyboard.name, &weighed);
-        output.stage("keyboard.csv", |w| write_csv(&weighed, w))?;
+        output.table("keyboard.csv", &table(&weighed))?;
         output.figure("keyboard", &svg)?;
         let written = output.commit()?;
         say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
@@ -83,9 +70,7 @@ impl Keyboard {
             tell!("warning: {doubt}");
         }
         say!();
-        for path in written {
-            say!("{}", shown(&path));
-        }
+        say!("{written}");
         Ok(())
     }
 
@@ -129,9 +114,7 @@ impl Keyboard {
             }
         }
         say!();
-        for path in written {
-            say!("{}", shown(&path));
-        }
+        say!("{written}");
         Ok(())
     }
 }

@@ -12,19 +12,14 @@ use super::options::load_instrument;
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::identity;
-use crate::inputs::{self, shown};
+use crate::inputs;
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::summary::Summary;
 use crate::kinematics::{Shown, figures, table};
 use crate::{say, tell};
 
 /// What stands below the options.
-const AFTER: &str = "\
-Writes kinematics.csv, summary.json, and the figures sliding and leverage as SVG and PNG; with an instrument also
-leverage-dynamics, where a slow press of its dynamic model checks the geometry.
-
-Levers that cannot follow the key as far as asked end the program with code 2 and the key position where they stop; what
-they reach is written all the same.";
+const AFTER: &str = include_str!("help/kinematics.txt");
 
 /// Shows leverage and sliding over the key's travel, from the geometry alone.
 ///
@@ -150,8 +145,8 @@ impl Kinematics {
         let summary = Summary::new(&subject.design, !self.no_regulate, &cases, derived, agreement);
 
         let design = &subject.design;
-        output.stage("kinematics.csv", |w| table::write_csv(&cases, w))?;
-        output.json("summary.json", &summary)?;
+        output.table("kinematics.csv", &table::table(&cases))?;
+        output.json("summary.json", &summary.json)?;
         output.figure("sliding", &figures::sliding_svg(design, &cases, range))?;
         output.figure("leverage", &figures::leverage_svg(design, &cases, range))?;
         if let Some((press, agreement)) = &press {
@@ -163,9 +158,7 @@ impl Kinematics {
         say!("{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
         say!();
         say!("{summary}");
-        let names: Vec<String> =
-            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        say!("{written}");
         if unreached.is_empty() { Ok(()) } else { Err(Failure::Reach(unreached.join("\nerror: "))) }
     }
 

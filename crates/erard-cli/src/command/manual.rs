@@ -60,9 +60,7 @@ impl Man {
             for (name, command) in &pages {
                 output.stage(name, |w| Page::new(command.clone()).render(w))?;
             }
-            for path in output.commit()? {
-                say!("{}", crate::inputs::shown(&path));
-            }
+            say!("{}", output.commit()?);
             return Ok(());
         }
         let command = match &self.command {

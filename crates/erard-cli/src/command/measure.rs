@@ -7,7 +7,7 @@ use erard::instrument::Instrument;
 use erard::player;
 use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::advice::advise;
-use erard_workshop::cores::{self, Ending, do_all, job};
+use erard_workshop::cores::{self, Ending};
 use erard_workshop::measure::norms::{MIDDLE_C, lines as all_lines};
 use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
 use erard_workshop::regulate::Status;
@@ -24,16 +24,13 @@ use crate::measure::{Measured, doubts, page, table};
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
-use crate::sheet::{self, Advised, Report, tasks};
+use crate::sheet::{self, Advised, tasks};
 use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
 
 /// What stands below the options.
-const AFTER: &str = "\
-Weights are found twice, by trial with weights and from a slow loop; the strike-weight ratio by the equation of balance and
-by the geometry. Writes measure.json (of several instruments: a list), measure.html, and as SVG and PNG hysteresis, inertia,
-range, timing and a drawing of each action at rest.";
+const AFTER: &str = include_str!("help/measure.txt");
 
 /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
 ///
@@ -118,9 +115,8 @@ impl Measure {
         let page = page::html(&measured, &drawings, &figures, &self.headed, self.lengths);
         output.text("measure.html", &page)?;
         if self.sheet {
-            let reports: Vec<Report> = advised.iter().map(Report::new).collect();
             output.text("sheet.html", &sheet::html(&advised))?;
-            output.json("sheet.json", &reports)?;
+            output.json("sheet.json", &advised.iter().map(sheet::report).collect::<Vec<_>>())?;
         }
         let written = output.commit()?;
 
@@ -147,9 +143,7 @@ impl Measure {
             }
             say!();
         }
-        let names: Vec<String> =
-            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        say!("{written}");
         Ok(())
     }
 
@@ -189,12 +183,12 @@ impl Measure {
             Ok(found.unwrap_or_else(|| vec![None; lines.len()]))
         })?;
         bands::stage(&rows, &mut output)?;
-        output.commit()?;
+        let written = output.commit()?;
         say!("{} - values and bands over {count} samples", one.label);
         say!();
         bands::lines(&rows, count).iter().for_each(|line| say!("{line}"));
         say!();
-        say!("Written to {}: bands.csv, bands.json", shown(self.out.folder()));
+        say!("{written}");
         Ok(())
     }
 
@@ -207,34 +201,25 @@ impl Measure {
         let named = self.named(asked)?;
         let mut output = self.out.prepare("measure", &["measure.csv", "measure.json"])?;
         let mut progress = Progress::new("measuring");
-        let mut found: Vec<Option<Vec<Option<f64>>>> = vec![None; named.len()];
-        let jobs = found.iter_mut().zip(&named).map(|(place, one)| {
-            let lines = &lines;
-            job(place, move |progress| {
-                measure_some(&one.instrument, lines, progress).map_err(|error| Unmeasured::from((one, error)))
-            })
-        });
-        do_all(jobs.collect(), cores::count(), &mut |share| progress.tell(share))
+        let measure = |one: &Named, progress: &mut erard::Progress<'_>| {
+            measure_some(&one.instrument, &lines, progress).map_err(|error| Unmeasured::from((one, error)))
+        };
+        let found = cores::map(&named, cores::count(), &mut |share| progress.tell(share), measure)
             .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: error.error })?;
         drop(progress);
         let measured: Vec<MeasuredRow> = named
             .into_iter()
             .zip(found)
-            .map(|(one, values)| MeasuredRow {
-                label: one.label,
-                key: one.known_key,
-                values: values.unwrap_or_default(),
-            })
+            .map(|(one, values)| MeasuredRow { label: one.label, key: one.known_key, values })
             .collect();
-        let columns = rows::columns(&lines, &measured);
-        output.stage("measure.csv", |w| crate::table::write_optional_csv(&columns, w))?;
+        output.table("measure.csv", &rows::table(&lines, &measured))?;
         output.json("measure.json", &rows::json(&lines, &measured))?;
-        output.commit()?;
+        let written = output.commit()?;
         say!("{} measured", measured.len());
         say!();
         say!("{}", rows::text(&lines, &measured).trim_end_matches('\n'));
         say!();
-        say!("Written to {}: measure.csv, measure.json", shown(self.out.folder()));
+        say!("{written}");
         Ok(())
     }
 

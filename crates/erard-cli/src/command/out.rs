@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::failure::Failure;
+use crate::inputs::{self, shown};
 use crate::output::Output;
 
 /// What the default folder of every command begins with. It is the whole name for `press`.
@@ -45,4 +46,41 @@ pub(crate) fn with_default_folders(program: clap::Command) -> clap::Command {
             if is_folder { arg.default_value(own.clone()) } else { arg }
         })
     })
+}
+
+/// A file that belongs to the user, among others of theirs.
+pub(crate) struct OwnFile {
+    pub folder: PathBuf,
+    pub name: String,
+}
+
+impl OwnFile {
+    /// Where `--out` says; else here, named after the instrument with this `end`. `whose` file it is, messages say.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for a name that cannot be, or must not be replaced.
+    pub(crate) fn of(out: Option<&Path>, asked: &str, end: &str, whose: &str, force: bool) -> Result<Self, Failure> {
+        let named = || {
+            let stem = Path::new(asked).file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("{}{end}", stem.replace([':', '='], "-")))
+        };
+        let file = out.map_or_else(named, Path::to_path_buf);
+        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
+        let extension = end.rsplit('.').next().unwrap_or_default();
+        if file.is_dir() {
+            return wrong(&format!("is a folder; --out takes the name of the {whose} file"));
+        }
+        if file.extension().is_none_or(|own| !own.eq_ignore_ascii_case(extension)) {
+            return wrong(&format!("the {whose} file ends in .{extension}"));
+        }
+        if inputs::is_one(&file) {
+            return wrong("is the instrument itself, which is never replaced; give another name with --out");
+        }
+        if file.exists() && !force {
+            return wrong("exists; give another name with --out, or --force to replace it");
+        }
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(OwnFile { folder: folder.to_path_buf(), name })
+    }
 }

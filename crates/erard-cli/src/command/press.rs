@@ -17,13 +17,12 @@ use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
-use crate::inputs::shown;
 use crate::inside::{self, LossReport, losses_svg, reactions_svg};
 use crate::progress::Progress;
 use crate::say;
 use crate::spectrogram::spectrogram_svg;
-use crate::summary::Summary;
-use crate::table;
+use crate::summary::{MEASURES, Measure, Summary, value};
+use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::run_svg;
 use erard_figures::page::{Shown, page_html};
@@ -140,10 +139,10 @@ impl Press {
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
         let shown_run = Shown { pins: &pins, changed, ..Shown::new(instrument, &run) };
         let page = page_html(&shown_run, &stroke.title, &summary.lines());
-        let more = inside::columns(&pins);
-        output.stage("run.csv", |w| table::write_csv(&run, &more, w))?;
-        output.stage("run.parquet", |w| table::write_parquet(&run, &more, w))?;
-        output.json("summary.json", &summary)?;
+        let table = Table::of_run(&run, inside::columns(&pins));
+        output.table("run.csv", &table)?;
+        output.stage("run.parquet", |w| table.write_parquet("run", w))?;
+        output.json("summary.json", &summary.json)?;
         output.figure("run", &svg)?;
         output.text("run.html", &page)?;
         let title = format!("{} - {}", run.instrument, stroke.title);
@@ -183,33 +182,32 @@ impl Press {
             say!();
         }
         if let Some(report) = lost {
-            for line in report.lines() {
-                say!("{line}");
-            }
-            say!();
+            say!("{}", report.table());
         }
         if let Some((name, sound)) = &sound {
             say!("{name} is the force on the bridge, {:.2} N at most, not a piano; steps of 1/96000 s", sound.peak_n());
             say!();
         }
-        let names: Vec<String> =
-            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
         for warning in &summary.warnings {
             tell!("warning: not to be trusted: {warning}");
         }
-        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        say!("{written}");
         Ok(())
     }
 
     /// What happened, with its bands over samples of the instrument.
     fn banded(&self, own: &Summary, stroke: &Stroke, setup: &Setup, count: u32) -> Result<Vec<BandRow>, Failure> {
-        let names: Vec<bands::Named> =
-            Summary::EVENTS.iter().map(|(name, unit, _)| ((*name).to_owned(), (*unit).to_owned())).collect();
-        let values = |summary: &Summary| Summary::EVENTS.iter().map(|(_, _, value)| value(summary)).collect::<Vec<_>>();
+        // The key of the summary, its unit that of the table.
+        let name = |&(key, _, factor, unit, _): &Measure| match key.rsplit_once('_') {
+            Some((stem, _)) if factor != 1.0 => (format!("{stem}_{unit}"), unit.to_owned()),
+            _ => (key.to_owned(), unit.to_owned()),
+        };
+        let names: Vec<bands::Named> = MEASURES.iter().map(name).collect();
+        let values = |summary: &Summary| MEASURES.iter().map(|one| value(&summary.json, one)).collect::<Vec<_>>();
         let names_of = [self.instrument.model.name(), drive_name(stroke, setup), self.step.solver_name()];
         let model = self.instrument.model;
         bands::bands(self.instrument.first(), count, &names, &values(own), None, |instrument, _, progress| {
-            let none = || vec![None; Summary::EVENTS.len()];
+            let none = || vec![None; MEASURES.len()];
             let Ok(instrument) = model.reduce(instrument.clone()) else { return Ok(none()) };
             let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(none()) };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
@@ -267,9 +265,7 @@ impl Press {
                 tell!("warning: {name}: not to be trusted: {warning}");
             }
         }
-        let names: Vec<String> =
-            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", shown(self.out.folder()), names.join(", "));
+        say!("{written}");
         Ok(())
     }
 }

@@ -10,8 +10,8 @@ use serde_json::{Map, Value, json};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::say;
-use crate::summary::Summary;
-use crate::table;
+use crate::summary::{MEASURES, Measure, Summary, value};
+use crate::table::Table;
 
 /// What is written; the tables of the two runs are numbered.
 pub(crate) const FILES: [&str; 8] =
@@ -32,21 +32,6 @@ pub(crate) struct Played<'a> {
     pub summary: Summary,
 }
 
-/// A number of a run: its JSON key, its name, the value of the JSON in the table's unit, that unit, and decimals.
-type Measure = (&'static str, &'static str, f64, &'static str, usize);
-const MEASURES: [Measure; 10] = [
-    ("hammer_speed_m_s", "hammer speed at the string", 1.0, "m/s", 3),
-    ("key_start_s", "key start", 1e3, "ms", 2),
-    ("toe_contact_s", "jack toe at let-off button", 1e3, "ms", 2),
-    ("let_off_s", "let-off", 1e3, "ms", 2),
-    ("hammer_contact_s", "hammer contact", 1e3, "ms", 2),
-    ("free_flight_s", "free flight", 1e3, "ms", 2),
-    ("key_bottom_s", "key bottom", 1e3, "ms", 2),
-    ("check_s", "check", 1e3, "ms", 2),
-    ("peak_force_N", "peak finger force", 1.0, "N", 2),
-    ("drive_work_J", "work of the finger", 1e3, "mJ", 2),
-];
-
 /// What the two are called: by what differs, the instrument or the stroke.
 pub(crate) fn names(played: &[Played<'_>; 2]) -> [String; 2] {
     let [a, b] = played;
@@ -65,22 +50,15 @@ fn title(played: &[Played<'_>; 2]) -> String {
     format!("{} beside {}: {common}", names[0], names[1])
 }
 
-/// The value of a measure in a run, in the table's unit; `None` where it did not happen.
-fn value(summary: &Value, (key, _, factor, ..): &Measure) -> Option<f64> {
-    summary.get(key)?.as_f64().map(|value| value * factor)
-}
-
-fn json_of(played: &[Played<'_>; 2]) -> Result<[Value; 2], Failure> {
-    let of =
-        |one: &Played<'_>| serde_json::to_value(&one.summary).map_err(|error| Failure::Internal(error.to_string()));
-    Ok([of(&played[0])?, of(&played[1])?])
+fn json_of<'p>(played: &'p [Played<'_>; 2]) -> [&'p Value; 2] {
+    [&played[0].summary.json, &played[1].summary.json]
 }
 
 /// Rows of name, first, second and second less first.
-fn rows(summaries: &[Value; 2]) -> Vec<(String, [String; 3])> {
+fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
     let row = |measure: &Measure| {
         let (_, name, _, unit, decimals) = measure;
-        let values = [0, 1].map(|index| value(&summaries[index], measure));
+        let values = [0, 1].map(|index| value(summaries[index], measure));
         if values == [None, None] {
             return None;
         }
@@ -99,19 +77,20 @@ fn rows(summaries: &[Value; 2]) -> Vec<(String, [String; 3])> {
 
 /// Stages the page, the figure, the tables and the numbers.
 pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failure> {
-    let (names, title, summaries) = (names(played), title(played), json_of(played)?);
+    let (names, title, summaries) = (names(played), title(played), json_of(played));
     for (one, tables) in played.iter().zip([["run-1.csv", "run-1.parquet"], ["run-2.csv", "run-2.parquet"]]) {
-        output.stage(tables[0], |w| table::write_csv(&one.run, &[], w))?;
-        output.stage(tables[1], |w| table::write_parquet(&one.run, &[], w))?;
+        let table = Table::of_run(&one.run, Vec::new());
+        output.table(tables[0], &table)?;
+        output.stage(tables[1], |w| table.write_parquet("run", w))?;
     }
     let mut difference = Map::new();
     for measure in &MEASURES {
         let (key, _, factor, ..) = measure;
-        let values = [0, 1].map(|index| value(&summaries[index], measure));
+        let values = [0, 1].map(|index| value(summaries[index], measure));
         let second_less_first = values[0].zip(values[1]).map(|(a, b)| (b - a) / factor);
         difference.insert((*key).to_owned(), json!(second_less_first));
     }
-    let rows = rows(&summaries);
+    let rows = rows(summaries);
     let both = json!({"names": names, "runs": summaries, "difference": difference});
     output.json("summary.json", &both)?;
     let svg = pair_svg(&title, [(&names[0], &played[0].run), (&names[1], &played[1].run)]);
@@ -135,11 +114,7 @@ pub(crate) fn tell(played: &[Played<'_>; 2]) {
     let names = names(played);
     say!("{}", title(played));
     say!();
-    let Ok(summaries) = json_of(played) else { return };
-    let wide = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(14) + 2;
-    say!("  {:<28}{:>wide$}{:>wide$}{:>14}", "", names[0], names[1], "difference");
-    for (name, [first, second, difference]) in rows(&summaries) {
-        say!("  {name:<28}{first:>wide$}{second:>wide$}{difference:>14}");
-    }
-    say!();
+    let rows = rows(json_of(played)).into_iter().map(|(name, cells)| [vec![name], cells.to_vec()].concat());
+    let heads = [String::new()].into_iter().chain(names).chain(["difference".to_owned()]);
+    say!("{}", Table::of(heads, rows));
 }

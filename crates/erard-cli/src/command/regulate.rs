@@ -12,30 +12,16 @@ use erard_workshop::regulate::{
 };
 
 use super::options::load_instrument_and_text;
+use super::out::OwnFile;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::regulate::{Report, Shown, shown_value, turned_text};
+use crate::regulate::{Shown, misses, report, shown_value, turned_text};
 use crate::units::Lengths;
 use crate::{say, tell};
 
 /// What stands below the options.
-const AFTER: &str = "\
-Without any goal the trade's norms are asked for: jack position 1.5 mm, lever height 0.1 mm, blow 46 mm, dip 10 mm, let-off
-1.5 mm, drop 1.5 mm, check 15 mm, spring 250 mm/s, damper 50 %. Values are in mm (or cm, m, in), mm/s (or m/s), and %.
-
-How it is measured: a slow finger (2 mm/s) for blow, dip (under 5 N), let-off, drop (the key held where it lets off) and
-damper; a blow of 4 N for the check distance, and then the key let up until the check lets go for rise and spring (the
-largest speed of the hammer's rise). A goal counts as met within 0.05 mm, 2 % of the spring, 1 % of the dip; lever height
-within 0.02 mm.
-
-Afterwards soft notes (constant forces of 0.7 to 1.3 N) are tried: a hammer that the repetition spring throws back against the
-string faster than 0.15 m/s is told, and how to cure it; the report's double_strike_m_s says it before and after.
-
-Writes the new instrument file, the same text but for the settings of its screws, and beside it a report of the same name that
-ends in .json. Neither replaces an existing file without --force, and the instrument itself is never replaced. Goals that the geometry cannot meet are named with
-the nearest that can be: the nearest is written, and the exit code is 1.";
+const AFTER: &str = include_str!("help/regulate.txt");
 
 /// Turns an instrument's screws until its action meets a specification.
 ///
@@ -123,13 +109,10 @@ impl Regulate {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let specification = self.specification()?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
-        let file = self.file()?;
-        let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let Some(name) = file.file_name().map(|n| n.to_string_lossy().into_owned()) else {
-            return Err(Failure::Usage(format!("--out {}: expected the name of a file", shown(&file))));
-        };
-        let report_name = file.with_extension("json").file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut output = Output::files(folder, self.force, &[&name, &report_name])?;
+        let (out, asked) = (self.out.as_deref(), &self.instrument);
+        let OwnFile { folder, name } = OwnFile::of(out, asked, "-regulated.toml", "new instrument's", self.force)?;
+        let report_name = Path::new(&name).with_extension("json").to_string_lossy().into_owned();
+        let mut output = Output::files(&folder, self.force, &[&name, &report_name])?;
 
         let mut progress = Progress::new("measuring");
         let mut tell = |status: &Status| {
@@ -162,10 +145,10 @@ impl Regulate {
         drop(progress);
 
         let new_text = regulated.rewrite(&text).map_err(|e| Failure::Internal(e.to_string()))?;
-        let report = Report::new(&regulated, soft, &self.instrument, &name, elapsed);
+        let report = report(&regulated, soft, &self.instrument, &name, elapsed);
         output.text(&name, &new_text)?;
         output.json(&report_name, &report)?;
-        output.commit()?;
+        let written = output.commit()?;
 
         say!(
             "{} - regulated in {} {}, {} simulations, {:.1} s",
@@ -190,8 +173,8 @@ impl Regulate {
                 say!("{line}");
             }
         }
-        say!("Written to {}: {name}, {report_name}", shown(folder));
-        match report.misses() {
+        say!("{written}");
+        match misses(&regulated) {
             misses if misses.is_empty() => Ok(()),
             mut misses => {
                 misses.extend(help.map(|followed| must_follow(&specification, &followed, self.lengths)));
@@ -214,30 +197,6 @@ impl Regulate {
             specification.extend(Goal::norms().into_iter().filter(|(goal, _)| !given.contains(goal)));
         }
         Ok(specification)
-    }
-
-    /// Where the new instrument goes: a file that may be written.
-    fn file(&self) -> Result<PathBuf, Failure> {
-        let file = self.out.clone().unwrap_or_else(|| {
-            let stem = Path::new(&self.instrument).file_stem().unwrap_or_default().to_string_lossy();
-            // A key of a keyboard, `concert-grand:key=88`, is named by signs that file names do without.
-            let stem = stem.replace([':', '='], "-");
-            PathBuf::from(format!("{stem}-regulated.toml"))
-        });
-        let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
-        if file.is_dir() {
-            return wrong("is a folder; --out takes the name of the new instrument file");
-        }
-        if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
-            return wrong("an instrument file's name ends in .toml");
-        }
-        if inputs::is_one(&file) {
-            return wrong("is the instrument itself, which is never replaced; give another name with --out");
-        }
-        if file.exists() && !self.force {
-            return wrong("exists; give another name with --out, or --force to replace it");
-        }
-        Ok(file)
     }
 }
 

@@ -18,9 +18,7 @@ mod built_in {
 }
 
 /// What stands below the options.
-const AFTER: &str = "\
-The page computes in the browser, and needs no network. It is looked for in the command itself, in the folder `studio` beside it, in
-../share/erard/studio, and in studio/dist of the project's source. Who has that builds it: studio/build";
+const AFTER: &str = include_str!("help/studio.txt");
 
 /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
 #[derive(Debug, Args)]

@@ -4,7 +4,7 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::player::Input;
 use erard::run::Setup;
-use erard_workshop::cores::{self, do_all, job};
+use erard_workshop::cores;
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
 use erard_workshop::sample::SampleError;
@@ -18,28 +18,16 @@ use super::options::{
 use super::out::OutOptions;
 use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
-use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::say;
 use crate::study::sensitivities as sensitive;
-use crate::study::{Axis, GRADING, Row, Source, Target, chart, columns, doubts, lines};
-use crate::table;
+use crate::study::{Axis, Column, GRADING, Row, Source, Target, chart, columns, doubts, shown, table_of};
+use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::chart_svg;
 
 /// What stands below the options.
-const AFTER: &str = "\
-Screws are turned from where the file has them (mm, degrees or N mm); `body.hammer.mass`, `body.key.friction`,
-`spring.repetition.torque`, `zone.string.stiffness`, `zone.check.damping` and `zone.check.friction` are multiplied by the values;
-`force` is a constant force from the start on. `key=1..88` plays the keys of a keyboard (--instrument names it). Any number of the file is
-varied by its path, in the file's unit: `body.hammer.mass_g=10..12:5`, `zone.capstan_heel.disc.center_mm.x=140,145`. Beside keys, or on one key (--instrument concert-grand:key=88), a
-keyboard's own gradings are varied: `grading.hammer head=0..1:5` by how much of it there is, `grading.hammer head.88=-3g,-2g` at a point. A name that does not exist is answered with all that do. Of several --vary
-every combination is played, the last one fastest.
-
-Strokes that are alike but for numbers are simulated side by side in the lanes of the processor's vectors, and on all its
-cores; each comes out as `press` would compute it. Writes study.csv and study.parquet (what was varied, then instants in
-s, the hammer's speed in m/s, what --measure asks for, whether the stroke failed, and whether it can be trusted), and study.svg and study.png where there are
-at most six curves.";
+const AFTER: &str = include_str!("help/study.txt");
 
 /// Plays a stroke on many variants of an instrument: a parameter study.
 #[derive(Debug, Args)]
@@ -137,22 +125,19 @@ impl Study {
             }
             None => Vec::new(),
         };
-        output.stage("study.csv", |w| table::write_optional_csv(&columns, w))?;
-        output.stage("study.parquet", |w| table::write_optional_parquet("study", &columns, w))?;
-        let mut written = vec!["study.csv", "study.parquet"];
+        let table = table_of(&columns);
+        output.table("study.csv", &table)?;
+        output.stage("study.parquet", |w| table.write_parquet("study", w))?;
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let svg = chart_svg(&chart, "study");
             output.figure("study", &svg)?;
-            written.extend(["study.svg", "study.png"]);
         }
-        output.commit()?;
+        let written = output.commit()?;
 
         say!("{title}");
         say!();
-        for line in lines(&axes, &measures, &rows, self.rows) {
-            say!("{line}");
-        }
+        say!("{}", shown(&axes, &measures, &rows, self.rows).to_string().trim_end_matches('\n'));
         if rows.len() > self.rows {
             say!();
             say!("{} of {} rows; --rows all prints every one, and study.csv holds them", self.rows, rows.len());
@@ -167,7 +152,7 @@ impl Study {
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
         say!("{} strokes; {failed} failed", rows.len());
-        say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
+        say!("{written}");
         Ok(())
     }
 
@@ -175,7 +160,7 @@ impl Study {
     fn banded(
         &self,
         varied: &Varied<'_>,
-        columns: &[(String, Vec<Option<f64>>)],
+        columns: &[Column],
         measures: &[&'static Line],
         stroke: &Stroke,
         setup: &Setup,
@@ -193,7 +178,7 @@ impl Study {
                 "{strokes} strokes; expected {MOST} at most: give fewer values or samples"
             )));
         }
-        let flat = |columns: &[(String, Vec<Option<f64>>)]| -> Vec<Option<f64>> {
+        let flat = |columns: &[Column]| -> Vec<Option<f64>> {
             let results = results(columns, axes.len());
             (0..columns[0].1.len()).flat_map(|row| results.iter().map(move |(_, values)| values[row])).collect()
         };
@@ -247,10 +232,10 @@ impl Study {
         let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));
         let found = sensitive::find(&instrument, by, of, &inputs, &setup)?;
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
-        output.stage("sensitivities.csv", |w| sensitive::write_csv(&found, w))?;
+        output.table("sensitivities.csv", &Table::of_records(&sensitive::rows(&found))?)?;
         output.json("sensitivities.json", &sensitive::report(&found, &instrument.name, &stroke.title))?;
         output.figure("sensitivities", &sensitive::figure(&found, &title))?;
-        output.commit()?;
+        let written = output.commit()?;
 
         say!("{title}");
         say!();
@@ -262,7 +247,7 @@ impl Study {
         if switches > 0 {
             say!("{switches} switches of friction on the way, {unresolved} of them not told apart");
         }
-        say!("Written to {}: {}", shown(self.out.folder()), files.join(", "));
+        say!("{written}");
         Ok(())
     }
 
@@ -360,7 +345,7 @@ fn play_all_rows(
 }
 
 /// Columns that bands are of: what came of a stroke, not what was varied, nor how well it was computed.
-fn results(columns: &[(String, Vec<Option<f64>>)], varied: usize) -> &[(String, Vec<Option<f64>>)] {
+fn results(columns: &[Column], varied: usize) -> &[Column] {
     &columns[varied..columns.len() - OF_THE_SOLUTION]
 }
 
@@ -373,11 +358,7 @@ const SHOWN_BANDS: usize = 12;
 type BandEnd = fn(&BandRow) -> Option<f64>;
 
 /// The bands as columns beside those that they are of.
-fn band_columns(
-    columns: &[(String, Vec<Option<f64>>)],
-    varied: usize,
-    found: &[BandRow],
-) -> Vec<(String, Vec<Option<f64>>)> {
+fn band_columns(columns: &[Column], varied: usize, found: &[BandRow]) -> Vec<Column> {
     let results = results(columns, varied);
     let of = |index: usize, end: BandEnd| found.iter().skip(index).step_by(results.len()).map(end).collect();
     let ends: [(&str, BandEnd); 2] = [("5", |row| row.low), ("95", |row| row.high)];
@@ -472,17 +453,16 @@ fn measure_portion(
     if measures.is_empty() {
         return Ok(vec![Ok(Vec::new()); played.variants.len()]);
     }
-    let mut found: Vec<Option<Values>> = vec![None; played.instruments.len()];
-    let jobs = found.iter_mut().zip(&played.instruments).map(|(place, instrument)| {
-        job(place, move |progress| match measure_some(instrument, measures, progress) {
-            Err(error) if error.is_interruption() => Err(error),
-            values => Ok(values.map_err(|error| error.to_string())),
-        })
-    });
-    do_all(jobs.collect(), cores::count(), progress)
+    let measure = |instrument: &Instrument, progress: &mut erard::Progress<'_>| match measure_some(
+        instrument, measures, progress,
+    ) {
+        Err(error) if error.is_interruption() => Err(error),
+        values => Ok(values.map_err(|error| error.to_string())),
+    };
+    let found = cores::map(&played.instruments, cores::count(), progress, measure)
         .map_err(|error| Failure::Measure { label: "a variant".into(), error })?;
     let of = |place: &Result<usize, String>| match place {
-        Ok(place) => found[*place].clone().unwrap_or_else(|| Err("no result".to_owned())),
+        Ok(place) => found[*place].clone(),
         Err(why) => Err(why.clone()),
     };
     Ok(played.variants.iter().map(of).collect())

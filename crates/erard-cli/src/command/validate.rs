@@ -4,10 +4,9 @@ use super::options::{KeyboardKey, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
-use crate::inputs::shown;
 use crate::progress::Progress;
 use crate::say;
-use crate::table::{three, write_records};
+use crate::table::{Table, three};
 use clap::Args;
 use erard::instrument_spec::split_sample;
 use erard::keyboard::Keyboard;
@@ -16,14 +15,7 @@ use erard_workshop::validate::{Drive, GroupResult, PressedBlow, Published, Row, 
 use serde::Serialize;
 
 /// What stands below the options.
-const AFTER: &str = "\
-A row is met where the simulated value lies in the published range; where a source gives one number, the range around it is
-ours, and the table (validation/published.toml) says so. Rows that are set say what the instrument was built, weighed or
-regulated to; rows that are predicted test the model. Both are counted apart, in groups that do not depend on one another.
-Rows on the order of events are played by a hand; what a constant force gives
-stands beside them and does not count. Rows on strings are played on an instrument with strings, those of other keys than middle C on its keyboard: the
-built-in one of the instrument's name, or that of FILE:key=40. Misses are shown as misses, with the likely reason. Writes
-validate.json, validate.csv, and the order of events against loudness as SVG and PNG.";
+const AFTER: &str = include_str!("help/validate.txt");
 
 /// Holds an instrument against what has been measured on real pianos.
 #[derive(Debug, Args)]
@@ -72,9 +64,9 @@ impl Validate {
             report.take_bands(bands, &published);
         }
         output.json("validate.json", &report)?;
-        output.stage("validate.csv", |w| write_records(&report.rows, w))?;
+        output.table("validate.csv", &Table::of_records(&report.rows)?)?;
         output.figure("order-of-events", &svg)?;
-        output.commit()?;
+        let written = output.commit()?;
 
         say!("{} beside measured pianos", validation.instrument);
         say!();
@@ -94,10 +86,7 @@ impl Validate {
         }
         say!("{} that the model cannot speak to, {} for which nothing published was found", report.silent, report.open);
         say!();
-        say!(
-            "Written to {}: validate.json, validate.csv, order-of-events.svg, order-of-events.png",
-            shown(self.out.folder())
-        );
+        say!("{written}");
         match report.missed {
             missed if missed > 0 && self.fail_on_miss => {
                 let names: Vec<&str> = report
@@ -358,50 +347,38 @@ impl Validate {
 fn print_groups(groups: &[GroupReport]) {
     let share =
         |tally: TallyReport| if tally.judged == 0 { "-".into() } else { format!("{}/{}", tally.met, tally.judged) };
-    say!("  {:<32} {:>10} {:>10} {:>8}", "", "predicted", "set", "z");
-    for group in groups {
+    let cells = groups.iter().map(|group| {
         let z = group.z.map_or_else(|| "-".into(), |z| format!("{z:.2}"));
-        say!("  {:<32} {:>10} {:>10} {z:>8}", group.title, share(group.predicted), share(group.set));
-    }
-    say!();
+        [group.title.clone(), share(group.predicted), share(group.set), z]
+    });
+    say!("{}", Table::of(["", "predicted", "set", "z"], cells));
 }
 
 fn print_table(rows: &[RowReport]) {
     let banded = rows.iter().any(|row| row.band_low.is_some());
-    let band = |row: Option<&RowReport>| match row {
-        _ if !banded => String::new(),
-        None => format!(" {:>19}", "5 to 95 %"),
-        Some(row) => match (row.band_low, row.band_high) {
-            (Some(low), Some(high)) => format!(" {:>19}", format!("{} to {}", three(low), three(high))),
-            _ => format!(" {:>19}", ""),
-        },
-    };
-    say!("  {:<55} {:>30} {:>19} {:>10}{}  verdict", "", "published", "counts as met", "simulated", band(None));
-    let mut group = "";
+    let heads = ["", "published", "counts as met", "simulated", "5 to 95 %", "verdict"];
+    let mut group = rows.first().map_or("", |row| row.group);
+    let mut cells: Vec<[String; 6]> = Vec::new();
     for row in rows {
-        let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
+        if row.group != group {
+            cells.push(Default::default());
+            group = row.group;
+        }
         let by = row.missed_by.map_or_else(String::new, |by| {
             format!(" by {} {}", three(by.abs()), row.unit).trim_end().to_owned()
                 + if by < 0.0 { " (too low)" } else { " (too high)" }
         });
-        let beside =
-            row.constant_force.map_or_else(String::new, |x| format!("  ({} under a constant force)", three(x)));
-        if row.group != group {
-            say!();
-            group = row.group;
-        }
         let set = if row.set_by.is_some() { ", set" } else { "" };
-        say!(
-            "  {:<55} {:>30} {:>19} {:>10}{}  {}{by}{set}{beside}",
-            row.quantity,
-            row.published,
-            row.counts(),
-            simulated,
-            band(Some(row)),
-            row.verdict
-        );
+        let beside = row.constant_force.map_or_else(String::new, |x| format!(" ({} under a constant force)", three(x)));
+        let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
+        let band = row.band_low.zip(row.band_high);
+        let band = band.map_or_else(String::new, |(low, high)| format!("{} to {}", three(low), three(high)));
+        let verdict = format!("{}{by}{set}{beside}", row.verdict);
+        cells.push([row.quantity.to_owned(), row.published.clone(), row.counts(), simulated, band, verdict]);
     }
-    say!();
+    let shown = |column: &usize| banded || heads[*column] != "5 to 95 %";
+    let of = |row: &[String; 6]| (0..6).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
+    say!("{}", Table::of((0..6).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
     for row in rows.iter().filter(|row| row.verdict != MET) {
         say!("  {}: {}", row.quantity, row.likely_reason.unwrap_or("no reason is known"));
     }

@@ -3,20 +3,21 @@
 use std::path::Path;
 
 use clap::Args;
+use erard::instrument::Instrument;
 use erard::instrument::utf8;
 use erard::keyboard::{KEYS, Keyboard};
 use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, Target, check, plan, read};
-use erard_workshop::cores::{self, do_all, job};
+use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
 
 use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs;
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
 use crate::units::Lengths;
-use crate::weigh::{Report, Work, html, text, weighed_svg, write_csv};
+use crate::weigh::{Work, html, report, table, text, weighed_svg};
 
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
@@ -64,13 +65,10 @@ impl WeighOptions {
         let failed = |error: MeasureError| Failure::Measure { label: keyboard.name.clone(), error };
 
         let mut progress = Progress::new("weighing");
-        let mut models: Vec<Option<KeyModel>> = vec![None; KEYS];
-        let jobs = models.iter_mut().zip(&instruments).map(|(place, one)| job(place, move |_| KeyModel::of(one)));
-        do_all(jobs.collect(), cores::count(), &mut |share| progress.tell(0.3 * share)).map_err(failed)?;
-        let models: Option<Vec<KeyModel>> = models.into_iter().collect();
-        let models: Box<[KeyModel; KEYS]> = models
-            .and_then(|models| models.into_boxed_slice().try_into().ok())
-            .ok_or_else(|| failed(MeasureError::Lost))?;
+        let model = |one: &Instrument, _: &mut erard::Progress<'_>| KeyModel::of(one);
+        let models = cores::map(&instruments, cores::count(), &mut |share| progress.tell(0.3 * share), model);
+        let models = models.map_err(failed)?.into_boxed_slice();
+        let models: Box<[KeyModel; KEYS]> = models.try_into().map_err(|_| failed(MeasureError::Lost))?;
         let Some(plan) = plan(&measured, &models, target, &leads_g) else {
             let why = "no key has both a down-weight and an up-weight; expected --target balance=38g";
             return Err(Failure::Usage(format!("{file}: {why}")));
@@ -93,8 +91,8 @@ impl WeighOptions {
         };
         let svg = weighed_svg(&work);
         let page = html(&work, &svg);
-        output.stage("weigh.csv", |w| write_csv(&work, w))?;
-        output.json("weigh.json", &Report::new(&work))?;
+        output.table("weigh.csv", &table(&work))?;
+        output.json("weigh.json", &report(&work))?;
         output.text("weigh.html", &page)?;
         output.figure("weigh", &svg)?;
         let written = output.commit()?;
@@ -102,9 +100,7 @@ impl WeighOptions {
         say!();
         say!("{}", text(&work).trim_end_matches('\n'));
         say!();
-        let names: Vec<String> =
-            written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-        say!("Written to {}: {}", shown(out.folder()), names.join(", "));
+        say!("{written}");
         Ok(())
     }
 

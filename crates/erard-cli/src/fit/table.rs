@@ -1,11 +1,9 @@
 //! The report for people, and the curves as a table.
 
-use std::io::Write;
-
 use erard_workshop::fit::{Channel, FitResult, Problem};
 
 use super::values::unit_shown;
-use crate::table::write_optional_csv;
+use crate::table::Table;
 
 /// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point; `None` where only powers of ten do.
 fn decimals(value: f64, error: f64) -> Option<usize> {
@@ -51,19 +49,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         let [low, high] = bounds;
         [one.name.clone(), number(value), number(std), number(one.value), low, high, unit.to_owned(), end.to_owned()]
     });
-    let rows: Vec<[String; 8]> = std::iter::once(head).chain(rows).collect();
-    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-    for row in &rows {
-        let cells: Vec<String> = row
-            .iter()
-            .enumerate()
-            .map(|(k, cell)| {
-                let wide = width(k);
-                if (1..6).contains(&k) { format!("{cell:>wide$}") } else { format!("{cell:<wide$}") }
-            })
-            .collect();
-        lines.push(format!("  {}", cells.join("  ")).trim_end().to_owned());
-    }
+    lines.extend(Table::of(head, rows).to_string().lines().map(str::to_owned));
     lines.push(String::new());
     for (k, (recording, column)) in problem.channels().enumerate() {
         let (by, unit) = if column == "force_N" { (1e3, "mN") } else { (1e6, "um") };
@@ -99,38 +85,33 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     lines
 }
 
-/// Every recording's curves, one below the other: what was measured, what was fitted, and what is left over in units of the noise.
-///
-/// # Errors
-/// Of the writer.
-pub(crate) fn write_csv(channels: &[Channel], recordings: usize, writer: &mut dyn Write) -> std::io::Result<()> {
+/// fit.csv: every recording's samples, one below the other.
+pub(crate) fn table(channels: &[Channel], recordings: usize) -> Table<'static> {
     let mut names: Vec<&str> = channels.iter().map(|channel| channel.column).collect();
     names.sort_unstable();
     names.dedup();
-    let mut columns: Vec<(String, Vec<Option<f64>>)> =
-        vec![("recording".into(), Vec::new()), ("time_s".into(), Vec::new())];
-    for name in &names {
-        columns.extend(["measured_", "fitted_"].map(|what| (format!("{what}{name}"), Vec::new())));
-        // In units of the noise it has no unit of its own.
-        let bare = name.rsplit_once('_').map_or(*name, |(bare, _)| bare);
-        columns.push((format!("left_over_{bare}"), Vec::new()));
+    let own = |recording: usize| channels.iter().filter(move |channel| channel.recording == recording);
+    let rows: Vec<(usize, usize, f64)> = (0..recordings)
+        .filter_map(|recording| Some((recording, own(recording).next()?)))
+        .flat_map(|(recording, first)| first.time_s.iter().enumerate().map(move |(row, time)| (recording, row, *time)))
+        .collect();
+    let mut table = Table::default()
+        .optional("recording", rows.iter().map(|(recording, ..)| Some(*recording as f64 + 1.0)))
+        .optional("time_s", rows.iter().map(|(.., time_s)| Some(*time_s)));
+    for name in names {
+        let column = |get: fn(&Channel, usize) -> f64| {
+            let cell = |(recording, row, _): &(usize, usize, f64)| {
+                own(*recording).find(|channel| channel.column == name).map(|channel| get(channel, *row))
+            };
+            rows.iter().map(cell).collect::<Vec<_>>()
+        };
+        let bare = name.rsplit_once('_').map_or(name, |(bare, _)| bare);
+        table = table
+            .optional(format!("measured_{name}"), column(|c, row| c.measured[row]))
+            .optional(format!("fitted_{name}"), column(|c, row| c.fitted[row]))
+            .optional(format!("left_over_{bare}"), column(|c, row| (c.fitted[row] - c.measured[row]) / c.sigma));
     }
-    for recording in 0..recordings {
-        let own: Vec<&Channel> = channels.iter().filter(|channel| channel.recording == recording).collect();
-        let Some(first) = own.first() else { continue };
-        for (row, time_s) in first.time_s.iter().enumerate() {
-            columns[0].1.push(Some(recording as f64 + 1.0));
-            columns[1].1.push(Some(*time_s));
-            for (k, name) in names.iter().enumerate() {
-                let channel = own.iter().find(|channel| channel.column == *name);
-                let of = |get: &dyn Fn(&Channel) -> f64| channel.map(|channel| get(channel));
-                columns[2 + 3 * k].1.push(of(&|c| c.measured[row]));
-                columns[3 + 3 * k].1.push(of(&|c| c.fitted[row]));
-                columns[4 + 3 * k].1.push(of(&|c| (c.fitted[row] - c.measured[row]) / c.sigma));
-            }
-        }
-    }
-    write_optional_csv(&columns, writer)
+    table
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@ use erard::instrument::Instrument;
 use erard::player::Losses;
 use serde::Serialize;
 
+use crate::table::Table;
+
 /// Where the energy went, largest loss first.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
@@ -56,32 +58,17 @@ impl LossReport {
         LossReport { instrument: instrument.name.clone(), total_J: total, losses: all.into_iter().map(of).collect() }
     }
 
-    /// The table.
-    pub(crate) fn lines(&self) -> Vec<String> {
-        let mut lines = vec![format!(
-            "  {:<34}{:>12}{:>14}{:>10}{:>8}",
-            "where the energy goes", "friction mJ", "felt, oil mJ", "all mJ", "share"
-        )];
-        let rows = self.losses.iter().filter(|loss| loss.loss_J > 0.0).map(|loss| {
-            format!(
-                "  {:<34}{:>12.3}{:>14.3}{:>10.3}{:>7.1} %",
-                loss.label,
-                loss.dry_J * 1e3,
-                loss.viscous_or_felt_J * 1e3,
-                loss.loss_J * 1e3,
-                loss.share * 100.0
-            )
-        });
-        lines.extend(rows);
-        let of = |part: fn(&Loss) -> f64| self.losses.iter().map(part).sum::<f64>() * 1e3;
-        lines.push(format!(
-            "  {:<34}{:>12.3}{:>14.3}{:>10.3}{:>7.1} %",
-            "all",
-            of(|loss| loss.dry_J),
-            of(|loss| loss.viscous_or_felt_J),
-            self.total_J * 1e3,
-            100.0
-        ));
-        lines
+    /// For people: what loses anything, and all of it.
+    pub(crate) fn table(&self) -> Table<'static> {
+        let heads = ["where the energy goes", "friction mJ", "felt, oil mJ", "all mJ", "share"];
+        let row = |label: &str, joules: [f64; 3], share: f64| {
+            let [dry, felt, all] = joules.map(|j| format!("{:.3}", j * 1e3));
+            [label.to_owned(), dry, felt, all, format!("{:.1} %", share * 100.0)]
+        };
+        let each = self.losses.iter().filter(|loss| loss.loss_J > 0.0);
+        let each = each.map(|l| row(&l.label, [l.dry_J, l.viscous_or_felt_J, l.loss_J], l.share));
+        let of = |part: fn(&Loss) -> f64| self.losses.iter().map(part).sum::<f64>();
+        let all = row("all", [of(|l| l.dry_J), of(|l| l.viscous_or_felt_J), self.total_J], 1.0);
+        Table::of(heads, each.chain([all]))
     }
 }

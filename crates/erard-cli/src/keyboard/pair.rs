@@ -1,18 +1,15 @@
 //! Two keyboards beside each other: both tables, what differs, both in one figure and on one page.
 
-use std::fmt::Write as _;
-use std::io::Write;
-
 use erard_figures::figure::{COINCIDE, Dash, Panel, Trace};
 use erard_workshop::weighing::WeighedKey;
 use maud::{Markup, html};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::{COLUMNS, numbers, over_the_keys, samples, write_csv};
+use super::{COLUMNS, numbers, over_the_keys, samples};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paper::{self, picture};
-use crate::table::write_rows;
+use crate::table::Table;
 
 const STYLE: &str = include_str!("../paper.css");
 
@@ -83,28 +80,22 @@ fn shown(value: f64, decimals: usize, is_difference: bool) -> String {
 /// Sample notes as text.
 pub(crate) fn text(sides: &[Side; 2]) -> String {
     let places = samples(&sides[0].weighed);
-    let mut out = String::new();
-    let mut row = |name: &str, which: &str, cells: Vec<String>, unit: &str| {
-        let cells: String = cells.iter().map(|cell| format!("{cell:>8}")).collect();
-        let _ = writeln!(out, "  {name:<18}{which:<6}{cells}  {unit}");
+    let row = |name: &str, which: &str, unit: &str, cell: &dyn Fn(usize) -> String| {
+        let cells = places.iter().map(|&at| cell(at));
+        [name, which].map(str::to_owned).into_iter().chain(cells).chain([unit.to_owned()]).collect::<Vec<_>>()
     };
-    let of = |cell: &dyn Fn(usize) -> String| places.iter().map(|&at| cell(at)).collect::<Vec<_>>();
-    row("key", "", of(&|at| sides[0].weighed[at].key.to_string()), "");
-    row("note", "", of(&|at| sides[0].weighed[at].note.clone()), "");
+    let mut rows = vec![row("note", "", "", &|at| sides[0].weighed[at].note.clone())];
     for quantity in &QUANTITIES {
         for (which, label) in ["1", "2", "2 - 1"].into_iter().enumerate() {
             let name = if which == 0 { quantity.name } else { "" };
             let cell = |at: usize| shown(values(quantity, sides, at)[which], quantity.decimals, which == 2);
-            row(name, label, of(&cell), quantity.unit);
+            rows.push(row(name, label, quantity.unit, &cell));
         }
     }
+    let mut out = Table::of(row("key", "", "", &|at| sides[0].weighed[at].key.to_string()), rows).to_string();
     if places.len() < sides[0].weighed.len() {
-        let _ = writeln!(
-            out,
-            "\n  {} of {} keys; keyboard.html and difference.csv hold every one",
-            places.len(),
-            sides[0].weighed.len()
-        );
+        let (shown, all) = (places.len(), sides[0].weighed.len());
+        out += &format!("\n  {shown} of {all} keys; keyboard.html and difference.csv hold every one\n");
     }
     out
 }
@@ -114,35 +105,24 @@ fn columns() -> impl Iterator<Item = (usize, &'static str)> {
     COLUMNS.iter().copied().skip(2).enumerate().filter(|(_, name)| *name != "trusted")
 }
 
-/// Second less first, key by key: the columns of keyboard.csv; an empty field where either has no number.
-fn write_difference(sides: &[Side; 2], writer: &mut dyn Write) -> std::io::Result<()> {
-    let heads: Vec<&str> = ["key", "note"].into_iter().chain(columns().map(|(_, name)| name)).collect();
-    let rows = sides[0].weighed.iter().zip(&sides[1].weighed).map(|(a, b)| {
-        let difference = move |(index, _): (usize, &str)| {
-            Some(numbers(b)[index] - numbers(a)[index]).filter(|by: &f64| by.is_finite())
-        };
-        ([a.key.to_string(), a.note.clone()], columns().map(difference))
-    });
-    write_rows(&heads, rows, writer)
+/// The second less the first, key by key.
+fn difference(sides: &[Side; 2]) -> Table<'static> {
+    let keys = Table::default()
+        .optional("key", sides[0].weighed.iter().map(|one| Some(one.key as f64)))
+        .words("note", sides[0].weighed.iter().map(|one| one.note.clone()));
+    columns().fold(keys, |table, (index, name)| {
+        let pairs = sides[0].weighed.iter().zip(&sides[1].weighed);
+        table.optional(name, pairs.map(|(a, b)| Some(numbers(b)[index] - numbers(a)[index])))
+    })
 }
 
 fn json_of(sides: &[Side; 2]) -> Value {
-    let table = |side: &Side| {
-        let mut table = Map::new();
-        table.insert("key".into(), side.weighed.iter().map(|one| one.key).collect());
-        table.insert("note".into(), side.weighed.iter().map(|one| one.note.as_str()).collect());
-        for (index, name) in COLUMNS.iter().skip(2).enumerate() {
-            table.insert((*name).into(), json!(side.weighed.iter().map(|one| numbers(one)[index]).collect::<Vec<_>>()));
-        }
-        table
-    };
-    let mut difference = Map::new();
-    for (index, name) in columns() {
-        let pairs = sides[0].weighed.iter().zip(&sides[1].weighed);
-        let all: Vec<f64> = pairs.map(|(a, b)| numbers(b)[index] - numbers(a)[index]).collect();
-        difference.insert(name.into(), json!(all));
-    }
-    json!({"names": [sides[0].name, sides[1].name], "keyboards": [table(&sides[0]), table(&sides[1])], "difference": difference})
+    let [first, second] = sides;
+    json!({
+        "names": [first.name, second.name],
+        "keyboards": [super::table(&first.weighed).json(), super::table(&second.weighed).json()],
+        "difference": difference(sides).json(),
+    })
 }
 
 /// Every quantity of both over the number of the key; where both nearly coincide, their difference below.
@@ -237,9 +217,9 @@ pub(crate) fn write(sides: &[Side; 2], output: &mut Output) -> Result<(), Failur
     let svg = figure(sides);
     let page = page(sides, &svg);
     output.json("keyboard.json", &json_of(sides))?;
-    output.stage("keyboard-1.csv", |w| write_csv(&sides[0].weighed, w))?;
-    output.stage("keyboard-2.csv", |w| write_csv(&sides[1].weighed, w))?;
-    output.stage("difference.csv", |w| write_difference(sides, w))?;
+    output.table("keyboard-1.csv", &super::table(&sides[0].weighed))?;
+    output.table("keyboard-2.csv", &super::table(&sides[1].weighed))?;
+    output.table("difference.csv", &difference(sides))?;
     output.figure("keyboard", &svg)?;
     output.text("keyboard.html", &page)
 }

@@ -1,49 +1,35 @@
 //! The poses as a table.
 
-use std::io::Write;
+use moreau_linkage::three_lever::StrokePose;
 
 use super::Shown;
-use crate::table::write_rows;
+use crate::table::Table;
 
-/// The columns. Angles are the equations' own `k`, `w`, `h`, absolute; `s1_mm` and `s2_mm` are `S1` and `S2` (for discs: at
+/// All cases, one below the other. Angles are the equations' own `k`, `w`, `h`, absolute; `s1_mm` and `s2_mm` are `S1` and `S2` (for discs: at
 /// rest, and from there by what the surfaces slide); the slidings are their change since rest; `leverage` is the head's
 /// speed upward over the speed of the key's front.
-pub(crate) const COLUMNS: [&str; 11] = [
-    "case",
-    "key_mm",
-    "key_rad",
-    "whippen_rad",
-    "hammer_rad",
-    "s1_mm",
-    "s2_mm",
-    "capstan_sliding_mm",
-    "knuckle_sliding_mm",
-    "hammer_mm",
-    "leverage",
-];
+pub(crate) fn table(cases: &[Shown]) -> Table<'static> {
+    type Number = (&'static str, fn(&Shown, &StrokePose) -> f64);
+    const NUMBERS: [Number; 10] = [
+        ("key_mm", |_, pose| mm(pose.key)),
+        ("key_rad", |_, pose| pose.k),
+        ("whippen_rad", |_, pose| pose.w),
+        ("hammer_rad", |_, pose| pose.h),
+        ("s1_mm", |shown, pose| mm(shown.s1(pose))),
+        ("s2_mm", |shown, pose| mm(shown.s2(pose))),
+        ("capstan_sliding_mm", |_, pose| mm(pose.capstan_sliding)),
+        ("knuckle_sliding_mm", |_, pose| mm(pose.knuckle_sliding)),
+        ("hammer_mm", |_, pose| mm(pose.head_rise)),
+        ("leverage", |_, pose| pose.leverage),
+    ];
+    let poses = || cases.iter().flat_map(|shown| shown.stroke.poses.iter().map(move |pose| (shown, pose)));
+    let table = Table::default().words("case", poses().map(|(shown, _)| shown.name.clone()));
+    NUMBERS.into_iter().fold(table, |table, (name, number)| {
+        table.optional(name, poses().map(|(shown, pose)| Some(number(shown, pose))))
+    })
+}
 
-/// Writes all cases, one below the other.
-///
-/// # Errors
-/// Of the writer.
-pub(crate) fn write_csv(cases: &[Shown], writer: &mut dyn Write) -> std::io::Result<()> {
-    let poses = cases.iter().flat_map(|shown| shown.stroke.poses.iter().map(move |pose| (shown, pose)));
-    let rows = poses.map(|(shown, pose)| {
-        // Adding zero turns -0 into 0.
-        let mm = |metres: f64| metres * 1e3 + 0.0;
-        let numbers = [
-            mm(pose.key),
-            pose.k,
-            pose.w,
-            pose.h,
-            mm(shown.s1(pose)),
-            mm(shown.s2(pose)),
-            mm(pose.capstan_sliding),
-            mm(pose.knuckle_sliding),
-            mm(pose.head_rise),
-            pose.leverage,
-        ];
-        ([&shown.name], numbers.map(Some))
-    });
-    write_rows(&COLUMNS, rows, writer)
+/// Adding zero turns -0 into 0.
+fn mm(metres: f64) -> f64 {
+    metres * 1e3 + 0.0
 }

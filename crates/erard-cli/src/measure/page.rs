@@ -1,7 +1,6 @@
 //! The sheets as one page that opens from disk and prints well: nothing is fetched, and there is no script.
 
 use erard_figures::drawing::at_night;
-use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::norms::{GROUPS, Line};
 use erard_workshop::measure::range::MIDI_MAP;
 
@@ -98,7 +97,7 @@ fn table(measured: &[Measured], lengths: Lengths) -> Markup {
                 }
             }
             tbody {
-                @for group in &GROUPS {
+                @for group in GROUPS.iter() {
                     tr.group { th colspan=(measured.len() + 3) scope="rowgroup" { (group.heading) } }
                     @for line in group.lines.iter().filter(is_shown) { (row(line, measured, lengths)) }
                 }
@@ -126,39 +125,12 @@ fn captioned(drawn: &Drawn, class: Option<&str>, svg: &str) -> Markup {
     html! { figure class=[class] { (picture(&drawn.alt, svg)) figcaption { (drawn.alt) } } }
 }
 
-/// Headings of the timing sheet.
-const TIMING: [&str; 8] =
-    ["peak force (N)", "let-off", "hammer", "key bottom", "free flight", "hammer ahead", "speed (m/s)", "MIDI"];
-
 fn timing(one: &Measured, named: bool) -> Markup {
     html! {
         h2 { "Timing sheet" @if named { ": " (one.label) } }
         p.soft { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) }
         div.wide tabindex="0" role="region" aria-label={ "Timing sheet, " (one.label) } { table {
-            thead { tr { td {} @for heading in TIMING { th scope="col" { (heading) } } } }
-            tbody {
-                @for row in &one.sheet.timing {
-                    tr {
-                        th scope="row" { (row.nuance) " " (row.touch) }
-                        @for cell in timing_cells(row) { td { (cell) } }
-                    }
-                }
-            }
+            (super::table::timing(one).html())
         } }
     }
-}
-
-fn timing_cells(row: &TimingRow) -> [String; TIMING.len()] {
-    let number =
-        |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |x| format!("{:.decimals$}", x + 0.0));
-    [
-        number(Some(row.peak_force_N), 1),
-        number(row.let_off_ms, 1),
-        number(row.hammer_contact_ms, 1),
-        number(row.key_bottom_ms, 1),
-        number(row.free_flight_ms, 1),
-        number(row.hammer_before_bottom_ms, 1),
-        number(row.hammer_speed_m_s, 2),
-        number(row.midi_velocity.map(f64::from), 0),
-    ]
 }

@@ -1,8 +1,8 @@
 //! Many actions, one row each.
 
-use std::fmt::Write as _;
-
 use erard_workshop::measure::norms::{Line, lines};
+
+use crate::table::{Table, decimal};
 
 /// One action: what it is called, and the values of the lines.
 #[derive(Debug, Clone)]
@@ -45,32 +45,20 @@ fn heading(line: &Line) -> &'static str {
 
 /// The table.
 pub(crate) fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
-    let name = |row: &MeasuredRow| row.label.clone();
-    let wide = rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
-    let mut out = format!("  {:<wide$}", "");
-    for line in lines {
-        let _ = write!(out, "  {:>8}", heading(line));
-    }
-    out.push('\n');
-    for row in rows {
-        let _ = write!(out, "  {:<wide$}", name(row));
-        for (line, value) in lines.iter().zip(&row.values) {
-            let text = value.map_or("-".to_owned(), |x| format!("{:.*}", line.decimals, x + 0.0));
-            let _ = write!(out, "  {text:>width$}", width = heading(line).chars().count().max(8));
-        }
-        out.push('\n');
-    }
-    out
+    let heads = [""].into_iter().chain(lines.iter().map(|line| heading(line)));
+    let cells = rows.iter().map(|row| {
+        let values = lines.iter().zip(&row.values).map(|(line, value)| decimal(*value, line.decimals));
+        std::iter::once(row.label.clone()).chain(values)
+    });
+    Table::of(heads, cells).to_string()
 }
 
-/// Name and values of the columns: the key's number, and the lines by their keys in measure.json.
-pub(crate) fn columns(lines: &[&Line], rows: &[MeasuredRow]) -> Vec<(String, Vec<Option<f64>>)> {
-    let keys = rows.iter().map(|row| row.key.map(|key| key as f64)).collect();
-    let values = lines
-        .iter()
-        .enumerate()
-        .map(|(i, line)| (line.key.to_owned(), rows.iter().map(|row| row.values.get(i).copied().flatten()).collect()));
-    std::iter::once(("key".to_owned(), keys)).chain(values).collect()
+/// measure.csv.
+pub(crate) fn table(lines: &[&Line], rows: &[MeasuredRow]) -> Table<'static> {
+    let keys = Table::default().optional("key", rows.iter().map(|row| row.key.map(|key| key as f64)));
+    lines.iter().enumerate().fold(keys, |table, (i, line)| {
+        table.optional(line.key, rows.iter().map(|row| row.values.get(i).copied().flatten()))
+    })
 }
 
 /// The same for programs: a list of objects.

@@ -7,17 +7,11 @@ use erard_workshop::measure::norms::{GROUPS, Line};
 
 use super::Measured;
 use super::{shown, usual};
+use crate::table::{Table, decimal};
 use crate::units::Lengths;
 
-/// Width of the labels.
-const LABELS: usize = 36;
 /// Stands behind a value that is out of the norm.
 const OUT: &str = " !";
-
-/// Characters, which are what columns are aligned by.
-fn wide(text: &str) -> usize {
-    text.chars().count()
-}
 
 fn cell(line: &Line, sheet: &Sheet, lengths: Lengths) -> String {
     let mark = if line.is_out(sheet) { OUT } else { "  " };
@@ -33,43 +27,24 @@ pub(crate) fn usual_of(line: &Line, measured: &[Measured], lengths: Lengths) -> 
 
 /// The table, the timing sheets and the red flags.
 pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
-    let mut out = String::new();
-    let widths: Vec<usize> = measured
-        .iter()
-        .map(|one| {
-            let cells = GROUPS.iter().flat_map(|group| group.lines).map(|line| wide(&cell(line, &one.sheet, lengths)));
-            cells.fold(wide(&one.label) + 2, usize::max)
-        })
-        .collect();
-    // Writing to a string does not fail.
-    let mut row = |label: &str, cells: &mut dyn Iterator<Item = String>, usual: &str| {
-        let mut text = format!("  {label:<LABELS$}");
-        for (cell, width) in cells.zip(&widths) {
-            let _ = write!(text, "{:indent$}{cell}", "", indent = width + 2 - wide(&cell));
-        }
-        let _ = writeln!(out, "{}", format!("{text}  {usual}").trim_end());
-    };
-    if measured.len() > 1 {
-        row("", &mut measured.iter().map(|one| format!("{}  ", one.label)), "usual");
-    }
-    for group in &GROUPS {
-        row(group.heading, &mut std::iter::empty(), "");
-        for line in group.lines {
-            // A damper that is not there has no lines.
+    let heads = measured.iter().map(|one| if measured.len() > 1 { one.label.as_str() } else { "" });
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for group in GROUPS.iter() {
+        rows.push(vec![group.heading.to_owned()].into_iter().chain(vec![String::new(); measured.len() + 1]).collect());
+        for line in &group.lines {
             if measured.iter().all(|one| (line.value)(&one.sheet).is_none()) && line.norm().is_none() {
                 continue;
             }
+            let cells = measured.iter().map(|one| cell(line, &one.sheet, lengths));
             let label = format!("  {}", line.label);
-            row(
-                &label,
-                &mut measured.iter().map(|one| cell(line, &one.sheet, lengths)),
-                &usual_of(line, measured, lengths),
-            );
+            rows.push([label].into_iter().chain(cells).chain([usual_of(line, measured, lengths)]).collect());
         }
     }
+    let mut out = Table::of([""].into_iter().chain(heads).chain(["usual"]), rows).to_string();
     for one in measured {
-        let _ = writeln!(out);
-        timing(&mut out, one, measured.len() > 1);
+        let whose = if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
+        let _ =
+            writeln!(out, "\n  Timing{whose} (ms after key start; built-in strokes, force driven)\n{}", timing(one));
     }
     for one in measured {
         let whose = if measured.len() > 1 { format!(" ({})", one.label) } else { String::new() };
@@ -86,28 +61,21 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     out
 }
 
-fn timing(out: &mut String, one: &Measured, named: bool) {
-    let whose = if named { format!(", {}", one.label) } else { String::new() };
-    let _ = writeln!(out, "  Timing{whose} (ms after key start; built-in strokes, force driven)");
-    let _ = writeln!(
-        out,
-        "    {:<11}{:>8}{:>9}{:>9}{:>9}{:>10}{:>16}{:>10}{:>6}",
-        "", "peak", "let-off", "hammer", "bottom", "flight", "hammer before", "speed", "MIDI"
-    );
-    for row in &one.sheet.timing {
-        let ms = |value: Option<f64>| value.map_or("-".to_owned(), |ms| format!("{:.1}", ms + 0.0));
-        let _ = writeln!(
-            out,
-            "    {:<11}{:>8}{:>9}{:>9}{:>9}{:>10}{:>16}{:>10}{:>6}",
+/// The timing sheet of one: milliseconds after key start.
+pub(crate) fn timing(one: &Measured) -> Table<'static> {
+    let heads = ["", "peak (N)", "let-off", "hammer", "bottom", "flight", "hammer before", "speed (m/s)", "MIDI"];
+    let rows = one.sheet.timing.iter().map(|row| {
+        [
             format!("{} {}", row.nuance, row.touch),
-            format!("{:.1} N", row.peak_force_N),
-            ms(row.let_off_ms),
-            ms(row.hammer_contact_ms),
-            ms(row.key_bottom_ms),
-            ms(row.free_flight_ms),
-            ms(row.hammer_before_bottom_ms),
-            row.hammer_speed_m_s.map_or("-".to_owned(), |speed| format!("{speed:.2} m/s")),
-            row.midi_velocity.map_or("-".to_owned(), |velocity| velocity.to_string()),
-        );
-    }
+            decimal(Some(row.peak_force_N), 1),
+            decimal(row.let_off_ms, 1),
+            decimal(row.hammer_contact_ms, 1),
+            decimal(row.key_bottom_ms, 1),
+            decimal(row.free_flight_ms, 1),
+            decimal(row.hammer_before_bottom_ms, 1),
+            decimal(row.hammer_speed_m_s, 2),
+            decimal(row.midi_velocity.map(f64::from), 0),
+        ]
+    });
+    Table::of(heads, rows)
 }

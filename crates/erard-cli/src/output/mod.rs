@@ -24,7 +24,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
-use crate::table::{self, TABLE, beside, is_beside_a_table};
+use crate::table::{TABLE, Table, WIDEST, beside, is_beside_a_table, wrapped};
 use crate::{answer, identity};
 pub(crate) use mark::Mark;
 use stage::Stage;
@@ -89,8 +89,7 @@ impl Output {
         Ok(Output { folder: folder.to_path_buf(), command, force, names: Vec::new(), stage: stage.map_err(refused)? })
     }
 
-    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that ([`identity::stamped`]). A CSV cannot:
-    /// what made it, and the units of its columns, stand beside it.
+    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that ([`identity::stamped`]).
     ///
     /// # Errors
     /// [`Failure::Write`].
@@ -101,7 +100,17 @@ impl Output {
     ) -> Result<(), Failure> {
         // What follows is compiled once, not for each caller.
         let mut write = Some(write);
-        self.stage_by(name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
+        self.put(name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
+    }
+
+    /// Writes a table as CSV, and beside it the units of its columns and what made it, which a CSV cannot hold.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub(crate) fn table(&mut self, name: &str, table: &Table<'_>) -> Result<(), Failure> {
+        self.stage(name, |writer| table.write_csv(writer))?;
+        answer::offer_table(table);
+        self.json(&beside(name), &table.metadata(name))
     }
 
     /// Writes text.
@@ -133,18 +142,6 @@ impl Output {
         self.stage(&format!("{name}.png"), |writer| writer.write_all(&png))
     }
 
-    fn stage_by(&mut self, name: &str, write: &mut Writes) -> Result<(), Failure> {
-        self.put(name, write)?;
-        if !name.ends_with(TABLE) {
-            return Ok(());
-        }
-        let titles =
-            csv::Reader::from_path(self.stage.results().join(name)).and_then(|mut table| table.headers().cloned());
-        let titles = titles.map_err(|error| Failure::write(&self.folder.join(name), std::io::Error::other(error)))?;
-        let metadata = table::metadata(name, titles.iter());
-        self.put(&beside(name), &mut |w| w.write_all(metadata.as_bytes()))
-    }
-
     fn put(&mut self, name: &str, write: &mut Writes) -> Result<(), Failure> {
         let refused = |source| Failure::write(&self.folder.join(name), source);
         let file = fs::File::create_new(self.stage.results().join(name)).map_err(refused)?;
@@ -164,11 +161,11 @@ impl Output {
         Ok(())
     }
 
-    /// Gives all files their names; returns those that were asked for: what stands beside a table is not named to people.
+    /// Gives all files their names; returns what to say of them.
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Usage`] where something has come to stand in the way. Either leaves the folder as it was.
-    pub fn commit(mut self) -> Result<Vec<PathBuf>, Failure> {
+    pub fn commit(mut self) -> Result<Written, Failure> {
         // Whoever wants to end the program now waits until this is done.
         let _undisturbed = signals::hold();
         let folder = self.folder.clone();
@@ -196,10 +193,24 @@ impl Output {
                 .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
         }
         self.stage.keep_parents();
-        let written =
-            |names: &mut dyn Iterator<Item = &String>| names.map(|name| folder.join(name)).collect::<Vec<_>>();
-        answer::written(&written(&mut self.names.iter()));
-        Ok(written(&mut self.names.iter().filter(|name| !is_beside_a_table(name))))
+        answer::written(self.names.iter().map(|name| folder.join(name)));
+        let mut names = std::mem::take(&mut self.names);
+        names.retain(|name| !is_beside_a_table(name));
+        Ok(Written { folder, names })
+    }
+}
+
+/// Files that a command wrote; what stands beside a table is not named to people.
+#[derive(Debug)]
+pub struct Written {
+    folder: PathBuf,
+    names: Vec<String>,
+}
+
+impl std::fmt::Display for Written {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let line = format!("Written to {}: {}", inputs::shown(&self.folder), self.names.join(", "));
+        f.write_str(&wrapped(&line, WIDEST).join("\n  "))
     }
 }
 

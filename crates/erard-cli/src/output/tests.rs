@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::journal;
 use super::stage::recover;
-use super::{Mark, Output, mark};
+use super::{Mark, Output, Written, mark};
 use crate::failure::Failure;
 
 /// A folder of its own, gone at the end.
@@ -17,7 +17,7 @@ fn write(output: &mut Output, name: &str, text: &str) -> Result<(), Failure> {
 }
 
 /// Writes these files as a command does.
-fn put(folder: &Path, command: &'static str, force: bool, files: &[(&str, &str)]) -> Result<Vec<PathBuf>, Failure> {
+fn put(folder: &Path, command: &'static str, force: bool, files: &[(&str, &str)]) -> Result<Written, Failure> {
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     let mut output = Output::results(folder, command, force, &names)?;
     for (name, text) in files {

@@ -1,10 +1,8 @@
 //! The technician's sheet: one printed page of an action, in the words of the bench.
 
 mod page;
-mod report;
 
 pub(crate) use page::html;
-pub(crate) use report::Report;
 
 use erard_workshop::advice::{Advice, WeightWork};
 use erard_workshop::regulate::{Achieved, Goal, Handwork, Turned, known_screw, turns_text};
@@ -79,6 +77,22 @@ pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
         });
     }
     tasks
+}
+
+/// sheet.json.
+pub(crate) fn report(one: &Advised<'_>) -> serde_json::Value {
+    let (sheet, headed) = (&one.measured.sheet, one.headed);
+    let mut out: Vec<&str> = sheet.flags.iter().map(|flag| flag.key).collect();
+    out.dedup();
+    serde_json::json!({
+        "instrument": one.measured.label,
+        "norms_for_key": sheet.norms_for_key,
+        "serial": headed.serial,
+        "date": headed.date,
+        "note": headed.note,
+        "out_of_the_norm": out,
+        "tasks": tasks(one),
+    })
 }
 
 fn screw_task(turned: &Turned, served: Option<&Achieved>, out: &[Goal], lengths: Lengths) -> Task {

@@ -8,6 +8,7 @@ use maud::{Markup, html};
 use super::{Advised, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
+use crate::table::Table;
 use crate::units::Lengths;
 
 const STYLE: &str = include_str!("../paper.css");
@@ -121,14 +122,8 @@ fn to_do(one: &Advised<'_>) -> Markup {
         @if tasks.is_empty() {
             p { @if only_flags { "Nothing to turn: see the marks above." } @else { "Nothing." } }
         } @else {
-            table.list {
-                thead { tr { th { "what" } th { "how far" } th { "for" } th { "done" } } }
-                tbody {
-                    @for task in &tasks {
-                        tr { td.do { (task.what) } td { (task.by) } td { (task.for_) } td.tick { "☐" } }
-                    }
-                }
-            }
+            @let rows = tasks.into_iter().map(|task| [task.what, task.by, task.for_, "☐".to_owned()]);
+            table.list { (Table::of(["what", "how far", "for", "done"], rows).html()) }
         }
     }
 }

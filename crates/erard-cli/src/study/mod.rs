@@ -6,5 +6,5 @@ mod table;
 mod vary;
 
 pub(crate) use figure::chart;
-pub(crate) use table::{Row, columns, doubts, lines};
+pub(crate) use table::{Column, Row, columns, doubts, shown, table_of};
 pub(crate) use vary::{Axis, GRADING, Source, Target};

@@ -1,7 +1,5 @@
 //! `erard study --sensitivities`: which numbers matter.
 
-use std::io::Write;
-
 use erard::instrument::Instrument;
 use erard::run::Setup;
 use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_svg};
@@ -9,11 +7,11 @@ use erard_workshop::sensitivities::{
     Mark, Quantity, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
     sensitivities, threads,
 };
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::table::{three, write_records};
+use crate::table::{Table, three};
 
 /// Bars of a panel of the figure.
 const MOST_BARS: usize = 14;
@@ -89,78 +87,43 @@ pub(crate) fn find<'a>(
     })
 }
 
-/// A row of sensitivities.json and sensitivities.csv.
-#[derive(Debug, Serialize)]
-pub(crate) struct Row<'a> {
-    of: &'a str,
-    by: &'a str,
-    per: &'a str,
-    derivative: f64,
-    error: f64,
-    usual_change: f64,
-    effect: f64,
-    elasticity: Option<f64>,
-    method: &'a str,
-    differences: Option<f64>,
-    differences_error: Option<f64>,
-    mark: &'a str,
+/// A row of sensitivities.csv.
+fn row(all: &Sensitivities, one: &Sensitivity) -> Value {
+    let (of, by) = (&all.of[one.of], &all.by[one.by]);
+    json!({
+        "of": of.key,
+        "by": by.name,
+        "per": by.per,
+        "derivative": one.derivative,
+        "error": one.error,
+        "usual_change": by.usual,
+        "effect": one.effect(all),
+        "elasticity": one.elasticity(all),
+        "method": of.method.name(),
+        "differences": one.differences.map(|[slope, _]| slope),
+        "differences_error": one.differences.map(|[_, error]| error),
+        "mark": one.mark.name(),
+    })
 }
 
 /// sensitivities.json.
-#[derive(Debug, Serialize)]
-pub(crate) struct Report<'a> {
-    instrument: &'a str,
-    stroke: &'a str,
-    values: Vec<Value<'a>>,
-    switches: u32,
-    unresolved_switches: u32,
-    rows: Vec<Row<'a>>,
-}
-
-#[derive(Debug, Serialize)]
-struct Value<'a> {
-    of: &'a str,
-    value: Option<f64>,
-    method: &'a str,
-}
-
-fn row<'a>(all: &'a Sensitivities, one: &'a Sensitivity) -> Row<'a> {
-    let (of, by) = (&all.of[one.of], &all.by[one.by]);
-    Row {
-        of: of.key,
-        by: &by.name,
-        per: by.per,
-        derivative: one.derivative,
-        error: one.error,
-        usual_change: by.usual,
-        effect: one.effect(all),
-        elasticity: one.elasticity(all),
-        method: of.method.name(),
-        differences: one.differences.map(|[slope, _]| slope),
-        differences_error: one.differences.map(|[_, error]| error),
-        mark: one.mark.name(),
-    }
-}
-
-/// All of it, to be written as JSON.
-pub(crate) fn report<'a>(all: &'a Sensitivities, instrument: &'a str, stroke: &'a str) -> Report<'a> {
+pub(crate) fn report(all: &Sensitivities, instrument: &str, stroke: &str) -> Value {
     let values = all.of.iter().zip(&all.values);
-    Report {
-        instrument,
-        stroke,
-        values: values.map(|(of, value)| Value { of: of.key, value: *value, method: of.method.name() }).collect(),
-        switches: all.switches[0],
-        unresolved_switches: all.switches[1],
-        rows: all.rows.iter().map(|one| row(all, one)).collect(),
-    }
+    let values = values.map(|(of, value)| json!({"of": of.key, "value": value, "method": of.method.name()}));
+    let [switches, unresolved] = all.switches;
+    json!({
+        "instrument": instrument,
+        "stroke": stroke,
+        "values": values.collect::<Value>(),
+        "switches": switches,
+        "unresolved_switches": unresolved,
+        "rows": rows(all),
+    })
 }
 
-/// sensitivities.csv.
-///
-/// # Errors
-/// Of the writer.
-pub(crate) fn write_csv(all: &Sensitivities, to: &mut dyn Write) -> std::io::Result<()> {
-    write_records(all.rows.iter().map(|one| row(all, one)), to)
+/// The rows of sensitivities.csv.
+pub(crate) fn rows(all: &Sensitivities) -> Vec<Value> {
+    all.rows.iter().map(|one| row(all, one)).collect()
 }
 
 /// So many units of the number, as its label says them.
@@ -219,43 +182,29 @@ fn digits(x: f64) -> String {
 /// The table for people: of every quantity at most so many rows.
 pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
     let mut lines = Vec::new();
-    let wide = all.by.iter().map(|one| one.name.chars().count()).max().unwrap_or(0).max(12);
     for (k, of) in all.of.iter().enumerate() {
-        if k > 0 {
-            lines.push(String::new());
-        }
+        lines.extend((k > 0).then(String::new));
         lines.push(format!("{}   (by {})", heading(all, k), of.method.name()));
         let rows: Vec<&Sensitivity> = all.rows.iter().filter(|one| one.of == k).collect();
         if rows.is_empty() {
             continue;
         }
-        lines.push(format!(
-            "  {:wide$} {:>10} {:>12} {:>10} {:>11} {:>12}",
-            "",
-            "change",
-            format!("{} +-", of.unit),
-            "error",
-            "elasticity",
-            "differences"
-        ));
-        for one in rows.iter().take(most) {
+        let unit = format!("{} +-", of.unit);
+        let heads = ["", "change", &unit, "error", "elasticity", "differences", ""].map(str::to_owned);
+        let cells = rows.iter().take(most).map(|one| {
             let variable = &all.by[one.by];
             let scaled = |x: f64| digits(shown(of, x * variable.usual));
-            lines.push(
-                format!(
-                    "  {:wide$} {:>10} {:>12} {:>10} {:>11} {:>12}  {}",
-                    variable.name,
-                    usual(variable),
-                    scaled(one.derivative),
-                    scaled(one.error),
-                    one.elasticity(all).map_or("-".to_owned(), digits),
-                    one.differences.map_or("-".to_owned(), |[slope, _]| scaled(slope)),
-                    one.mark.name(),
-                )
-                .trim_end()
-                .to_owned(),
-            );
-        }
+            [
+                variable.name.clone(),
+                usual(variable),
+                scaled(one.derivative),
+                scaled(one.error),
+                one.elasticity(all).map_or("-".to_owned(), digits),
+                one.differences.map_or("-".to_owned(), |[slope, _]| scaled(slope)),
+                one.mark.name().to_owned(),
+            ]
+        });
+        lines.extend(Table::of(heads, cells).to_string().lines().map(str::to_owned));
         if rows.len() > most {
             lines.push(format!("  {} more; sensitivities.csv holds them", rows.len() - most));
         }

@@ -6,7 +6,7 @@ use erard_workshop::measure::norms::Line;
 use erard_workshop::study::{OUTCOMES, Played};
 
 use super::Axis;
-use crate::table::three;
+use crate::table::{Table, decimal, three};
 
 /// One stroke of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,26 +33,37 @@ pub(crate) fn doubts(rows: &[Row]) -> Vec<String> {
     each.map(|(count, worst)| format!("{count} of {} strokes; the worst: {worst}", rows.len())).collect()
 }
 
-/// Name and values of every column: what was varied, what came of it, what was measured, whether the stroke failed (1, and nothing came of it),
-/// whether it can be trusted (1) and what of its energy is not explained.
-pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<(String, Vec<Option<f64>>)> {
+/// The columns of the files.
+pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<Column> {
+    let played = |row: &'_ Row, get: fn(&Played) -> Option<f64>| row.outcome.as_ref().ok().and_then(get);
+    let flag = |is_it: bool| Some(f64::from(u8::from(is_it)));
     let varied = axes.iter().enumerate().map(|(i, axis)| {
         let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
         (axis.column(), values)
     });
     let outcomes = OUTCOMES.iter().map(|(name, get)| {
-        let values = rows.iter().map(|row| row.outcome.as_ref().ok().and_then(get)).collect();
+        let values = rows.iter().map(|row| played(row, *get)).collect();
         ((*name).to_owned(), values)
     });
-    let failed = rows.iter().map(|row| Some(f64::from(u8::from(row.outcome.is_err())))).collect();
-    let trusted = rows.iter().map(|row| Some(f64::from(u8::from(row.is_trusted())))).collect();
-    let residual = rows.iter().map(|row| row.outcome.as_ref().ok().and_then(|p| p.energy_residual)).collect();
-    let last = [("failed", failed), ("trusted", trusted), ("energy_residual_relative", residual)];
     let measured = measures.iter().enumerate().map(|(i, line)| {
-        let values = rows.iter().map(|row| row.measured.as_ref().ok().and_then(|all| *all.get(i)?)).collect();
+        let values = rows.iter().map(|row| *row.measured.as_ref().ok()?.get(i)?).collect();
         (line.key.to_owned(), values)
     });
-    varied.chain(outcomes).chain(measured).chain(last.map(|(name, values)| (name.to_owned(), values))).collect()
+    let solution: [Column; 3] = [
+        ("failed".to_owned(), rows.iter().map(|row| flag(row.outcome.is_err())).collect()),
+        ("trusted".to_owned(), rows.iter().map(|row| flag(row.is_trusted())).collect()),
+        ("energy_residual_relative".to_owned(), rows.iter().map(|row| played(row, |p| p.energy_residual)).collect()),
+    ];
+    varied.chain(outcomes).chain(measured).chain(solution).collect()
+}
+
+/// A column's name and its values.
+pub(crate) type Column = (String, Vec<Option<f64>>);
+
+/// Columns as they are written.
+pub(crate) fn table_of(columns: &[Column]) -> Table<'static> {
+    let one = |table: Table<'static>, (name, values): &Column| table.optional(name.clone(), values.iter().copied());
+    columns.iter().fold(Table::default(), one)
 }
 
 /// A column of the printed table: its heading and its cell.
@@ -67,57 +78,27 @@ const SHOWN: [Shown; 5] = [
 ];
 
 /// The table for people, at most so many rows of it, the first and the last among them.
-pub(crate) fn lines(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Vec<String> {
-    let mut head = String::from(" ");
-    for axis in axes {
-        head += &format!(" {:>width$}", axis.column(), width = width(axis));
-    }
-    for (name, _) in SHOWN {
-        head += &format!(" {name:>11}");
-    }
-    head += &format!(" {:>8}", "strikes");
-    for line in measures {
-        head += &format!(" {:>width$}", line.key, width = wide(line));
-    }
-    let mut lines = vec![head];
+pub(crate) fn shown(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Table<'static> {
+    let heads = axes.iter().map(Axis::column);
+    let heads = heads.chain(SHOWN.iter().map(|(name, _)| (*name).to_owned())).chain(["strikes".to_owned()]);
+    let heads = heads.chain(measures.iter().map(|line| line.key.to_owned())).chain([String::new()]);
     let shown = most.min(rows.len()).max(1);
-    for k in 0..shown {
-        let Some(row) = rows.get(k * rows.len().saturating_sub(1) / (shown - 1).max(1)) else { continue };
-        let mut line = String::from(" ");
-        for (axis, value) in axes.iter().zip(&row.values) {
-            line += &format!(" {:>width$}", (value * 1e4).round() / 1e4, width = width(axis));
-        }
-        match &row.outcome {
-            Ok(played) => {
-                for (_, get) in SHOWN {
-                    line += &format!(" {:>11}", get(&played.events).map_or("-".to_owned(), three));
-                }
-                line += &format!(" {:>8}", played.events.impacts.len());
-                if !played.warnings.is_empty() {
-                    line += "  not trusted";
-                }
-            }
-            Err(error) => line += &format!("  failed: {error}"),
-        }
-        match &row.measured {
-            Ok(values) => {
-                for (measure, value) in measures.iter().zip(values) {
-                    let text = value.map_or("-".to_owned(), |x| format!("{x:.*}", measure.decimals));
-                    line += &format!(" {text:>width$}", width = wide(measure));
-                }
-            }
-            Err(error) if row.outcome.is_ok() => line += &format!("  not measured: {error}"),
-            Err(_) => {}
-        }
-        lines.push(line);
-    }
-    lines
-}
-
-fn wide(line: &Line) -> usize {
-    line.key.chars().count().max(8)
-}
-
-fn width(axis: &Axis) -> usize {
-    axis.column().chars().count().max(10)
+    let places = (0..shown).map(|k| k * rows.len().saturating_sub(1) / (shown - 1).max(1));
+    let cells = places.filter_map(|place| rows.get(place)).map(|row| {
+        let played = row.outcome.as_ref().ok();
+        let mut cells: Vec<String> = row.values.iter().map(|value| ((value * 1e4).round() / 1e4).to_string()).collect();
+        let event = |get: fn(&Events) -> Option<f64>| get(&played?.events);
+        cells.extend(SHOWN.iter().map(|(_, get)| event(*get).map_or("-".to_owned(), three)));
+        cells.push(played.map_or("-".to_owned(), |played| played.events.impacts.len().to_string()));
+        let measured = |k: usize| *row.measured.as_ref().ok()?.get(k)?;
+        cells.extend(measures.iter().enumerate().map(|(k, measure)| decimal(measured(k), measure.decimals)));
+        cells.push(match (&row.outcome, &row.measured) {
+            (Err(error), _) => format!("failed: {error}"),
+            (_, Err(error)) => format!("not measured: {error}"),
+            (Ok(played), _) if !played.warnings.is_empty() => "not trusted".to_owned(),
+            _ => String::new(),
+        });
+        cells
+    });
+    Table::of(heads, cells)
 }

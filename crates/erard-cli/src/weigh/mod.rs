@@ -6,7 +6,7 @@ mod table;
 
 pub(crate) use figure::weighed_svg;
 pub(crate) use page::html;
-pub(crate) use table::{Report, text, write_csv};
+pub(crate) use table::{report, table, text};
 
 use erard_workshop::balance::{Checked, Lead, LeadWork, Plan};
 

@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::table::remarks;
-use super::{Work, capstan_text, leads_text};
+use super::Work;
+use super::table::{remarks, rows};
 use crate::paper::{page, picture};
-use erard_workshop::balance::BalancedKey;
+use crate::table::Table;
 
 const STYLE: &str = include_str!("../paper.css");
 
@@ -13,7 +13,8 @@ const STYLE: &str = include_str!("../paper.css");
 pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
     let headed = work.headed;
     let title = format!("{}: work list", work.name);
-    let style = format!("{STYLE}@page{{size:{}}}", headed.paper.css());
+    let leads = "td:nth-child(13){font-weight:600;white-space:nowrap}td:nth-child(12){white-space:nowrap}";
+    let style = format!("{STYLE}{leads}@page{{size:{}}}", headed.paper.css());
     let body = html! {
         header {
             h1 { "Work list: " (work.name) }
@@ -39,41 +40,11 @@ pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
     page(&title, &style, &body)
 }
 
+/// The work list: what the printed table has, and a box to tick.
 fn list(work: &Work<'_>) -> Markup {
-    html! {
-        table.list {
-            thead {
-                tr {
-                    th { "key" } th { "note" } th.n { "ratio" } th.n { "friction" } th.n { "balance weight" } th.n { "inertia" }
-                    th.n { "hammer" } th.n { "aim" } th.n { "front weight" } th.n { "aim" }
-                    th { "leads" } th.n { "or: hammer" } th { "or: capstan" } th { "done" }
-                }
-            }
-            tbody { @for key in &work.plan.keys { (row(key, work)) } }
-        }
-    }
-}
-
-fn row(key: &BalancedKey, work: &Work<'_>) -> Markup {
-    let number =
-        |value: Option<f64>, decimals: usize| value.map_or(String::new(), |x| format!("{:.decimals$}", x + 0.0));
-    let leads = key.leads.as_ref().map_or("not by leads".to_owned(), |leads| leads_text(leads, work.lengths));
-    html! {
-        tr {
-            td.n { (key.measured.key) @if key.from_curves { " ~" } }
-            td { (key.note) }
-            td.n { (number(key.ratio, 2)) }
-            td.n { (number(key.friction_weight_g, 1)) }
-            td.n { (number(key.balance_weight_g, 1)) }
-            td.n { (number(key.inertia_kg, 3)) }
-            td.n { (number(key.strike_weight_g, 1)) }
-            td.n { (number(key.target_strike_weight_g, 1)) }
-            td.n { (number(key.measured.front_weight_g, 1)) }
-            td.n { (number(key.target_front_weight_g, 1)) }
-            td.do.one { (leads) }
-            td.n { (key.strike_change_g.map_or(String::new(), |by| format!("{by:+.1}"))) }
-            td.one { (key.capstan_move_mm.map_or(String::new(), |by| capstan_text(by, work.lengths))) }
-            td.tick { "☐" }
-        }
-    }
+    let weighed =
+        ["key", "note", "ratio", "friction", "balance weight", "inertia", "hammer", "aim", "front weight", "aim"];
+    let heads = weighed.into_iter().chain(["or: hammer", "or: capstan", "leads", "done"]);
+    let ticked = rows(work).into_iter().map(|row| row.into_iter().chain(["☐".to_owned()]));
+    html! { table.list { (Table::of(heads, ticked).html()) } }
 }

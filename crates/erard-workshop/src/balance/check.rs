@@ -2,7 +2,7 @@
 
 use super::model::add_mass;
 use super::plan::{BalancedKey, Remedy};
-use crate::cores::{self, do_all, job};
+use crate::cores;
 use crate::measure::MeasureError;
 use crate::measure::weights::{by_loop, free_way};
 use erard::Progress;
@@ -29,18 +29,9 @@ pub struct Checked {
 /// # Errors
 /// See [`MeasureError`].
 pub fn check(keys: &[(&BalancedKey, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<Checked>, MeasureError> {
-    let mut found: Vec<Option<Vec<Checked>>> = vec![None; keys.len()];
-    let jobs = found
-        .iter_mut()
-        .zip(keys)
-        .map(|(place, (key, instrument))| job(place, move |progress| check_key(key, instrument, progress)))
-        .collect();
-    do_all(jobs, cores::count(), progress)?;
-    let mut all = Vec::new();
-    for one in found {
-        all.extend(one.ok_or(MeasureError::Lost)?);
-    }
-    Ok(all)
+    let each =
+        cores::map(keys, cores::count(), progress, |(key, instrument), progress| check_key(key, instrument, progress))?;
+    Ok(each.into_iter().flatten().collect())
 }
 
 fn check_key(

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use moreau::Settings;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::STEP_S;
 use super::latency::{Histogram, Latency};
@@ -91,53 +91,24 @@ impl Ticks {
     }
 }
 
-/// Times of the keyboard, as they are reported.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct KeyboardTimes {
-    /// A ten-finger fortissimo tremolo over all 88 keys on one core: simulated over elapsed time.
-    pub keyboard_real_time_factor: f64,
-    /// Ticks of it (50 us of all keys) that were timed one by one.
-    pub keyboard_ticks_timed: u64,
-    /// Half of them took less, ns.
-    pub keyboard_tick_ns_p50: u64,
-    /// 99 of 100 took less, ns.
-    pub keyboard_tick_ns_p99: u64,
-    /// 9999 of 10 000 took less, ns.
-    pub keyboard_tick_ns_p9999: u64,
-    /// The slowest one, ns.
-    pub keyboard_tick_ns_max: u64,
-    /// Ticks that took longer than 50 us.
-    pub keyboard_ticks_over_budget: u64,
-    /// Keys awake on average.
-    pub keyboard_awake_mean: f64,
-    /// Most keys awake.
-    pub keyboard_awake_max: u32,
-    /// All 88 keys struck at once, again and again: simulated over elapsed time.
-    pub keyboard_all_keys_real_time_factor: f64,
-    /// A tick with all keys asleep, ns; the clock's own reading is in it.
-    pub keyboard_asleep_tick_ns_p50: u64,
-}
-
-impl KeyboardTimes {
-    /// Measures; `None` where `progress` ended the work.
-    pub(crate) fn measure(ticks: usize, progress: &mut Progress<'_>) -> Option<Self> {
-        let instruments = keyboard();
-        let tremolo = Ticks::measure(&instruments, TEN, ticks, &mut |share| progress(0.5 * share))?;
-        let asleep = Ticks::measure(&instruments, 0, ticks, &mut |share| progress(0.5 + 0.1 * share))?;
-        // With all keys awake a tick takes several times as long.
-        let all = Ticks::measure(&instruments, KEYS, ticks / 5, &mut |share| progress(0.6 + 0.4 * share))?;
-        Some(KeyboardTimes {
-            keyboard_real_time_factor: tremolo.real_time_factor(),
-            keyboard_ticks_timed: tremolo.times.steps,
-            keyboard_tick_ns_p50: tremolo.times.p50_ns,
-            keyboard_tick_ns_p99: tremolo.times.p99_ns,
-            keyboard_tick_ns_p9999: tremolo.times.p9999_ns,
-            keyboard_tick_ns_max: tremolo.times.max_ns,
-            keyboard_ticks_over_budget: tremolo.over_budget,
-            keyboard_awake_mean: tremolo.awake_mean,
-            keyboard_awake_max: tremolo.awake_max,
-            keyboard_all_keys_real_time_factor: all.real_time_factor(),
-            keyboard_asleep_tick_ns_p50: asleep.times.p50_ns,
-        })
-    }
+/// Measures; `None` where `progress` ended the work.
+pub(crate) fn measure(ticks: usize, progress: &mut Progress<'_>) -> Option<Value> {
+    let instruments = keyboard();
+    let tremolo = Ticks::measure(&instruments, TEN, ticks, &mut |share| progress(0.5 * share))?;
+    let asleep = Ticks::measure(&instruments, 0, ticks, &mut |share| progress(0.5 + 0.1 * share))?;
+    // With all keys awake a tick takes several times as long.
+    let all = Ticks::measure(&instruments, KEYS, ticks / 5, &mut |share| progress(0.6 + 0.4 * share))?;
+    Some(json!({
+        "keyboard_real_time_factor": tremolo.real_time_factor(),
+        "keyboard_ticks_timed": tremolo.times.steps,
+        "keyboard_tick_ns_p50": tremolo.times.p50_ns,
+        "keyboard_tick_ns_p99": tremolo.times.p99_ns,
+        "keyboard_tick_ns_p9999": tremolo.times.p9999_ns,
+        "keyboard_tick_ns_max": tremolo.times.max_ns,
+        "keyboard_ticks_over_budget": tremolo.over_budget,
+        "keyboard_awake_mean": tremolo.awake_mean,
+        "keyboard_awake_max": tremolo.awake_max,
+        "keyboard_all_keys_real_time_factor": all.real_time_factor(),
+        "keyboard_asleep_tick_ns_p50": asleep.times.p50_ns,
+    }))
 }

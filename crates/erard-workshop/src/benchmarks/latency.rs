@@ -5,7 +5,7 @@ use std::time::Instant;
 use fastrand::Rng;
 use moreau::{Input, Outcome, Settings};
 use moreau_kernels::Lanes;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::grand::{STEP_S, described, group, instrument};
 use erard::Progress;
@@ -32,59 +32,24 @@ pub struct Latency {
     pub unconverged_steps: u64,
 }
 
-/// Single steps and group steps, as they are reported.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Latencies {
-    /// Steps of random playing that were timed one by one.
-    pub steps_timed: u64,
-    /// Half of them took less, ns.
-    pub step_ns_p50: u64,
-    /// 99 of 100 took less, ns.
-    pub step_ns_p99: u64,
-    /// 9999 of 10 000 took less, ns.
-    pub step_ns_p9999: u64,
-    /// The slowest one, ns.
-    pub step_ns_max: u64,
-    /// Steps of as many grands at once as there are lanes that were timed.
-    pub group_steps_timed: u64,
-    /// As for single steps, ns for all of them.
-    pub group_step_ns_p50: u64,
-    /// Likewise.
-    pub group_step_ns_p99: u64,
-    /// Likewise.
-    pub group_step_ns_p9999: u64,
-    /// Likewise.
-    pub group_step_ns_max: u64,
-    /// The clock's own reading, ns: it is in all these times.
-    pub clock_ns: u64,
-    /// Most Newton iterations of a single step.
-    pub newton_iterations_max: u32,
-    /// Most active sets of a single step.
-    pub active_sets_max: u32,
-    /// Steps that reached an iteration limit, single ones and of groups.
-    pub unconverged_steps: u64,
-}
-
-impl Latencies {
-    /// Of single steps and of group steps.
-    pub(crate) fn new(one: &Latency, group: &Latency) -> Self {
-        Latencies {
-            steps_timed: one.steps,
-            step_ns_p50: one.p50_ns,
-            step_ns_p99: one.p99_ns,
-            step_ns_p9999: one.p9999_ns,
-            step_ns_max: one.max_ns,
-            group_steps_timed: group.steps,
-            group_step_ns_p50: group.p50_ns,
-            group_step_ns_p99: group.p99_ns,
-            group_step_ns_p9999: group.p9999_ns,
-            group_step_ns_max: group.max_ns,
-            clock_ns: clock_ns(),
-            newton_iterations_max: one.newton_iterations_max,
-            active_sets_max: one.active_sets_max,
-            unconverged_steps: one.unconverged_steps + group.unconverged_steps,
-        }
-    }
+/// Of single steps and of group steps.
+pub(crate) fn report(one: &Latency, group: &Latency) -> Value {
+    json!({
+        "steps_timed": one.steps,
+        "step_ns_p50": one.p50_ns,
+        "step_ns_p99": one.p99_ns,
+        "step_ns_p9999": one.p9999_ns,
+        "step_ns_max": one.max_ns,
+        "group_steps_timed": group.steps,
+        "group_step_ns_p50": group.p50_ns,
+        "group_step_ns_p99": group.p99_ns,
+        "group_step_ns_p9999": group.p9999_ns,
+        "group_step_ns_max": group.max_ns,
+        "clock_ns": clock_ns(),
+        "newton_iterations_max": one.newton_iterations_max,
+        "active_sets_max": one.active_sets_max,
+        "unconverged_steps": one.unconverged_steps + group.unconverged_steps,
+    })
 }
 
 /// Somebody who plays at random: blows of up to 40 N, held for 10 to 200 ms; every second time the key is let go.

@@ -6,7 +6,7 @@ use moreau::{Input, Outcome, Settings, State, step};
 use moreau_kernels::{Lanes, OwnedDescription};
 
 use super::grand::{GrandModel, GrandWorkspace, MF_N, STEP_S, STEPS, described, group, instrument};
-use crate::cores::{do_all, job};
+use crate::cores;
 use erard::run::SimulationError;
 
 /// Grands that are played one after the other, or side by side in lanes.
@@ -122,10 +122,9 @@ impl Load {
     /// # Panics
     /// If a thread dies.
     pub(crate) fn on_cores(&self, lanes: Lanes, threads: usize) -> f64 {
-        let mut sums = vec![None; self.groups()];
-        let jobs = sums.iter_mut().enumerate().map(|(g, sum)| job(sum, move |_| Ok(self.play_group(g, lanes))));
-        do_all::<SimulationError>(jobs.collect(), threads, &mut |_| true).expect("nobody interrupts");
-        sums.into_iter().flatten().sum()
+        let groups: Vec<usize> = (0..self.groups()).collect();
+        let sums = cores::map(&groups, threads, &mut |_| true, |g, _| Ok(self.play_group(*g, lanes)));
+        sums.map_err(|error: SimulationError| error).expect("nobody interrupts").into_iter().sum()
     }
 
     /// Plays a group, in as many parts as its grands need lanes.

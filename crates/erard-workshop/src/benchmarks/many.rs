@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use moreau::Settings;
 use moreau_kernels::Lanes;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::grand::MF_N;
 use super::{Effort, Load, STEP_S, Timed, Times, WIDEST, in_turn, instrument};
@@ -14,75 +14,34 @@ use erard::Progress;
 use erard::player::Input;
 use erard::run::Setup;
 
-/// Times of many actions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Many {
-    /// Threads that the processor runs at once.
-    pub cores: usize,
-    /// Mechanisms in the lanes of one step; 1 where there are no lanes.
-    pub lanes: usize,
-    /// A parameter study on one core: speed in lanes over speed one after the other.
-    pub batch_speedup_per_core: f64,
-    /// Speed in lanes on all cores over speed one after the other on one core.
-    pub batch_speedup_all_cores: f64,
-    /// On one core in four lanes (AVX2), where the processor has them, also if it has more.
-    pub batch_four_lanes_speedup_per_core: Option<f64>,
-    /// Lanes of single precision; `None` where the processor has none.
-    pub batch_single_lanes: Option<usize>,
-    /// In them on one core, over one after the other in doubles.
-    pub batch_single_speedup_per_core: Option<f64>,
-    /// A step of one grand of the study, one after the other, ns.
-    pub batch_one_by_one_ns_median: f64,
-    /// Distance of its quartiles over the median.
-    pub batch_one_by_one_ns_spread: f64,
-    /// In lanes, per grand, ns.
-    pub batch_lanes_ns_median: f64,
-    /// Distance of its quartiles over the median.
-    pub batch_lanes_ns_spread: f64,
-    /// In lanes and on all cores, per grand, ns.
-    pub batch_all_cores_ns_median: f64,
-    /// Distance of its quartiles over the median.
-    pub batch_all_cores_ns_spread: f64,
-    /// A tremolo whose lanes are in different phases, otherwise as above.
-    pub batch_tremolo_speedup_per_core: f64,
-    /// Likewise on all cores.
-    pub batch_tremolo_speedup_all_cores: f64,
-    /// A stroke of [`play_all`] on all cores, its share of everything: rest, half a second of steps, events; ms.
-    pub study_stroke_ms_median: f64,
-    /// Distance of its quartiles over the median.
-    pub study_stroke_ms_spread: f64,
-}
-
-impl Many {
-    /// Measures; `None` where `progress` ended the work.
-    pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Self> {
-        let groups = effort.groups_per_core * cores::count();
-        let load = Load::parameter_study(groups, effort.steps);
-        let study = load_times(&load, effort.rounds, &mut |share| progress(0.4 * share))?;
-        let tremolo = Load::tremolo(groups, effort.steps);
-        let tremolo = load_times(&tremolo, effort.rounds, &mut |share| progress(0.4 + 0.4 * share))?;
-        let stroke = strokes(groups * WIDEST, effort, &mut |share| progress(0.8 + 0.2 * share))?;
-        let single = Lanes::most_single();
-        Some(Many {
-            cores: cores::count(),
-            lanes: Lanes::most().count(),
-            batch_speedup_per_core: study.speedup_per_core(),
-            batch_speedup_all_cores: study.speedup_all_cores(),
-            batch_four_lanes_speedup_per_core: study.speedup(Lanes::Four),
-            batch_single_lanes: single.is_single().then(|| single.count()),
-            batch_single_speedup_per_core: study.speedup(single).filter(|_| single.is_single()),
-            batch_one_by_one_ns_median: study.one_by_one.median,
-            batch_one_by_one_ns_spread: study.one_by_one.spread(),
-            batch_lanes_ns_median: study.most_lanes().median,
-            batch_lanes_ns_spread: study.most_lanes().spread(),
-            batch_all_cores_ns_median: study.all_cores.median,
-            batch_all_cores_ns_spread: study.all_cores.spread(),
-            batch_tremolo_speedup_per_core: tremolo.speedup_per_core(),
-            batch_tremolo_speedup_all_cores: tremolo.speedup_all_cores(),
-            study_stroke_ms_median: stroke.median * 1e-6,
-            study_stroke_ms_spread: stroke.spread(),
-        })
-    }
+/// Measures; `None` where `progress` ended the work.
+pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
+    let groups = effort.groups_per_core * cores::count();
+    let load = Load::parameter_study(groups, effort.steps);
+    let study = load_times(&load, effort.rounds, &mut |share| progress(0.4 * share))?;
+    let tremolo = Load::tremolo(groups, effort.steps);
+    let tremolo = load_times(&tremolo, effort.rounds, &mut |share| progress(0.4 + 0.4 * share))?;
+    let stroke = strokes(groups * WIDEST, effort, &mut |share| progress(0.8 + 0.2 * share))?;
+    let single = Lanes::most_single();
+    Some(json!({
+        "cores": cores::count(),
+        "lanes": Lanes::most().count(),
+        "batch_speedup_per_core": study.speedup_per_core(),
+        "batch_speedup_all_cores": study.speedup_all_cores(),
+        "batch_four_lanes_speedup_per_core": study.speedup(Lanes::Four),
+        "batch_single_lanes": single.is_single().then(|| single.count()),
+        "batch_single_speedup_per_core": study.speedup(single).filter(|_| single.is_single()),
+        "batch_one_by_one_ns_median": study.one_by_one.median,
+        "batch_one_by_one_ns_spread": study.one_by_one.spread(),
+        "batch_lanes_ns_median": study.most_lanes().median,
+        "batch_lanes_ns_spread": study.most_lanes().spread(),
+        "batch_all_cores_ns_median": study.all_cores.median,
+        "batch_all_cores_ns_spread": study.all_cores.spread(),
+        "batch_tremolo_speedup_per_core": tremolo.speedup_per_core(),
+        "batch_tremolo_speedup_all_cores": tremolo.speedup_all_cores(),
+        "study_stroke_ms_median": stroke.median * 1e-6,
+        "study_stroke_ms_spread": stroke.spread(),
+    }))
 }
 
 /// Times of a step of one grand of a load, ns.

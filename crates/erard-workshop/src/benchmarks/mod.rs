@@ -14,18 +14,16 @@ mod single;
 
 pub use grand::{GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press};
 
-pub(crate) use keys::KeyboardTimes;
 pub use keys::{Ticks, keyboard};
 pub use load::{Load, WIDEST};
-pub use many::{LoadTimes, Many, load_times};
+pub use many::{LoadTimes, load_times};
 pub use sampling::Times;
 pub(crate) use sampling::{Timed, in_turn};
-pub(crate) use single::Single;
 
 use moreau_kernels::Lanes;
-use serde::Serialize;
+use serde_json::{Value, json};
 
-use latency::{Latencies, of_group_steps, of_steps};
+use latency::{of_group_steps, of_steps};
 
 /// How long to measure.
 #[derive(Debug, Clone, Copy)]
@@ -51,39 +49,20 @@ impl Effort {
         Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000, ticks: 2_000 };
 }
 
-/// What was measured: wall-clock times of this machine while it did whatever else it was doing. Serialised it is flat: the parts'
-/// names side by side.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
-    /// What of the processor's vector instructions was found.
-    pub instruction_sets: Vec<&'static str>,
-    /// One action.
-    #[serde(flatten)]
-    pub single: Single,
-    /// Many at once.
-    #[serde(flatten)]
-    pub many: Many,
-    /// A whole keyboard.
-    #[serde(flatten)]
-    pub keyboard: KeyboardTimes,
-    /// The worst steps.
-    #[serde(flatten)]
-    pub latencies: Latencies,
-}
-
-/// Measures everything; `None` where `progress` ended the work: it is told, beside the share done, what is going on.
-pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> Option<Report> {
+/// Measures everything, as one flat JSON object: wall-clock times of this machine while it did whatever else it was doing; `None` where `progress` ended the work: it is told, beside the share done, what is going on.
+pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> Option<Value> {
     // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
     let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
-    let single = Single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
-    let many = Many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
-    let keyboard = KeyboardTimes::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.75, share))?;
+    let single = single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
+    let many = many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
+    let keyboard = keys::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.75, share))?;
     let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
     let lanes = Lanes::most();
     let group_steps = effort.single_steps / lanes.count() as u64;
     let of_group = of_group_steps(group_steps, lanes, &mut |share| part("group steps", 0.9, 1.0, share))?;
-    let latencies = Latencies::new(&of_one, &of_group);
-    Some(Report { instruction_sets: instruction_sets(), single, many, keyboard, latencies })
+    let parts =
+        [json!({"instruction_sets": instruction_sets()}), single, many, keyboard, latency::report(&of_one, &of_group)];
+    Some(parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten().collect())
 }
 
 /// What of the processor's vector instructions there is.

@@ -1,6 +1,8 @@
 //! The lines of the sheet: what they are called, their unit, how many digits a technician reads. Their usual ranges are in [`super::usual`].
 
-use serde::Serialize;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::sheet::Sheet;
 use super::usual::{UsualRange, usual};
@@ -9,19 +11,35 @@ use erard::keyboard::note_name;
 /// The key whose norms hold where nobody says which it is: middle C.
 pub const MIDDLE_C: usize = 40;
 
+/// Text that is read once and stays as long as the program.
+pub type Kept = &'static str;
+
 /// One line of the sheet.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Line {
     /// The key in `measure.json`.
-    pub key: &'static str,
+    #[serde(deserialize_with = "kept")]
+    pub key: Kept,
     /// For people.
-    pub label: &'static str,
+    #[serde(deserialize_with = "kept")]
+    pub label: Kept,
     /// Its unit; empty for a ratio.
-    pub unit: &'static str,
+    #[serde(default, deserialize_with = "kept")]
+    pub unit: Kept,
     /// Decimals that mean something.
     pub decimals: usize,
     /// Its value.
+    #[serde(skip, default = "no_value")]
     pub value: fn(&Sheet) -> Option<f64>,
+}
+
+fn kept<'de, D: Deserializer<'de>>(file: D) -> Result<Kept, D::Error> {
+    String::deserialize(file).map(|text| &*text.leak())
+}
+
+fn no_value() -> fn(&Sheet) -> Option<f64> {
+    |_| None
 }
 
 /// What is out of the norm.
@@ -34,117 +52,84 @@ pub struct Flag {
 }
 
 /// Lines that belong together.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Group {
     /// Its heading.
-    pub heading: &'static str,
+    #[serde(deserialize_with = "kept")]
+    pub heading: Kept,
     /// Its lines.
-    pub lines: &'static [Line],
+    #[serde(rename = "line")]
+    pub lines: Vec<Line>,
 }
 
-const fn line(
-    key: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    decimals: usize,
-    value: fn(&Sheet) -> Option<f64>,
-) -> Line {
-    Line { key, label, unit, decimals, value }
-}
+type Value = (&'static str, fn(&Sheet) -> Option<f64>);
 
-/// The sheet's lines, in the order in which they are printed.
-pub const GROUPS: [Group; 6] = [
-    Group {
-        heading: "Weights on the key (pedal down, weight on the key front)",
-        lines: &[
-            line("down_weight_g", "down-weight D", "g", 1, |s| s.down_weight_g),
-            line("up_weight_g", "up-weight U", "g", 1, |s| s.up_weight_g),
-            line("balance_weight_g", "balance weight (D+U)/2", "g", 1, |s| s.balance_weight_g),
-            line("friction_weight_g", "friction weight (D-U)/2", "g", 1, |s| s.friction_weight_g),
-            line("dampers_down.down_weight_g", "dampers down: down-weight", "g", 1, |s| s.dampers_down?.down_weight_g),
-            line("dampers_down.up_weight_g", "  up-weight", "g", 1, |s| s.dampers_down?.up_weight_g),
-            line("dampers_down.friction_weight_g", "  friction weight", "g", 1, |s| s.dampers_down?.friction_weight_g),
-            line("by_slow_loop.down_weight_g", "from a slow loop: down-weight", "g", 1, |s| {
-                s.by_slow_loop.down_weight_g
-            }),
-            line("by_slow_loop.up_weight_g", "  up-weight", "g", 1, |s| s.by_slow_loop.up_weight_g),
-        ],
-    },
-    Group {
-        heading: "Parts on the scale, and the equation of balance BW + FW = KR WW + R SW",
-        lines: &[
-            line("front_weight_g", "front weight FW", "g", 1, |s| Some(s.front_weight_g)),
-            line("strike_weight_g", "strike weight SW", "g", 1, |s| Some(s.strike_weight_g)),
-            line("whippen_weight_g", "whippen weight WW", "g", 1, |s| Some(s.whippen_weight_g)),
-            line("key_ratio", "key ratio KR", "", 3, |s| Some(s.key_ratio)),
-            line("strike_weight_ratio_weights", "strike-weight ratio R by weights", "", 2, |s| {
-                s.strike_weight_ratio_weights
-            }),
-            line("strike_weight_ratio_kinematics", "  R by the geometry, where weighed", "", 2, |s| {
-                Some(s.strike_weight_ratio_kinematics)
-            }),
-            line("strike_weight_ratio_weights_half_way", "half-way: R by the loop's forces", "", 2, |s| {
-                s.strike_weight_ratio_weights_half_way
-            }),
-            line("strike_weight_ratio_kinematics_half_way", "  R by the geometry", "", 2, |s| {
-                Some(s.strike_weight_ratio_kinematics_half_way)
-            }),
-            line("strike_weight_ratio_kinematics_at_rest", "  R by the geometry at rest", "", 2, |s| {
-                Some(s.strike_weight_ratio_kinematics_at_rest)
-            }),
-            line("strike_weight_ratio_kinematics_at_let_off", "  and where let-off begins", "", 2, |s| {
-                Some(s.strike_weight_ratio_kinematics_at_let_off)
-            }),
-        ],
-    },
-    Group {
-        heading: "Regulation",
-        lines: &[
-            line("dip_mm", "dip", "mm", 1, |s| s.dip_mm),
-            line("blow_mm", "blow", "mm", 1, |s| s.blow_mm),
-            line("lost_motion_mm", "lost motion", "mm", 1, |s| s.lost_motion_mm),
-            line("let_off_begins_mm", "key where let-off begins", "mm", 1, |s| s.let_off_begins_mm),
-            line("let_off_mm", "let-off", "mm", 1, |s| s.let_off_mm),
-            line("drop_mm", "drop", "mm", 1, |s| s.drop_mm),
-            line("aftertouch_mm", "aftertouch", "mm", 1, |s| s.aftertouch_mm),
-            line("check_mm", "check distance", "mm", 1, |s| s.check_mm),
-            line("repetition_rise_mm", "rise from the check", "mm", 1, |s| s.repetition_rise_mm),
-            line("repetition_spring_m_s", "  its speed (spring)", "m/s", 2, |s| s.repetition_spring_m_s),
-            line("damper_start_share", "damper starts, of the dip", "", 2, |s| s.damper_start_share),
-        ],
-    },
-    Group {
-        heading: "Inertia at the key front (half-way, pedal down)",
-        lines: &[
-            line("effective_inertia_kg", "effective inertia", "kg", 3, |s| Some(s.effective_inertia_kg)),
-            line("effective_inertia_key_kg", "  key", "kg", 3, |s| Some(s.effective_inertia_key_kg)),
-            line("effective_inertia_whippen_kg", "  whippen", "kg", 3, |s| Some(s.effective_inertia_whippen_kg)),
-            line("effective_inertia_hammer_kg", "  hammer", "kg", 3, |s| Some(s.effective_inertia_hammer_kg)),
-        ],
-    },
-    Group {
-        heading: "Slow loop to the bottom and back",
-        lines: &[
-            line("let_off_resistance_N", "let-off resistance", "N", 2, |s| s.let_off_resistance_N),
-            line("loop_loss_mJ", "work that stays in the action", "mJ", 2, |s| Some(s.loop_loss_mJ)),
-        ],
-    },
-    Group {
-        heading: "Speech and repetition",
-        lines: &[
-            line("softest_force_N", "softest force that sounds", "N", 2, |s| s.softest_force_N),
-            line("softest_let_off_speed_m_s", "  hammer at let-off", "m/s", 2, |s| s.softest_let_off_speed_m_s),
-            line("softest_fall_speed_m_s", "  sqrt(2 a d) of its flight", "m/s", 2, |s| s.softest_fall_speed_m_s),
-            line("double_strike_m_s", "  second blow of a soft note", "m/s", 2, |s| s.double_strike_m_s),
-            line("repetition_rate_hz", "repetition, fully released", "Hz", 1, |s| s.repetition_rate_hz),
-            line("repetition_rate_half_hz", "  from half-way", "Hz", 1, |s| s.repetition_rate_half_hz),
-        ],
-    },
+/// Where in a sheet the value of each line is.
+const VALUES: [Value; 42] = [
+    ("down_weight_g", |s| s.down_weight_g),
+    ("up_weight_g", |s| s.up_weight_g),
+    ("balance_weight_g", |s| s.balance_weight_g),
+    ("friction_weight_g", |s| s.friction_weight_g),
+    ("dampers_down.down_weight_g", |s| s.dampers_down?.down_weight_g),
+    ("dampers_down.up_weight_g", |s| s.dampers_down?.up_weight_g),
+    ("dampers_down.friction_weight_g", |s| s.dampers_down?.friction_weight_g),
+    ("by_slow_loop.down_weight_g", |s| s.by_slow_loop.down_weight_g),
+    ("by_slow_loop.up_weight_g", |s| s.by_slow_loop.up_weight_g),
+    ("front_weight_g", |s| Some(s.front_weight_g)),
+    ("strike_weight_g", |s| Some(s.strike_weight_g)),
+    ("whippen_weight_g", |s| Some(s.whippen_weight_g)),
+    ("key_ratio", |s| Some(s.key_ratio)),
+    ("strike_weight_ratio_weights", |s| s.strike_weight_ratio_weights),
+    ("strike_weight_ratio_kinematics", |s| Some(s.strike_weight_ratio_kinematics)),
+    ("strike_weight_ratio_weights_half_way", |s| s.strike_weight_ratio_weights_half_way),
+    ("strike_weight_ratio_kinematics_half_way", |s| Some(s.strike_weight_ratio_kinematics_half_way)),
+    ("strike_weight_ratio_kinematics_at_rest", |s| Some(s.strike_weight_ratio_kinematics_at_rest)),
+    ("strike_weight_ratio_kinematics_at_let_off", |s| Some(s.strike_weight_ratio_kinematics_at_let_off)),
+    ("dip_mm", |s| s.dip_mm),
+    ("blow_mm", |s| s.blow_mm),
+    ("lost_motion_mm", |s| s.lost_motion_mm),
+    ("let_off_begins_mm", |s| s.let_off_begins_mm),
+    ("let_off_mm", |s| s.let_off_mm),
+    ("drop_mm", |s| s.drop_mm),
+    ("aftertouch_mm", |s| s.aftertouch_mm),
+    ("check_mm", |s| s.check_mm),
+    ("repetition_rise_mm", |s| s.repetition_rise_mm),
+    ("repetition_spring_m_s", |s| s.repetition_spring_m_s),
+    ("damper_start_share", |s| s.damper_start_share),
+    ("effective_inertia_kg", |s| Some(s.effective_inertia_kg)),
+    ("effective_inertia_key_kg", |s| Some(s.effective_inertia_key_kg)),
+    ("effective_inertia_whippen_kg", |s| Some(s.effective_inertia_whippen_kg)),
+    ("effective_inertia_hammer_kg", |s| Some(s.effective_inertia_hammer_kg)),
+    ("let_off_resistance_N", |s| s.let_off_resistance_N),
+    ("loop_loss_mJ", |s| Some(s.loop_loss_mJ)),
+    ("softest_force_N", |s| s.softest_force_N),
+    ("softest_let_off_speed_m_s", |s| s.softest_let_off_speed_m_s),
+    ("softest_fall_speed_m_s", |s| s.softest_fall_speed_m_s),
+    ("double_strike_m_s", |s| s.double_strike_m_s),
+    ("repetition_rate_hz", |s| s.repetition_rate_hz),
+    ("repetition_rate_half_hz", |s| s.repetition_rate_half_hz),
 ];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Norms {
+    group: Vec<Group>,
+}
+
+/// The sheet's lines, in the order in which they are printed: `norms.toml` beside this file.
+pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
+    let text = include_str!("norms.toml");
+    let mut groups = toml::from_str::<Norms>(text).expect("the built-in lines read").group;
+    for line in groups.iter_mut().flat_map(|group| &mut group.lines) {
+        line.value = VALUES.iter().find(|(key, _)| *key == line.key).map_or(no_value(), |(_, value)| *value);
+    }
+    groups
+});
 
 /// All lines.
 pub fn lines() -> impl Iterator<Item = &'static Line> {
-    GROUPS.iter().flat_map(|group| group.lines)
+    GROUPS.iter().flat_map(|group| &group.lines)
 }
 
 impl Line {
@@ -250,6 +235,16 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::range::HARDLY_HEARD_M_S;
+
+    /// Every line of the file has a value in the sheet, and every value a line.
+    #[test]
+    fn lines_and_values_belong_together() {
+        let (keys, values) = (lines().map(|line| line.key), VALUES.iter().map(|(key, _)| *key));
+        assert_eq!(keys.collect::<Vec<_>>(), values.collect::<Vec<_>>());
+        let twice = lines().find(|line| line.key == "double_strike_m_s").unwrap();
+        assert_eq!(twice.range(40), [None, Some(HARDLY_HEARD_M_S)]);
+    }
 
     /// At the keys of the sources their numbers, between them a straight line, beyond them the nearest; middle C's are those of before.
     #[test]

@@ -16,7 +16,6 @@ mod workshop;
 pub use follow::{disturbed, regulate_following};
 
 pub use goal::{Goal, Kind, Specification};
-pub use report::{DistanceReport, GoalReport, Report, ScrewReport};
 pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
 pub use screw::{CAPSTAN_THREAD_M, Handwork, KnownScrew, Range, SMALL_THREAD_M, known_screw, turns_text};
 pub use value::{parse_value, screw_unit, show, unit};

@@ -1,123 +1,50 @@
 //! What became of a regulation, in the units that people use: for a file, a page, a notebook.
 
 use erard::instrument::RewriteError;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::{Achieved, Goal, Handwork, Miss, Regulated, Turned, known_screw, screw_unit, show, unit};
 use crate::distances::Distances;
 
-/// The report of a regulation: every value in the unit beside it.
-#[derive(Debug, Clone, Serialize)]
-pub struct Report {
-    /// Name of the instrument.
-    pub instrument: String,
-    /// Rounds of work.
-    pub rounds: u32,
-    /// Simulated trials.
-    pub simulations: u32,
-    /// Steps of the last measurement that reached an iteration limit.
-    pub unconverged_steps: u64,
-    /// Whether every goal is met.
-    pub all_met: bool,
-    /// The goals, in the order of work.
-    pub goals: Vec<GoalReport>,
-    /// The screws that were turned.
-    pub screws: Vec<ScrewReport>,
-    /// All distances before.
-    pub before: Vec<DistanceReport>,
-    /// And after.
-    pub after: Vec<DistanceReport>,
-}
-
-/// What became of a goal; `None` (JSON `null`) is what does not happen.
-#[derive(Debug, Clone, Serialize)]
-pub struct GoalReport {
-    /// Its name, e.g. `let-off`.
-    pub goal: &'static str,
-    /// mm, mm/s or %.
-    pub unit: &'static str,
-    /// What was asked for.
-    pub asked: f64,
-    /// What was there before.
-    pub before: Option<f64>,
-    /// What is there now.
-    pub after: Option<f64>,
-    /// Whether that is near enough.
-    pub met: bool,
-    /// Why it is not.
-    pub why_not: Option<String>,
-    /// The screws that were turned for it.
-    pub screws: Vec<String>,
-}
-
-/// A screw that was turned.
-#[derive(Debug, Clone, Serialize)]
-pub struct ScrewReport {
-    /// Its name.
-    pub screw: String,
-    /// mm, degrees or N mm.
-    pub unit: &'static str,
-    /// Its setting before.
-    pub from: f64,
-    /// And after.
-    pub to: f64,
-    /// The difference.
-    pub turned_by: f64,
-    /// In turns of its thread (estimated); `None` where it has none.
-    pub turns: Option<f64>,
-    /// Which way, in a word or two.
-    pub way: &'static str,
-}
-
-/// A distance.
-#[derive(Debug, Clone, Serialize)]
-pub struct DistanceReport {
-    /// Its name.
-    pub name: &'static str,
-    /// mm, mm/s or %.
-    pub unit: &'static str,
-    /// `None` where it does not happen.
-    pub value: Option<f64>,
-}
-
 impl Regulated {
     /// The report.
     #[must_use]
-    pub fn report(&self) -> Report {
+    pub fn report(&self) -> Value {
         let goals = self.achieved.iter().map(|a| {
             let (factor, unit) = unit(a.goal.kind());
-            GoalReport {
-                goal: a.goal.name(),
-                unit,
-                asked: a.target * factor,
-                before: a.before.map(|v| v * factor),
-                after: a.after.map(|v| v * factor),
-                met: a.miss.is_none(),
-                why_not: reason(a),
-                screws: self.screws_of(a.goal).map(|turned| turned.name.clone()).collect(),
-            }
+            json!({
+                "goal": a.goal.name(),
+                "unit": unit,
+                "asked": a.target * factor,
+                "before": a.before.map(|v| v * factor),
+                "after": a.after.map(|v| v * factor),
+                "met": a.miss.is_none(),
+                "why_not": a.reason(),
+                "screws": self.screws_of(a.goal).map(|turned| turned.name.as_str()).collect::<Value>(),
+            })
         });
         let screws = self.turned.iter().map(|turned| {
             let (factor, unit) = screw_unit(&turned.action);
+            // To a millionth of the unit, as the file has it.
             let [from, to] = turned.setting.map(|s| (s * factor * 1e6).round() / 1e6);
-            let turned_by = ((to - from) * 1e6).round() / 1e6;
+            let by = ((to - from) * 1e6).round() / 1e6;
             let turns = match known_screw(&turned.name).map(|known| known.work) {
-                Some(Handwork::Thread(pitch_m)) => Some(turned_by / factor / pitch_m),
+                Some(Handwork::Thread(pitch_m)) => Some(by / factor / pitch_m),
                 _ => None,
             };
-            ScrewReport { screw: turned.name.clone(), unit, from, to, turned_by, turns, way: turned.way }
+            json!({"screw": turned.name, "unit": unit, "from": from, "to": to, "turned_by": by, "turns": turns, "way": turned.way})
         });
-        Report {
-            instrument: self.instrument.name.clone(),
-            rounds: self.rounds,
-            simulations: self.simulations,
-            unconverged_steps: self.after.unconverged_steps,
-            all_met: self.all_met(),
-            goals: goals.collect(),
-            screws: screws.collect(),
-            before: distances(&self.before),
-            after: distances(&self.after),
-        }
+        json!({
+            "instrument": self.instrument.name,
+            "rounds": self.rounds,
+            "simulations": self.simulations,
+            "unconverged_steps": self.after.unconverged_steps,
+            "all_met": self.all_met(),
+            "goals": goals.collect::<Value>(),
+            "screws": screws.collect::<Value>(),
+            "before": distances(&self.before),
+            "after": distances(&self.after),
+        })
     }
 
     /// The screws that were turned for a goal, as far as one alone is turned for it.
@@ -145,20 +72,24 @@ impl Regulated {
     }
 }
 
-fn reason(achieved: &Achieved) -> Option<String> {
-    Some(match achieved.miss.as_ref()? {
-        Miss::EndOfRange(screws) => format!("at the end of its range: {}", screws.join(", ")),
-        Miss::NoSetting(screws) => format!("no setting of {} gives it", screws.join(" or ")),
-        Miss::Disturbed => "it cannot be met together with the other goals".into(),
-    })
+impl Achieved {
+    /// Why it was missed.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        Some(match self.miss.as_ref()? {
+            Miss::EndOfRange(screws) => format!("at the end of its range: {}", screws.join(", ")),
+            Miss::NoSetting(screws) => format!("no setting of {} gives it", screws.join(" or ")),
+            Miss::Disturbed => "it cannot be met together with the other goals".into(),
+        })
+    }
 }
 
-fn distances(distances: &Distances) -> Vec<DistanceReport> {
+fn distances(distances: &Distances) -> Value {
+    let one = |name: &str, unit: &str, value: Option<f64>| json!({"name": name, "unit": unit, "value": value});
     let goals = Goal::ALL.into_iter().map(|goal| {
         let (factor, unit) = unit(goal.kind());
-        DistanceReport { name: goal.name(), unit, value: goal.of(distances).map(|v| v * factor) }
+        one(goal.name(), unit, goal.of(distances).map(|v| v * factor))
     });
-    let others = [("lost motion", distances.lost_motion_m), ("aftertouch", distances.aftertouch_m)].into_iter();
-    let others = others.map(|(name, value)| DistanceReport { name, unit: "mm", value: value.map(|v| v * 1e3) });
-    goals.chain(others).collect()
+    let others = [("lost motion", distances.lost_motion_m), ("aftertouch", distances.aftertouch_m)];
+    goals.chain(others.map(|(name, value)| one(name, "mm", value.map(|v| v * 1e3)))).collect()
 }

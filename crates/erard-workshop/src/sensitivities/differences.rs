@@ -9,7 +9,7 @@ use erard::run::{Setup, SimulationError};
 
 use super::Variable;
 use super::error::SensitivityError;
-use crate::cores::{do_all, job};
+use crate::cores;
 use crate::measure::weights::{Touch, by_loop, free_way};
 use crate::study::{Job, JobResult, Played, Stroke, Workers, play_all};
 
@@ -120,19 +120,12 @@ impl<'a> Window<'a> {
 
     /// Weighs all of them, by slow loops.
     pub(crate) fn weigh(&self, threads: usize, progress: &mut Progress<'_>) -> Result<Vec<Touch>, SensitivityError> {
-        let mut found: Vec<Option<Option<Touch>>> = vec![None; self.instruments.len()];
-        let work = found.iter_mut().zip(&self.instruments).enumerate().map(|(k, (place, instrument))| {
-            job(place, move |progress| -> Result<Option<Touch>, SensitivityError> {
-                match touch(instrument, progress) {
-                    Ok(touch) => Ok(Some(touch)),
-                    // A variant that cannot be weighed has no differences; the instrument itself must be.
-                    Err(error) if k == 0 || error.is_interruption() => Err(error.into()),
-                    Err(_) => Ok(None),
-                }
-            })
-        });
-        do_all(work.collect(), threads, progress)?;
-        Ok(found.into_iter().map(|one| one.flatten().unwrap_or_default()).collect())
+        let numbered: Vec<(usize, &Instrument)> = self.instruments.iter().enumerate().collect();
+        cores::map(&numbered, threads, progress, |(k, instrument), progress| match touch(instrument, progress) {
+            // A variant that cannot be weighed has no differences; the instrument itself must be.
+            Err(error) if *k == 0 || error.is_interruption() => Err(error.into()),
+            touch => Ok(touch.unwrap_or_default()),
+        })
     }
 
     /// Of a quantity of the strokes by a variable.
