@@ -10,7 +10,6 @@
 )]
 
 pub mod answer;
-mod bands;
 mod cache;
 pub mod command;
 mod compare;
@@ -28,7 +27,6 @@ mod paper;
 pub mod progress;
 mod recordings;
 mod regulate;
-mod samples;
 pub mod say;
 mod sheet;
 mod signals;

@@ -7,9 +7,9 @@ use erard::stroke::{NUANCES, Series, Touch};
 use erard_workshop::kinematics::LinkageFile;
 use serde::Serialize;
 
+use super::samples::sample_text;
 use crate::answer;
 use crate::failure::Failure;
-use crate::samples::sample_text;
 use crate::say;
 use crate::say::verbatim;
 

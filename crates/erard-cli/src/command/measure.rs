@@ -13,9 +13,9 @@ use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
 use erard_workshop::regulate::Status;
 use moreau::Settings;
 
+use super::bands::{self, BandOptions};
 use super::options::{instrument_path, key_number, keys_of, load_instrument, measured_lines};
 use super::out::OutOptions;
-use crate::bands::{self, BandOptions};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};

@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod bands;
 mod bench;
 mod check;
 mod compare;
@@ -17,6 +18,7 @@ pub mod out;
 mod press;
 mod press_pair;
 mod regulate;
+mod samples;
 mod studio;
 mod study;
 mod validate;

@@ -13,11 +13,11 @@ use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
 use erard_workshop::measure::norms::{Line, lines};
 use moreau::{FrictionLaw, Settings, Solver};
 
+use super::samples::sample_text;
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs;
 use crate::recordings::{Ready, RecordingOptions};
-use crate::samples::sample_text;
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
 

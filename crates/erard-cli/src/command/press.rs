@@ -11,11 +11,11 @@ use erard::run::{Setup, simulate_observed};
 use erard::strings::Pedal;
 use erard::stroke::Columns;
 
+use super::bands::{self, BandOptions, BandRow};
 use super::hand::HandOptions;
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
-use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
 use crate::inside::{self, LossReport, losses_svg, reactions_svg};
 use crate::progress::Progress;

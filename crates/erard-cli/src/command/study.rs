@@ -10,13 +10,13 @@ use erard_workshop::measure::norms::Line;
 use erard_workshop::sample::SampleError;
 use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
 
+use super::bands::{self, BandOptions, BandRow};
 use super::hand::HandOptions;
 use super::options::{
     InstrumentOption, KeyboardKey, Model, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text,
     load_keyboard, measured_lines,
 };
 use super::out::OutOptions;
-use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::say;

@@ -1,8 +1,8 @@
 //! `erard validate`.
 
+use super::bands::{self, BandOptions, BandRow};
 use super::options::{KeyboardKey, load_instrument_and_text};
 use super::out::OutOptions;
-use crate::bands::{self, BandOptions, BandRow};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::say;

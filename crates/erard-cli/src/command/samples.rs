@@ -6,8 +6,8 @@ use erard::instrument_spec::{SAMPLE, split_sample};
 use erard_workshop::cores::{self, do_all, job};
 use erard_workshop::sample::{SampleError, Sampled};
 
+use super::options::{KeyboardKey, load_instrument_and_text};
 use crate::cache;
-use crate::command::options::{KeyboardKey, load_instrument_and_text};
 use crate::failure::Failure;
 use crate::progress::Progress;
 

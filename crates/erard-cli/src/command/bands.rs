@@ -5,11 +5,11 @@ use erard::instrument::Instrument;
 use erard_workshop::sample::{Band, SampleError, band};
 use serde::Serialize;
 
+use super::samples::Samples;
 use crate::cache;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::samples::Samples;
 use crate::table::{Table, three};
 
 /// Whether values have bands.
