@@ -76,6 +76,13 @@ pub enum Failure {
     Internal(String),
 }
 
+/// What is written as records is records.
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        Failure::Internal(error.to_string())
+    }
+}
+
 impl Failure {
     /// A file or folder that cannot be written.
     pub(crate) fn write(path: &Path, source: std::io::Error) -> Self {

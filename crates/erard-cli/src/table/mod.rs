@@ -11,7 +11,6 @@ use maud::{Markup, html};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::failure::Failure;
 pub(crate) use text::{WIDEST, decimal, three, wrapped};
 
 /// How the name of a table in text ends.
@@ -67,11 +66,9 @@ impl<'a> Table<'a> {
     /// The fields of serialized records, in their order.
     ///
     /// # Errors
-    /// [`Failure::Internal`] where a record is none.
-    pub(crate) fn of_records(records: &impl Serialize) -> Result<Self, Failure> {
-        let wrong = |error: serde_json::Error| Failure::Internal(error.to_string());
-        let records: Vec<Map<String, Value>> =
-            serde_json::to_value(records).and_then(serde_json::from_value).map_err(wrong)?;
+    /// Where a record is none.
+    pub(crate) fn of_records(records: &impl Serialize) -> Result<Self, serde_json::Error> {
+        let records: Vec<Map<String, Value>> = serde_json::to_value(records).and_then(serde_json::from_value)?;
         let mut table = Table::default();
         for name in records.first().into_iter().flat_map(Map::keys) {
             let values = || records.iter().map(|record| &record[name]);
