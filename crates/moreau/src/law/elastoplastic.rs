@@ -10,7 +10,7 @@ use super::slider::{Slider, held, sharper, slide};
 use super::spring::Spring;
 use crate::real::Real;
 
-/// See the [file](self). The memory is the stretch of the slider's spring, m^((r+1)/2).
+/// F = k g^r + b g^2 dg/dt, and one slider of bound eta k g^r in series with a spring. The memory is the stretch of the slider's spring, m^((r+1)/2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastoplastic<T> {
     /// b, N s/m3.

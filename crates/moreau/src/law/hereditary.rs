@@ -13,7 +13,7 @@ use crate::timing::Timing;
 /// N; a felt whose memory is below this has forgotten, so that it comes to rest to the bit.
 const FORGOTTEN: f64 = 1e-30;
 
-/// See the [file](self). The spring's k is the stiffness of a slow compression, k/(1 - eps) that of a quick one. The memory is
+/// F = k/(1 - eps) (u - z), u = g^r, dz/dt = (eps u - z)/tau (A. Stulov, JASA 97 (1995) 2577-2585). The spring's k is the stiffness of a slow compression, k/(1 - eps) that of a quick one. The memory is
 /// Z = k z / (1 - eps), N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hereditary<T> {

@@ -6,7 +6,7 @@ use super::number::{LAW_NUMBERS, LawNumber, Range};
 use super::rate_part::Form;
 use crate::real::Real;
 
-/// See the [file](self).
+/// F = k g^r (1 + a dg/dt) (K. H. Hunt and F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440-445).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HuntCrossley<T> {
     /// a, s/m.

@@ -14,7 +14,8 @@ use super::slider::{Slider, held, sharper, slide};
 use super::spring::Spring;
 use crate::real::Real;
 
-/// See the [file](self). The memory is the stretch of the sliders' springs, m^((r+1)/2), that of the slider first that gives first.
+/// F = k g^r + b g^2 dg/dt, and four sliders in parallel, each with a quarter of eta (W. D. Iwan, J. Appl. Mech. 33 (1966) 893-900). The memory is the
+/// stretch of their springs, m^((r+1)/2), that of the slider first that gives first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iwan<T> {
     /// b, N s/m3.

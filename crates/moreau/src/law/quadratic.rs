@@ -5,7 +5,7 @@ use super::number::{DAMPING, LAW_NUMBERS, LawNumber};
 use super::rate_part::Form;
 use crate::real::Real;
 
-/// See the [file](self). The papers call b also p.
+/// F = k g^r + b g^2 dg/dt. The papers call b also p.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quadratic<T> {
     /// b, N s/m3.

@@ -8,7 +8,7 @@ use super::hook::Law;
 use super::number::{LAW_NUMBERS, LawNumber, Range};
 use crate::real::Real;
 
-/// See the [file](self). The memory is the dry part of the force over the last step, N.
+/// F = k g^r (1 + eta Sign(dg/dt)). The memory is the dry part of the force over the last step, N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SetValued<T> {
     /// eta, 1, below 1.
