@@ -106,8 +106,12 @@ def _free(instrument: Instrument, names: Sequence[str], bounds: Mapping[str, tup
             instrument.vary({name: 1.0})  # It says what there is.
             raise InputError(f"vary: {name} is a number of the file; expected a screw or a parameter", key="vary", found=name)
         own = known[name]
-        wide = own.spread and (own.spread[0] < 0 or own.spread[1] / own.spread[0] >= 2.3)
-        usual = own.spread if wide else ((0.2, 5.0) if own.is_factor else (-0.02 * own.range[1], 0.02 * own.range[1]))
+        spread = own.spread
+        # A narrow one says how far grands of this kind differ, not how far off a guess may be.
+        if spread is not None and spread[1] >= 2.3 * spread[0]:
+            usual = spread
+        else:
+            usual = (0.2, 5.0) if own.is_factor else (-0.02 * own.range[1], 0.02 * own.range[1])
         limits = bounds.get(name, usual)
         if isinstance(limits, str) or np.shape(limits) != (2,):
             raise InputError(f"bounds[{name!r}]: found {limits!r}, expected two numbers, as in (0.5, 2.0)", key="bounds", found=repr(limits))
