@@ -6,6 +6,8 @@ use std::sync::LazyLock;
 
 use sha2::{Digest, Sha256};
 
+use crate::identity::hex;
+
 /// Digest of the program itself: another program makes other texts.
 static PROGRAM: LazyLock<Option<Vec<u8>>> = LazyLock::new(|| {
     let bytes = fs::read(std::env::current_exe().ok()?).ok()?;
@@ -25,7 +27,7 @@ fn folder() -> Option<PathBuf> {
     folder.map(|folder| folder.join("erard"))
 }
 
-/// The file of what is made of these texts.
+/// The cache file for a result of these texts.
 fn place(kind: &str, of: &[&str]) -> Option<PathBuf> {
     let mut digest = Sha256::new();
     digest.update(PROGRAM.as_ref()?);
@@ -46,10 +48,6 @@ pub(crate) fn get(kind: &str, of: &[&str]) -> Option<String> {
 
 fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text))
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Keeps a text. It appears whole or not at all, so that an interrupted program leaves no part of one.

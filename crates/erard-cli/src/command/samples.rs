@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use erard::instrument_spec::{SAMPLE, split_sample};
-use erard_workshop::cores::{self, do_all, job};
+use erard_workshop::cores;
 use erard_workshop::sample::{SampleError, Sampled};
 
 use super::options::{KeyboardKey, load_instrument_and_text};
@@ -29,7 +29,7 @@ enum Source {
 }
 
 impl Samples {
-    /// Samples of what is asked for in the place of an instrument.
+    /// Samples of what the user asked for: an instrument, or a key of a keyboard.
     pub(crate) fn of(asked: &str) -> Result<Self, Failure> {
         if split_sample(asked).map_err(usage)?.1.is_some() {
             return Err(Failure::Usage(format!(
@@ -80,17 +80,12 @@ impl Samples {
     ) -> Result<Vec<T>, Failure> {
         progress.say("sampling");
         self.sampled(&mut |_| progress.tell(0.0)).map_err(|error| self.failed(error))?;
-        let mut found: Vec<Option<T>> = (0..count).map(|_| None).collect();
-        let jobs = found.iter_mut().zip(1..).map(|(place, sample)| {
-            let work = &work;
-            job(place, move |progress| {
-                let text = self.text(sample, progress)?;
-                work(sample, &text, progress)
-            })
+        let numbers: Vec<u32> = (1..=count).collect();
+        let found = cores::map(&numbers, cores::count(), &mut |share| progress.tell(share), |sample, progress| {
+            let text = self.text(*sample, progress)?;
+            work(*sample, &text, progress)
         });
-        do_all(jobs.collect(), cores::count(), &mut |share| progress.tell(share))
-            .map_err(|error| self.failed(error))?;
-        Ok(found.into_iter().flatten().collect())
+        found.map_err(|error| self.failed(error))
     }
 
     fn failed(&self, error: SampleError) -> Failure {
