@@ -25,9 +25,9 @@ const taken = (address) => {
   return own;
 };
 
-// ErardReading: ten doubles and two counts.
-const reading = erard.erard_memory_new(88);
-const read = () => new DataView(erard.memory.buffer, reading, 88);
+// ErardReading: ten doubles, two counts, and two doubles of a hand.
+const reading = erard.erard_memory_new(104);
+const read = () => new DataView(erard.memory.buffer, reading, 104);
 const action = erard.erard_action_new(0, 0, 50e-6, 0);
 if (action === 0) throw new Error(text(erard.erard_last_error()));
 const note = () => {

@@ -1,12 +1,14 @@
 // The worker that owns a whole keyboard: 88 actions, those at rest free of cost.
 import { Library, LibraryError } from "./library";
-import { STEP_S } from "./played";
+import { READING_BYTES, STEP_S } from "./played";
 import type { FromKeys, Scene, ToKeys } from "./protocol";
 
 /** Never more than this at once, s; and a page that asks for nothing for so long was not looked at. */
 const LONGEST_S = 0.1, AWAY_S = 0.5;
 const MOST_BLOWS = 256;
 const BLOW_BYTES = 24;
+/** Bytes of ErardInput: two counts and six doubles. */
+const INPUT_BYTES = 56;
 const FREE = 0, FORCE = 1, MOTION = 2;
 /** A fingertip's way within a frame is taken in so many steps at a time: a millisecond. */
 const STRIDE = 20;
@@ -27,16 +29,16 @@ const open = async (module: WebAssembly.Module): Promise<void> => {
   const { raw } = library;
   keyboard = library.made(raw.erard_keyboard_new(0, 0, STEP_S, 0));
   keys = raw.erard_keyboard_keys(keyboard);
-  input = raw.erard_memory_new(32);
+  input = raw.erard_memory_new(INPUT_BYTES);
   blows = raw.erard_memory_new(BLOW_BYTES * MOST_BLOWS);
   count = raw.erard_memory_new(8);
-  reading = raw.erard_memory_new(88);
+  reading = raw.erard_memory_new(READING_BYTES);
   say({ kind: "ready", keys, took_ms: performance.now() - began });
 };
 
 const drive = (key: number, kind: number, force: number, position: number, velocity: number): void => {
   library.u32(input, 2).set([kind, 0]);
-  library.f64(input + 8, 3).set([force, position, velocity]);
+  library.f64(input + 8, 6).set([force, position, velocity, 0, 0, 0]);
   check(library.raw.erard_keyboard_drive(keyboard, key, input));
 };
 

@@ -7,8 +7,8 @@ import type { Events, Pose, Scene } from "./protocol";
 export const STEP_S = 50e-6;
 /** What is kept, s: the last second, and enough before it that a press which swings out for long is still there from its beginning. */
 const KEPT_S = 3;
-/** Bytes of ErardReading and ErardEvents. */
-const READING_BYTES = 104;
+/** Bytes of ErardReading. */
+export const READING_BYTES = 104;
 const EVENTS = [
   "key_start_s", "toe_contact_s", "let_off_s", "blow_s", "blow_m_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_blow_s",
 ] as const;

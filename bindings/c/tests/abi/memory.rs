@@ -74,3 +74,19 @@ fn a_keyboard_takes_none() {
     assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
     unsafe { erard_keyboard_free(keyboard) };
 }
+
+/// Pages in WebAssembly reserve memory for the interface's structures by their sizes, which no compiler checks there: too little corrupts the heap.
+#[test]
+fn pages_reserve_as_much_as_the_structures_take() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let says = |file: &str, text: String| {
+        let found = std::fs::read_to_string(root.join(file)).unwrap();
+        assert!(found.contains(&text), "{file} has no `{text}`");
+    };
+    let (reading, input, blow) = (size_of::<ErardReading>(), size_of::<ErardInput>(), size_of::<ErardBlow>());
+    says("bindings/c/examples/note.mjs", format!("reading = erard.erard_memory_new({reading})"));
+    says("bindings/c/examples/note.mjs", format!("DataView(erard.memory.buffer, reading, {reading})"));
+    says("studio/src/engine/played.ts", format!("READING_BYTES = {reading};"));
+    says("studio/src/engine/keys.worker.ts", format!("INPUT_BYTES = {input};"));
+    says("studio/src/engine/keys.worker.ts", format!("BLOW_BYTES = {blow};"));
+}

@@ -179,7 +179,9 @@ impl<'a> Table<'a> {
         let columns = self.shown();
         let class = |column: &text::Shown<'_>| column.right.then_some("n");
         html! {
-            thead { tr { @for column in &columns { th class=[class(column)] scope="col" { (column.head) } } } }
+            thead { tr { @for column in &columns {
+                @if column.head.is_empty() { td {} } @else { th class=[class(column)] scope="col" { (column.head) } }
+            } } }
             tbody {
                 @for row in 0..self.rows() {
                     tr {
