@@ -1,6 +1,6 @@
 //! Samples of an instrument: plausible grands around its file, drawn, put right, and kept in the user's cache.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use erard::instrument_spec::{SAMPLE, split_sample};
 use erard_workshop::cores;
@@ -19,8 +19,9 @@ pub(crate) struct Samples {
     /// What was asked for, without a sample.
     asked: String,
     source: Source,
-    /// Made when a sample is not in the cache.
+    /// Made when a sample is not in the cache, once: whoever comes meanwhile waits.
     sampled: OnceLock<Sampled>,
+    making: Mutex<()>,
 }
 
 enum Source {
@@ -40,7 +41,7 @@ impl Samples {
             Some(key) => Source::Key(key),
             None => Source::Text(load_instrument_and_text(asked)?.1),
         };
-        Ok(Samples { asked: asked.to_owned(), source, sampled: OnceLock::new() })
+        Ok(Samples { asked: asked.to_owned(), source, sampled: OnceLock::new(), making: Mutex::new(()) })
     }
 
     /// The text of one sample's instrument file.
@@ -61,6 +62,7 @@ impl Samples {
     }
 
     fn sampled(&self, progress: &mut erard::Progress<'_>) -> Result<&Sampled, SampleError> {
+        let _alone = self.making.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(made) = self.sampled.get() {
             return Ok(made);
         }
@@ -79,7 +81,6 @@ impl Samples {
         work: impl Fn(u32, &str, &mut erard::Progress<'_>) -> Result<T, SampleError> + Sync,
     ) -> Result<Vec<T>, Failure> {
         progress.say("sampling");
-        self.sampled(&mut |_| progress.tell(0.0)).map_err(|error| self.failed(error))?;
         let numbers: Vec<u32> = (1..=count).collect();
         let found = cores::map(&numbers, cores::count(), &mut |share| progress.tell(share), |sample, progress| {
             let text = self.text(*sample, progress)?;

@@ -200,7 +200,7 @@ impl Output {
     }
 }
 
-/// Files that a command wrote; what stands beside a table is not named to people.
+/// The files that a command wrote, but for the tables' metadata: nobody opens those by hand.
 #[derive(Debug)]
 pub struct Written {
     folder: PathBuf,
