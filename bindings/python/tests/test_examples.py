@@ -19,9 +19,10 @@ def test_examples_run(name: str) -> None:
     assert failed == 0
 
 
-def test_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its first lines of Python, as they stand."""
-    readme = Path(__file__).parent.parent / "README.md"
+@pytest.mark.parametrize("folder", ["bindings/python", "."])
+def test_the_readme_runs(folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first Python block of this package's README and of the project's."""
+    readme = Path(__file__).parents[3] / folder / "README.md"
     if not readme.exists():
         pytest.skip("not in the source tree")
     pytest.importorskip("matplotlib").use("Agg")

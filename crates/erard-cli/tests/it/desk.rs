@@ -154,7 +154,7 @@ fn misses_can_fail() {
     assert!(folder.0.join("erard-out-validate/validate.json").exists());
 }
 
-/// Words of a command line of the README, and the file that its output goes to.
+/// Words of a command line of the documentation, and the file that its output goes to.
 fn words(line: &str) -> (Vec<String>, Option<String>) {
     let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
     for c in line.chars() {
@@ -174,20 +174,14 @@ fn words(line: &str) -> (Vec<String>, Option<String>) {
     (words, into)
 }
 
-/// Every line of the README's "Try", one after the other, in an empty folder. What takes long is shortened: that it needs nothing is what
-/// is shown.
-#[test]
-#[ignore = "ci: some thirty commands, one after the other"]
-fn an_empty_folder_is_enough_for_the_readme() {
-    let folder = Folder::new("desk-readme");
-    let readme = include_str!("../../../../README.md");
-    let block = readme.split("## Try").nth(1).unwrap().split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+/// Runs command lines one after the other in a folder. What takes long is shortened: the test shows that the lines need nothing else.
+fn run_lines(folder: &Folder, lines: &str) -> usize {
     let mut played = 0;
-    // The program that reproduces the papers has tests of its own.
-    let is_ours = |line: &&str| !line.trim().is_empty() && !line.starts_with("cargo run --release -p erard-reproduce ");
-    for line in block.lines().filter(is_ours) {
-        let command =
-            line.strip_prefix("cargo run --release -- ").unwrap_or_else(|| panic!("not a command of ours: {line}"));
+    for line in lines.lines().filter(|line| !line.trim().is_empty()) {
+        let command = line
+            .strip_prefix("cargo run --release -- ")
+            .or_else(|| line.strip_prefix("erard "))
+            .unwrap_or_else(|| panic!("not a command of ours: {line}"));
         let (mut words, into) = words(command);
         let shortened = match words[0].as_str() {
             "bench" => &["--quick"][..],
@@ -203,7 +197,31 @@ fn an_empty_folder_is_enough_for_the_readme() {
         }
         played += 1;
     }
-    assert!(played > 20, "{played} lines");
+    played
+}
+
+/// Every recipe of the book, one after the other, in an empty folder.
+#[test]
+#[ignore = "ci: some forty commands, one after the other"]
+fn an_empty_folder_is_enough_for_the_recipes() {
+    let folder = Folder::new("desk-recipes");
+    let page = include_str!("../../../../book/src/commands.md");
+    let blocks = page.split("```sh,no_run\n").skip(1).map(|after| after.split("```").next().unwrap());
+    let played: usize = blocks.map(|block| run_lines(&folder, block)).sum();
+    assert!(played > 30, "{played} lines");
+}
+
+/// The README's first command and its six others, in an empty folder.
+#[test]
+#[ignore = "ci: a measurement and a validation"]
+fn an_empty_folder_is_enough_for_the_readme() {
+    let folder = Folder::new("desk-readme");
+    let readme = include_str!("../../../../README.md");
+    let mut blocks = readme.split("```sh\n").skip(1).map(|after| after.split("```").next().unwrap());
+    let first = blocks.next().unwrap();
+    assert!(first.contains("\ncargo test --release "), "{first}");
+    let played = run_lines(&folder, first.lines().next().unwrap()) + run_lines(&folder, blocks.next().unwrap());
+    assert_eq!(played, 7);
 }
 
 /// A number that was changed under its note is marked in the pictures, too: of a pose, of a run, and of two; elsewhere nothing is.

@@ -21,6 +21,7 @@ mod one_dof;
 mod player;
 mod playing;
 mod reactions;
+mod readme;
 mod repose;
 mod rest;
 mod robustness;
