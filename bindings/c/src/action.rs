@@ -18,7 +18,7 @@ pub struct ErardAction {
     pub(crate) play: Play,
     bodies: Vec<CString>,
     zones: Vec<CString>,
-    /// Where a string that yields is looked at, m from the striking point, and what tells its shape there.
+    /// Where a modal string is looked at, m from the striking point, and what tells its shape there.
     string: Option<(Vec<f64>, ShapeProbe)>,
 }
 
@@ -228,7 +228,7 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
 }
 
 /// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
-/// told how many it takes: some 2.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
+/// told how many it takes: some 2.8 kB, the same for every action of one library whose string is rigid; modal strings take 16 bytes more for each of
 /// their modes, and the size then belongs to the action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and
 /// the other way round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
@@ -252,7 +252,7 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
     })
 }
 
-/// Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at 0.5 m/s at most). Without strings that yield, or without a rail, it does
+/// Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at 0.5 m/s at most). Without modal strings, or without a rail, it does
 /// nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
@@ -268,7 +268,7 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
 }
 
 /// The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer end: as many as `count` has room for are
-/// written to `places_m` (which may be NULL). Returns how many there are; 0 for an action without strings that yield, and for NULL. Real time: yes.
+/// written to `places_m` (which may be NULL). Returns how many there are; 0 for an action without modal strings, and for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_m: *mut f64, count: usize) -> usize {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -282,7 +282,7 @@ pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_
 }
 
 /// How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room in `shape_m`, at least
-/// erard_string_places. Without strings that yield it does nothing. Real time: yes.
+/// erard_string_places. Without modal strings it does nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_shape(
     action: *const ErardAction,

@@ -14,7 +14,7 @@ const NEARLY: f64 = 1e-6;
 pub(crate) struct Play {
     pub action: Action,
     rest: MechanismState,
-    /// Room for how strings that yield vibrated before several steps.
+    /// Room for how modal strings vibrated before several steps.
     strings: Box<[u8]>,
     pub reading: ErardReading,
     /// Time that has been asked for and not yet been stepped, s: less than a step.
@@ -224,7 +224,7 @@ impl Play {
     }
 }
 
-/// How strings that yield vibrate, as a state of its own. Returns how many bytes it takes.
+/// How modal strings vibrate, as a state of its own. Returns how many bytes it takes.
 fn save_strings(action: &Action, bytes: &mut [u8]) -> usize {
     let mut out = Writer::new(bytes, SNAPSHOT_MARK);
     action.save_strings(&mut |name, numbers| out.list(name, numbers));

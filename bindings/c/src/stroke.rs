@@ -59,7 +59,7 @@ pub unsafe extern "C" fn erard_stroke_builtin(
 }
 
 /// A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
-/// it drives by its force where it has one, else by its position. It is made ready as `erard press` does without options: the zero is taken from the rest
+/// it drives by its force where it has one, else by its position. It is prepared as `erard press` does without options: the zero is taken from the rest
 /// before the touch, and what noise a channel has is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column.
 /// Real time: no.
 #[unsafe(no_mangle)]
@@ -101,7 +101,7 @@ pub unsafe extern "C" fn erard_stroke_told(
 }
 
 /// Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position", "hammer"), "index" (from 0) and "title", time
-/// first. `titles` is a JSON array of all titles. For who reads tables that are no text, and passes their columns on as CSV. Give the text back with
+/// first. `titles` is a JSON array of all titles. For callers that read tables that are not text, and pass their columns on as CSV. Give the text back with
 /// erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_recording_columns(

@@ -22,7 +22,7 @@ pub struct Note {
     pub fastest_rad_s: f64,
 }
 
-/// What a step took, for who counts.
+/// Work of a step, for callers that count.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Work {
     /// Which, from 0.

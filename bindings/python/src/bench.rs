@@ -26,7 +26,7 @@ use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// The lines of the technician's sheet: key, name, unit, decimals, what is usual.
+/// The lines of the technician's sheet: key, name, unit, decimals, the usual range.
 #[pyfunction]
 pub fn measure_lines() -> Vec<(&'static str, &'static str, &'static str, usize, String)> {
     lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(MIDDLE_C))).collect()

@@ -182,7 +182,7 @@ fn plain(instrument: &Inner) -> Inner {
     Inner { parts: Vec::new(), ..instrument.clone() }
 }
 
-/// Strokes and variants that are made ready before signals are looked for.
+/// Strokes and variants that are prepared before signals are looked for.
 const BETWEEN_SIGNALS: usize = 256;
 
 /// One stroke for each row of `values` (N x T samples every `dt` s), on one instrument or on as many as there are rows.

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::fault::{self, wrong, wrong_argument};
 
-/// A recording, made ready.
+/// A prepared recording.
 #[pyclass(frozen, module = "erard._erard")]
 pub struct Recording {
     name: String,
@@ -70,7 +70,7 @@ impl Recording {
         Ok(columns)
     }
 
-    /// Made ready, at these instants; `None` for what was not recorded.
+    /// Prepared, at these instants; `None` for what was not recorded.
     fn at<'py>(
         &self,
         py: Python<'py>,

@@ -63,7 +63,7 @@ impl Steps {
         Ok(Some(hand))
     }
 
-    /// Whether derivatives can be had so.
+    /// Whether derivatives are supported.
     pub fn for_derivatives(&self) -> PyResult<()> {
         if self.friction == "set-valued" {
             return Ok(());

@@ -40,7 +40,7 @@ pub enum Failure {
     /// An action cannot be measured.
     #[error("{label}: {error}")]
     Measure {
-        /// Which.
+        /// Name of the action.
         label: String,
         /// Why.
         error: MeasureError,

@@ -10,7 +10,7 @@ use crate::{say, signals};
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_millis(400);
 
-/// The bar that is shown, for who ends the process.
+/// The bar that is shown, for the handler that ends the process.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
 /// Takes the bar away.
@@ -37,7 +37,7 @@ impl Progress {
         Progress { start: Instant::now(), bar }
     }
 
-    /// The same where nobody knows how much there is to do: it counts what was done.
+    /// A bar for work of unknown length: it counts what was done.
     pub(crate) fn counting(what: &str) -> Self {
         let progress = Progress::new(what);
         let style = ProgressStyle::with_template("{msg}, {elapsed}");

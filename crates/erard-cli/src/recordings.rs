@@ -1,4 +1,4 @@
-//! Recordings from files, text or Parquet, and the options by which they are understood and made ready.
+//! Recordings from files, text or Parquet, and the options by which they are understood and prepared.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
@@ -19,7 +19,7 @@ use crate::identity;
 use crate::inputs::{self, shown};
 use crate::zstandard::column_reader;
 
-/// How a recording is understood and made ready.
+/// How a recording is understood and prepared.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Recordings")]
 pub(crate) struct RecordingOptions {
@@ -121,7 +121,7 @@ pub(crate) struct Ready {
     pub name: String,
     /// As it stands in the file, in SI units.
     pub recording: Recording,
-    /// Made ready.
+    /// Prepared.
     pub prepared: Prepared,
     /// Whose position it is.
     pub position_of: PositionOf,

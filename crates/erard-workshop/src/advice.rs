@@ -30,7 +30,7 @@ pub struct Advice {
 pub enum WeightWork {
     /// So much friction weight too much, g.
     Ease(f64),
-    /// Friction weight below what is usual, by so much, g.
+    /// Friction weight below the usual range, by so much, g.
     Tighten(f64),
     /// A strike weight to be changed by so much, g, to the nearest that is usual.
     Hammer(f64),

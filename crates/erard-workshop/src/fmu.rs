@@ -290,7 +290,7 @@ mod tests {
     use erard::instrument::numbers_at;
     use std::collections::BTreeSet;
 
-    /// References and names are told apart; every number of a mass, a screw or a felt is there with its value.
+    /// References and names are distinguished; every number of a mass, a screw or a felt is there with its value.
     #[test]
     fn variables_are_told_apart() {
         for name in Instrument::builtin_names() {

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p erard --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a tick is the time that
 //! it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock are those that the operating system
-//! interrupts, the most keys that were ever awake stand beside them, because that repeats. Lanes of four neighbours would have to be
+//! interrupts, the largest number of keys awake is printed too, because that repeats. Lanes of four neighbours would have to be
 //! worth it: beside the times stands how many of four are awake where one is. Below 4/3 even lanes that are three times as fast gain
 //! nothing.
 

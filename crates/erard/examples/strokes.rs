@@ -2,7 +2,7 @@
 //!
 //! Hands play them on the concert grand ([`erard::player::Hand`]): the force is the fingertip's, the position the key front's. The hammer's speed
 //! at the string is the nuance's: 0.5 m/s (pp) to 5 m/s (ff), p, mf and f in equal ratios between (with mp, which has no stroke). How long the key
-//! takes is not asked for; it stands beside what is published.
+//! takes is not asked for; it is printed with the published times.
 //!
 //! - Pressed: a hand of 0.2 kg rests on the key; its muscle's force rises at a constant rate until the hammer is on the string, and then falls to
 //!   what holds the key. Only pp is led down instead, along the path of least jerk.

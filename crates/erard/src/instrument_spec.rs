@@ -187,7 +187,7 @@ mod tests {
         assert!(told.contains("erard list concert-grand:sample=17"), "{told}");
     }
 
-    /// Names, files and keys are told apart; what there is none of is named.
+    /// Names, files and keys are distinguished; what there is none of is named.
     #[test]
     fn what_is_asked_for() {
         assert_eq!(InstrumentSpec::of("concert-grand").unwrap(), InstrumentSpec::Builtin("concert-grand"));

@@ -18,7 +18,7 @@
 
 use crate::linkage::{JointId, JointKind, Linkage, PointId};
 
-/// What an edge of the graph stands for.
+/// What an edge of the graph represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
     /// The rigid-arm vector from a point's base to the point.
@@ -38,7 +38,7 @@ impl EdgeKind {
         }
     }
 
-    /// The joint the edge stands for, if it is one.
+    /// The joint the edge represents, if it is one.
     #[must_use]
     pub fn joint(self) -> Option<JointId> {
         match self {
@@ -55,7 +55,7 @@ pub struct Edge {
     pub from: PointId,
     /// Head.
     pub to: PointId,
-    /// What it stands for.
+    /// What it represents.
     pub kind: EdgeKind,
 }
 

@@ -73,7 +73,7 @@ pub struct Mobility {
 }
 
 impl Mobility {
-    /// The four cases, told apart.
+    /// The four cases, distinguished.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match (self.free.is_empty(), self.excess.is_empty()) {

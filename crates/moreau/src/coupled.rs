@@ -2,7 +2,7 @@
 //!
 //! With r_i the rate at which felt i would be pressed if nothing displaced its surface, F_i = P_i(r_i - sum_j a_ij F_j), where a = A/h between the zones
 //! is symmetric and positive definite, and the laws P rise. So the forces are where a convex function is least, sum P*_i(F_i) + F a F / 2 - r F, and going
-//! from felt to felt, each time solving the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Zones that yield").
+//! from felt to felt, each time solving the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Compliant surfaces").
 
 use crate::linear::gauss_jordan;
 use crate::model::Model;

@@ -7,7 +7,7 @@ use crate::felt::Felt;
 use crate::real::{Real, Scalar};
 use crate::vector::Vector;
 
-/// The index that stands for the ground.
+/// The index that represents the ground.
 pub const GROUND: usize = usize::MAX;
 
 /// One hinged rigid body. Its frame has the origin at its pivot.
@@ -148,7 +148,7 @@ pub struct Dwell<T> {
     pub time: T,
 }
 
-/// A zone whose curve yields: something moves it that is no part of the mechanism. What it does is said before every step
+/// A zone whose curve belongs to a compliant external subsystem. What it does is said before every step
 /// ([`Workspace::set_surface`](crate::Workspace::set_surface)); until then it stands still.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yields<T> {

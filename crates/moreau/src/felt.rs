@@ -114,7 +114,7 @@ pub(crate) struct FeltLaw<T> {
     square: bool,
     /// Whether what it presses on yields.
     yields: bool,
-    /// A law with memory stands for all of the force.
+    /// A law with memory represents all of the force.
     remembers: bool,
     /// The largest force over the rate part's.
     largest: T,
@@ -233,7 +233,7 @@ impl<T: Real> FeltLaw<T> {
         Pressed { tangent: pressed.tangent / slope, opening: T::ZERO, ..pressed }
     }
 
-    /// The compression and its rate at the theta point, with what a surface that yields gives way under the felt's force: from those that there
+    /// The compression and its rate at the theta point, with the displacement of a compliant surface under the felt's force: from those that there
     /// would be if it were not pressed.
     pub(crate) fn give_way(
         &self,

@@ -39,7 +39,7 @@ impl Energies {
         Energies::displaced(model, state, |_| T::ZERO)
     }
 
-    /// Energies of a state in which the curves of zones that yield are displaced, m away from their discs. What is in those surfaces is not among them.
+    /// Energies of a state in which compliant surfaces are displaced, m away from their discs. What is in those surfaces is not among them.
     pub fn displaced<T: Scalar, const B: usize, const Z: usize>(
         model: &Model<T, B, Z>,
         state: &State<T, B, Z>,
@@ -116,12 +116,12 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Opens the books at a state.
+    /// Starts the energy balance at a state.
     pub fn open<T: Scalar, const B: usize, const Z: usize>(model: &Model<T, B, Z>, state: &State<T, B, Z>) -> Self {
         Ledger::open_at(Energies::of(model, state), 0.0, 0.0)
     }
 
-    /// Opens the books at stored energies, where surfaces have lost so much before, J, and so much work has been done through them from outside, J.
+    /// Starts the energy balance at stored energies, where surfaces have lost so much before, J, and so much work has been done through them from outside, J.
     pub fn open_at(start: Energies, surface_lost_before: f64, surface_given_before: f64) -> Self {
         Ledger {
             start,
@@ -202,7 +202,7 @@ impl Ledger {
         self.pivot_dry + self.pivot_viscous + self.felt_damping + self.coulomb + self.surface
     }
 
-    /// Stored minus start minus work plus lost, J: zero if the books close.
+    /// Stored minus start minus work plus lost, J: zero if the energy balance closes.
     pub fn residual(&self) -> f64 {
         self.now.total() - self.start.total() - self.drive_work + self.dissipated()
     }

@@ -1,8 +1,8 @@
-//! Counter-surfaces that yield: the curve of a zone gives way under the felt, as a plucked or struck thing does that is no part of the mechanism.
+//! Contact surfaces of external subsystems (e.g. a string), coupled implicitly to the step: the curve of a zone yields under the felt.
 //!
 //! What yields is its owner's business. The step asks three numbers of it ([`Surface`]): where it is, where it would be at the step's end if nothing
 //! pressed it, and by how much a newton that lasts for the step displaces it by then. The felt's force is then one scalar unknown within the same
-//! implicit step ([`solve`]; README, "Zones that yield").
+//! implicit step ([`solve`]; README, "Compliant surfaces").
 
 use crate::real::{Mask, Real};
 

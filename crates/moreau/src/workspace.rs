@@ -121,11 +121,11 @@ pub(crate) struct Problem<T: Real, const B: usize, const N: usize> {
     pub guess: Guess<T, B, N>,
     /// The active-set solver's own.
     pub condensed: Condensed<T, B, N>,
-    /// What each sliding law stands for.
+    /// What each sliding law represents.
     pub sources: [LawSource; N],
 }
 
-/// What a sliding law of the one-step problem stands for.
+/// What a sliding law of the one-step problem represents.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum LawSource {
     /// Coulomb friction of a zone.

@@ -7,7 +7,7 @@ from comparison import TARGET_ERROR
 
 WIDTH, HEIGHT = 980, 560
 LEFT, RIGHT, TOP, BOTTOM = 78, 296, 40, 64
-# Okabe and Ito's colours, told apart by everybody; a peer has one, its methods differ by dashes and marks.
+# Okabe and Ito's colours, distinguished by everybody; a peer has one, its methods differ by dashes and marks.
 COLORS = {"Erard": "#000000", "Erard batch": "#707070", "diffsol": "#0072b2", "MuJoCo": "#d55e00", "SciPy": "#009e73"}
 DASHES = ["", "7 3", "2 3", "9 3 2 3"]
 FONT = "DejaVu Sans, Verdana, sans-serif"

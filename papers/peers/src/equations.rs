@@ -15,7 +15,7 @@ pub const fn is_size(bodies: usize, states: usize) -> bool {
 
 type Vector<T> = [T; 2];
 
-/// Widths of tanh(u / width), which stands for the set-valued sign.
+/// Widths of tanh(u / width), which represents the set-valued sign.
 #[derive(Debug, Clone, Copy)]
 pub struct Widths {
     /// Of the pivots, rad/s.

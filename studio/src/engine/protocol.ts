@@ -1,7 +1,7 @@
 // What page and workers say to each other. Lengths in m, forces in N, times in s, unless a name says otherwise.
 import type { ArrowLaw, Hinge } from "../../../crates/erard-figures/src/page/moving.js";
 
-/** What erard_scene tells of an instrument. */
+/** What erard_scene reports about an instrument. */
 export interface Scene {
   name: string;
   shapes: string;
@@ -10,7 +10,7 @@ export interface Scene {
   zones: { name: string; label: string; sign: number; unseen: boolean; disc: number | null; curve: number | null }[];
   press: { body: number; point: number[] } | null;
   pedal: boolean;
-  /** Where a string that yields is struck and how high it lies; null where it is rigid. */
+  /** Where a modal string is struck and how high it lies; null where it is rigid. */
   string: number[] | null;
   /** The places at which it is looked at, m from there: not erard_scene's, but the action's. */
   places_m?: number[];

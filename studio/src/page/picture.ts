@@ -17,7 +17,7 @@ interface Shown {
   placed: Frame[];
   finger: { path: SVGElement; text: SVGElement };
   zones: ({ path: SVGElement; text: SVGElement } | null)[];
-  /** A string that yields: its line, how it is exaggerated, and the label that says so. */
+  /** A modal string: its line, how it is exaggerated, and the label that says so. */
   swing: { line: SVGElement; label: SVGElement; times: number; most_mm: number } | null;
   pose: Pose | null;
 }

@@ -1,4 +1,4 @@
-// The protocol sheet beside the screws: measured anew after every turn, line by line as they come, with what is usual.
+// The protocol sheet beside the screws: measured anew after every turn, line by line as they come, with the usual range.
 import type { SheetGroup } from "../engine/protocol";
 import type { App } from "./app";
 import { Dropped } from "./bench";

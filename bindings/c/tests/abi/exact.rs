@@ -56,7 +56,7 @@ fn steps_are_the_native_actions() {
     }
 }
 
-/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on; strings that yield ring on as they did.
+/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on; modal strings ring on as they did.
 #[test]
 fn saved_states_go_on_to_the_bit() {
     goes_on(&Action::grand(), &Action::grand());
@@ -194,7 +194,7 @@ fn strings_show_their_shape() {
     for _ in 0..4000 {
         let reading = strung.force(6.0);
         if reading.string_n > 5.0 {
-            // Where the hammer pushes, the string gives way to it, by tenths of a millimetre.
+            // The hammer displaces the string where it pushes, by tenths of a millimetre.
             let middle = places.iter().position(|place| *place >= 0.0).unwrap();
             struck += u32::from(shape()[middle] > 1e-5);
             assert!(shape().iter().all(|m| m.abs() < 5e-3));

@@ -170,7 +170,7 @@ class _Data:
         strokes = []
         for _ in range(count):
             noisy = table[self.driving] + sigma * rng.standard_normal(len(table["time_s"]))
-            # Made ready as the recording was: its zero and its filter are no disturbance.
+            # Prepared as the recording was: its zero and its filter are no disturbance.
             again = self.recording._again({**table, self.driving: noisy})
             strokes.append(_erard.Stroke.recorded(again._inner, self.drive))
         keep = work(threads, False, False, self.columns, self.every)

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use clap::Arg;
 
-/// The page in Markdown: every command and option that `--help` tells of, in the same order and words.
+/// The page in Markdown: every command and option that `--help` lists, in the same order and words.
 pub fn markdown(mut program: clap::Command) -> String {
     program.build();
     let mut page = String::from(

@@ -22,7 +22,7 @@ use crate::{say, tell};
 /// What stands below the options.
 const AFTER: &str = include_str!("help/fit.txt");
 
-/// Fits numbers of an instrument to recordings, with their errors, and says what the recordings do not tell.
+/// Fits parameters of an instrument to recordings, with their errors, and says what the recordings do not tell.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Fit {
@@ -54,7 +54,7 @@ pub(crate) struct Fit {
     /// Estimate for every channel how much later it was written down than what drives
     #[arg(long)]
     delays: bool,
-    /// What is made of squares: all but `linear` heed outliers less
+    /// Loss function of the residuals: all but `linear` give outliers less weight
     #[arg(long, value_enum, default_value_t = LossName::Linear)]
     loss: LossName,
     /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own derivatives, which need no step and take longer

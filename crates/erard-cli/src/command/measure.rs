@@ -52,7 +52,7 @@ pub(crate) struct Measure {
     /// Write the technician's sheet, too: one page each, to be printed, with what to turn and by how much (sheet.html, sheet.json)
     #[arg(long)]
     sheet: bool,
-    /// Which key of the piano it is, for what is usual there, 1 (A0) to 88 (C8), where the instrument's name does not say [default: 40]
+    /// Which key of the piano it is, for the usual ranges there, 1 (A0) to 88 (C8), where the instrument's name does not say [default: 40]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
     key: Option<u8>,
     #[command(flatten)]
@@ -260,7 +260,7 @@ struct Named {
     label: String,
     instrument: Instrument,
     key: usize,
-    /// The same where somebody said it.
+    /// The key that was stated, if one was.
     known_key: Option<usize>,
 }
 

@@ -83,7 +83,7 @@ enum Sub {
     Check(check::Check),
     /// Holds a measured stroke against the models.
     Compare(compare::Compare),
-    /// Fits numbers of an instrument to recordings, with their errors.
+    /// Fits parameters of an instrument to recordings, with their errors.
     Fit(Box<fit::Fit>),
     /// The papers are reproduced by a program of their own: `erard-reproduce`.
     #[command(hide = true)]

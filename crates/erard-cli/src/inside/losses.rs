@@ -13,7 +13,7 @@ pub(crate) struct LossReport {
     instrument: String,
     /// Sum of all, J.
     pub total_J: f64,
-    /// Pins, contacts and strings that yield.
+    /// Pins, contacts and modal strings.
     pub losses: Vec<Loss>,
 }
 

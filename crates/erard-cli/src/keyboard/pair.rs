@@ -27,7 +27,7 @@ pub(crate) const FILES: [&str; 7] = [
 /// A keyboard, and its keys as weighed.
 #[derive(Debug)]
 pub(crate) struct Side {
-    /// What it is called; two of one name are told apart by their order.
+    /// What it is called; two of one name are distinguished by their order.
     pub name: String,
     /// The same keys of both.
     pub weighed: Vec<WeighedKey>,
@@ -56,7 +56,7 @@ const QUANTITIES: [Quantity; 8] = [
     Quantity { index: 7, name: "speed at mf", unit: "m/s", decimals: 3 },
 ];
 
-/// Both names, told apart.
+/// Both names, distinguished.
 pub(crate) fn names([a, b]: [&str; 2]) -> [String; 2] {
     if a == b { [format!("{a}, first"), format!("{b}, second")] } else { [a.to_owned(), b.to_owned()] }
 }

@@ -9,7 +9,7 @@ use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg, padd
 /// A deviation that is still called agreement.
 const AGREED: f64 = 0.02;
 
-/// The lines of cases, which are told apart without colours too.
+/// The lines of cases, which are distinguished without colours too.
 const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 
 /// The key's travel, m, of all poses of all cases.

@@ -12,7 +12,7 @@ pub(crate) fn shown(line: &Line, value: Option<f64>, lengths: Lengths) -> String
     }
 }
 
-/// What is usual, lengths as the ruler shows them.
+/// The usual range, lengths as the ruler shows them.
 pub(crate) fn usual(line: &Line, key: usize, lengths: Lengths) -> String {
     if line.unit != "mm" {
         return line.usual(key);

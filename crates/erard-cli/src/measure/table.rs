@@ -1,4 +1,4 @@
-//! The sheets as a printed table, side by side, with what is usual and what is out of it.
+//! The sheets as a printed table, side by side, with the usual range and what is out of it.
 
 use std::fmt::Write as _;
 
@@ -18,7 +18,7 @@ fn cell(line: &Line, sheet: &Sheet, lengths: Lengths) -> String {
     format!("{}{mark}", shown(line, (line.value)(sheet), lengths))
 }
 
-/// What is usual, where it is the same for all of the sheets.
+/// The usual range, where it is the same for all of the sheets.
 pub(crate) fn usual_of(line: &Line, measured: &[Measured], lengths: Lengths) -> String {
     let mut all = measured.iter().map(|one| usual(line, one.sheet.norms_for_key, lengths));
     let first = all.next().unwrap_or_default();

@@ -21,7 +21,7 @@ pub(crate) fn exchange(a: &Path, b: &Path) -> io::Result<bool> {
 /// As above, where no operating system does it.
 ///
 /// # Errors
-/// None.
+/// Never.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 pub(crate) fn exchange(_: &Path, _: &Path) -> io::Result<bool> {
     Ok(false)

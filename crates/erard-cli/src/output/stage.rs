@@ -26,7 +26,7 @@ const RESULTS: &str = "results";
 /// What was there before.
 pub(crate) const OLD: &str = "old";
 
-/// Stages of this process, and the folders made for them: for who ends the process from outside. Held while one is made, so that whoever
+/// Stages of this process, and the folders made for them: for the handler that ends the process from outside. Held while one is made, so that whoever
 /// clears up knows of all that stand; and from then on for ever, so that no other is made.
 static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -110,7 +110,7 @@ impl Stage {
         self.folder.path().join(RESULTS)
     }
 
-    /// Whether it stands beside the folder.
+    /// Whether it lies beside the folder.
     pub(crate) fn is_beside(&self) -> bool {
         self.beside
     }

@@ -5,7 +5,7 @@ use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 
 use super::{Axis, Row};
 
-/// More curves than this cannot be told apart.
+/// More curves than this cannot be distinguished.
 const MOST_CURVES: usize = 6;
 
 /// A quantity of a panel, with its unit.

@@ -73,7 +73,7 @@ fn heard(everywhere: bool) {
         (&["study", "--vary", "let_off=-1mm..1mm:100000"], &[300]),
         (&["measure"], &[200]),
         (&["bench"], &[200]),
-        // Strokes are made ready, played side by side, and with derivatives.
+        // Strokes are prepared, played side by side, and with derivatives.
         (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass"], &[100, 500]),
         (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass", "--jacobian", "gradient"], &[400, 900]),
     ] {

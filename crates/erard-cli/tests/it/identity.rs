@@ -137,7 +137,7 @@ fn every_command_s_results() {
     }
 }
 
-/// A CSV's bytes are its table and nothing else; what made it, and its columns' units, stand beside it.
+/// A CSV's bytes are its table and nothing else; what made it, and its columns' units, lie beside it.
 #[cfg(target_os = "linux")]
 #[test]
 fn tables_have_their_metadata_beside_them() {
@@ -185,7 +185,7 @@ fn metadata_beside(commands: &[(&[&str], &str)]) {
     for (title, wanted) in [("time_s", "s"), ("key_m", "m"), ("hammer_rad_per_s2", "rad/s2"), ("key_pin_x_N", "N")] {
         assert_eq!(unit(title), wanted, "{title}");
     }
-    // A table that is no longer made takes its metadata along, and what it stands beside is a result like any other.
+    // A table that is no longer made takes its metadata along, and what lies beside it is a result like any other.
     folder.good(&["press", "--duration", "0.05", "--out", "out", "--force"]);
     assert!(
         !folder.0.join("out/run-2.csv-metadata.json").exists() && folder.0.join("out/run.csv-metadata.json").exists()

@@ -78,7 +78,7 @@ fn one_sheet() {
     assert_eq!(number("balance_weight_g"), 0.5 * (number("down_weight_g") + number("up_weight_g")));
     let top = number("balance_weight_g") + number("front_weight_g") - number("key_ratio") * number("whippen_weight_g");
     assert!((top / number("strike_weight_g") - number("strike_weight_ratio_weights")).abs() < 1e-9);
-    // Tenths of grams and millimetres, and what is usual beside them.
+    // Tenths of grams and millimetres, and the usual range beside them.
     let line = |what: &str| printed.lines().find(|line| line.trim_start().starts_with(what)).unwrap();
     let down = line("down-weight D");
     assert!(down.contains(&format!("{:.1} g", number("down_weight_g"))) && down.ends_with("45.0-55.0"), "{down}");

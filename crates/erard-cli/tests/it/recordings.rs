@@ -1,4 +1,4 @@
-//! Recordings as laboratories have them: understood, made ready, compared, in one command.
+//! Recordings as laboratories have them: understood, prepared, compared, in one command.
 
 use std::fmt::Write as _;
 use std::path::Path;

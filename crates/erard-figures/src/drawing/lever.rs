@@ -5,7 +5,7 @@ use super::material::Finish;
 use super::piece::{Carrier, Piece};
 use erard::instrument::{Curve, Instrument, Vec2, Zone};
 
-/// Density of the disc that stands for the inertia, kg per m2 of its face: lead as thick as a key is wide.
+/// Density of the disc that represents the inertia, kg per m2 of its face: lead as thick as a key is wide.
 const LEAD_KG_PER_M2: f64 = 11_340.0 * 0.0127;
 
 /// Draws a key with its stops; `None` for what is more than a key, or stops that are no lines on the ground.

@@ -46,7 +46,7 @@ pub enum Finish {
     Skin,
     /// Its nail.
     Nail,
-    /// What stands for something else: the inertia of a model's one body.
+    /// What represents something else: the inertia of a model's one body.
     Symbol,
 }
 

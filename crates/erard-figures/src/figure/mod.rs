@@ -36,7 +36,7 @@ use crate::svg::{escape, number};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Colours told apart by everybody, also in grey print when combined with [`Dash`]: first Okabe and Ito's set (yellow left out because it
+/// Colours distinguished by everybody, also in grey print when combined with [`Dash`]: first Okabe and Ito's set (yellow left out because it
 /// vanishes on paper), then darker and duller ones, so that sixteen curves of one panel have sixteen colours.
 pub const PALETTE: [&str; 16] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#7a4b9e", "#8c6d1f", "#a1253b",

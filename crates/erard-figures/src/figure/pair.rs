@@ -1,4 +1,4 @@
-//! Two runs on one clock: their curves over each other, and their difference where they lie too close to be told apart.
+//! Two runs on one clock: their curves over each other, and their difference where they lie too close to be distinguished.
 
 use super::run::{FORCE_FLOOR, scaled, windows};
 use super::ticks::range;

@@ -13,7 +13,7 @@ data.actions.forEach((action, index) => {
   action.dents = new Map();
 });
 
-// Where a zone is pressed, for the felt that gives way there: the place of the nearer of two frames.
+// Where a zone is pressed, for the felt that is dented there: the place of the nearer of two frames.
 const pressedAt = (zone, where) => {
   const first = where.share < 0.5 ? where.i : where.j, frame = zone.at[first] >= 0 ? first : where.i + where.j - first;
   const entry = zone.at[frame];
@@ -22,7 +22,7 @@ const pressedAt = (zone, where) => {
   return { sides: zone, at: [zone.values[entry + 1], zone.values[entry + 2]], normal: [zone.sign * Math.cos(turn), zone.sign * Math.sin(turn)] };
 };
 
-// A string that yields swings across the straight one, exaggerated as its label says.
+// A modal string swings across the straight one, exaggerated as its label says.
 for (const action of data.actions) {
   const { string, group } = action;
   if (!string) continue;

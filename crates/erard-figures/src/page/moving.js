@@ -169,7 +169,7 @@ export const layNames = (inside, [left, top, right, bottom], pixel) => {
  * @typedef {{ disc: number | null, curve: number | null }} Sides */
 /** A pressed contact: its point (mm, y up) and the normal toward the disc's side.
  * @typedef {{ sides: Sides, at: number[], normal: number[] }} Pressed */
-/** Which outline gives way in a contact, to which, and whether it is the disc's; where on that part it was pressed last, and the way into the felt there, in
+/** Which outline is dented in a contact, by which, and whether it is the disc's; where on that part it was pressed last, and the way into the felt there, in
  * the part's frame. @typedef {{ felt: Outline, into: Outline, ofDisc: boolean, at: number[], inward: number[] }} Dent */
 
 const SOFT = ["felt", "cloth", "leather"];
@@ -266,7 +266,7 @@ const pushedOut = (p, beyond, [dx, dy], part) => {
   return beyond || crossings % 2 === 1 ? [p[0] + way * dx, p[1] + way * dy] : p;
 };
 
-/** Felts give way where something presses them, and are as drawn elsewhere. The outlines are where `move` has put them; `found` keeps which outlines show
+/** Felts are dented where something presses them, and are as drawn elsewhere. The outlines are where `move` has put them; `found` keeps which outlines show
  * which contact. @type {(outlines: Outline[], pressed: (Pressed | null)[], found: Map<number, Dent | null>) => void} */
 export const dent = (outlines, pressed, found) => {
   /** @type {Map<Outline, number[][]>} */

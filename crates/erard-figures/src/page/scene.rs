@@ -84,7 +84,7 @@ pub(super) fn sides(instrument: &Instrument, drawing: &Drawing, zone: usize) -> 
     }
 }
 
-/// Where a string that yields is struck and how high it lies.
+/// Where a modal string is struck and how high it lies.
 fn string(instrument: &Instrument) -> Option<Value> {
     instrument.has_yielding_strings().then(|| string_at(instrument)).flatten().map(|at| json!(at.map(|c| c * MM)))
 }

@@ -89,7 +89,7 @@ pub struct Choice {
     pub models: Vec<Which>,
     /// Whose position was recorded.
     pub position_of: PositionOf,
-    /// Up to which frequency force, position and hammer tell of a stroke rather than of noise, Hz; infinite where nothing limits them.
+    /// Up to which frequency force, position and hammer show a stroke rather than noise, Hz; infinite where nothing limits them.
     pub tells_to_hz: [f64; 3],
 }
 
@@ -105,7 +105,7 @@ impl Default for Choice {
 }
 
 impl Choice {
-    /// The limits of a recording that was made ready: of its noise, of the low-pass that it went through, and of its samples.
+    /// The limits of a prepared recording: of its noise, of the low-pass that it went through, and of its samples.
     #[must_use]
     pub fn limited_by(mut self, report: &Report) -> Self {
         for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {
@@ -121,7 +121,7 @@ impl Choice {
 /// Share of the frequency where noise or a low-pass begins up to which errors are told: there itself half of an amplitude may be filtered
 /// away, and at this share of it, by the default filter, six in a hundred.
 const WELL_WITHIN: f64 = 0.7;
-/// A band that ends below this, Hz, tells of nothing: a key is down in a twentieth of a second.
+/// A band that ends below this, Hz, shows nothing: a key is down in a twentieth of a second.
 const LOWEST_LIMIT_HZ: f64 = 10.0;
 
 /// One run of a comparison, on the common time axis.
@@ -308,7 +308,7 @@ pub fn compare_chosen(
         let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
         let key_m = sample(&run.time_s, &run.key_m, &time_s);
         let force_n = sample(&run.time_s, &run.force_n, &time_s);
-        // A force-driven run of a file without position tells of the hammer alone, and the other way round.
+        // A force-driven run of a file without position shows the hammer alone, and the other way round.
         let drive_hz = match driven {
             Driven::ByForce => force_hz,
             Driven::ByMotion | Driven::Rigidly if fingertip == key => position_hz,
@@ -345,7 +345,7 @@ pub fn compare_chosen(
     Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
 }
 
-/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves nothing to tell of.
+/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves nothing to compare.
 fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option<Errors> {
     if told_to_hz >= 0.5 * RATE_HZ {
         return Some(Errors::new(measured, simulated));

@@ -35,7 +35,7 @@ pub struct Problem {
     pub threads: usize,
     /// Noise of every channel, root mean square, N or m.
     pub sigma: Vec<f64>,
-    /// The same where something tells it.
+    /// That noise where it is known; `None` elsewhere.
     pub told: Vec<Option<f64>>,
     /// Noise of what drives, of every recording, where something tells it.
     pub drive_sigma: Vec<Option<f64>>,

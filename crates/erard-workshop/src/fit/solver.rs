@@ -2,7 +2,7 @@
 //!
 //! Branch, Coleman and Li, "A subspace, interior, and conjugate gradient method for large-scale bound-constrained minimization problems", SIAM J. Sci.
 //! Comput. 21 (1999), and as SciPy chooses its steps, its scales and its ends (`least_squares(method="trf", x_scale="jac")`), so that it and the fit in Python, which has
-//! SciPy for its solver, come out alike. The trust region's own problem is More's (1978). Losses that heed outliers less are weighted as there:
+//! SciPy for its solver, come out alike. The trust region's own problem is More's (1978). Losses that give outliers less weight are weighted as there:
 //! Triggs and others, "Bundle adjustment: a modern synthesis" (1999).
 
 use super::svd::{Columns, Svd, dot, norm, svd, times};
@@ -85,7 +85,7 @@ pub(crate) enum Ended {
     Cost,
     /// Steps are nothing.
     Step,
-    /// Both.
+    /// The sum of squares no longer falls, and steps are nothing.
     CostAndStep,
     /// As many evaluations as were allowed.
     Evaluations,
@@ -559,7 +559,7 @@ mod tests {
         near(&[found.cost], &[1.667_222_941], 1e-9);
     }
 
-    /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): SciPy's answers for every loss, and as many evaluations. What heeds outliers less is
+    /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): SciPy's answers for every loss, and as many evaluations. A loss that gives outliers less weight is
     /// near the truth; plain squares are not.
     #[test]
     fn outliers_are_heeded_less() {

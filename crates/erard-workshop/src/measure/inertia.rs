@@ -3,7 +3,7 @@
 //!
 //! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at the same
 //! key travel ([`crate::kinematics`]), the damper's that of its contact with the key. Afterwards the jack slips away and the hammer
-//! flies by itself; no one mass stands for the action any more.
+//! flies by itself; no one mass represents the action any more.
 
 use moreau::Settings;
 use moreau_linkage::three_lever::StrokePose;

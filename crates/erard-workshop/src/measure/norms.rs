@@ -149,13 +149,13 @@ impl Line {
         usual(self.key)
     }
 
-    /// What is usual at a key, from low to high; either end may be open.
+    /// The usual range at a key, from low to high; either end may be open.
     #[must_use]
     pub fn range(&self, key: usize) -> [Option<f64>; 2] {
         self.norm().map_or([None; 2], |norm| norm.at(key))
     }
 
-    /// What is usual at a key, e.g. `45.0-55.0`; empty where nothing is.
+    /// The usual range at a key, e.g. `45.0-55.0`; empty where nothing is.
     #[must_use]
     pub fn usual(&self, key: usize) -> String {
         let number = |x: f64| format!("{x:.*}", self.decimals);

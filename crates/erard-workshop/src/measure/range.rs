@@ -140,7 +140,7 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     let rigid_hammer = Parts::of(&rigid)?.hammer;
     let [along, above] = rigid.roles.hammer_head_m;
     let flight_m = blow.hammer_head_m[row(contact)] - blow.hammer_head_m[row(off)];
-    // The head moves along its part's arc about the centre pin; what it rocks on a bending shank is no part of its flight.
+    // The head moves along its part's arc about the centre pin; what it rocks on a bending shank does not belong to its flight.
     let rate = blow.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
     Ok(Some(Softest {
         force_n: high,

@@ -369,7 +369,7 @@ impl Need {
     }
 }
 
-/// Measures only what some lines of the sheet need; their values, in their order. One after the other, for who measures many actions side by
+/// Measures only what some lines of the sheet need; their values, in their order. One after the other, for callers that measure many actions side by
 /// side.
 ///
 /// # Errors

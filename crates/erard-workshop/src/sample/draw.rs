@@ -5,7 +5,7 @@ use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
 
 /// A felt's stiffness was sized by the force at this share of its thickness; where the exponent deviates, that force is kept.
 const SIZED_AT: f64 = 0.05;
-/// The same where no thickness is said, m.
+/// The compression at which that force is taken where the file states no thickness, m.
 const SIZED_AT_M: f64 = 1e-4;
 
 /// The text of a file with its numbers drawn; `None` where no number has a spread. The same deviation serves all numbers that are `together`.

@@ -149,7 +149,7 @@ pub(super) fn passes<'a>(
 /// How often the caller is asked whether to go on.
 const ASK_EVERY: Duration = Duration::from_millis(2);
 
-/// Does work on a thread with a deep stack; on the caller's own where no thread can be had. The caller's thread asks on whether to go on.
+/// Does work on a thread with a deep stack; on the caller's own where no thread is available. The caller's thread asks on whether to go on.
 fn on_a_deep_stack<T: Send>(progress: &mut Progress<'_>, work: &(dyn Fn(&mut Progress<'_>) -> T + Sync)) -> T {
     let stop = AtomicBool::new(false);
     let found = std::thread::scope(|scope| {

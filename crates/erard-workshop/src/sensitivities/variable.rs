@@ -59,7 +59,7 @@ pub enum VariableError {
     /// It stands at an end of what it may be.
     #[error("`{name}` cannot be changed a little to both sides: {why}")]
     Stuck {
-        /// Which.
+        /// Name of the number.
         name: String,
         /// Why.
         why: String,

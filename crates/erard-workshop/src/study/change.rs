@@ -1,4 +1,4 @@
-//! Numbers of an instrument changed by what a person writes: `+0.8 g`, `8.7 g`, `*1.5`.
+//! Parameters of an instrument changed by what a person writes: `+0.8 g`, `8.7 g`, `*1.5`.
 
 use erard::instrument::{
     Certainty, FileError, Instrument, InstrumentFile, ScrewAction, Spread, numbers_at, with_numbers,

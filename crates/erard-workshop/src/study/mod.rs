@@ -57,7 +57,7 @@ impl Workers {
         Workers { threads: cores::count(), lanes: Lanes::most() }
     }
 
-    /// One thread, for who has other work on the others.
+    /// One thread, for callers that have other work for the others.
     pub fn one() -> Self {
         Workers { threads: 1, ..Workers::all() }
     }
@@ -77,7 +77,7 @@ pub struct Played {
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
-    /// What the energy books leave unexplained, a share of what was turned over ([`erard::trust`]); `None` without the setup's ledger.
+    /// What the energy balance leaves unexplained, a share of what was turned over ([`erard::trust`]); `None` without the setup's ledger.
     pub energy_residual: Option<f64>,
     /// Why the stroke is not to be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,

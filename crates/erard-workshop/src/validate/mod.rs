@@ -97,7 +97,7 @@ pub struct Validation {
     pub instrument: String,
     /// One verdict per row of the table, in its order.
     pub verdicts: Vec<Verdict>,
-    /// Of every row the value under a constant force that stands beside it and does not count, in the row's unit.
+    /// Of every row the value under a constant force, for comparison, which does not count, in the row's unit.
     pub beside: Vec<Option<f64>>,
     /// Blows of constant forces, soft to loud: the order of events against loudness.
     pub blows: Vec<PressedBlow>,

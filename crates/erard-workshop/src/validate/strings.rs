@@ -39,7 +39,7 @@ pub(super) const NAMES: [&str; 15] = [
     "t60_c6_s",
 ];
 
-/// What a rigid string answers, too: a felt of middle C's that stands for string and felt has been given to it. Those of other keys are not graded for that, and it has no partials.
+/// What a rigid string answers, too: a felt of middle C's that represents string and felt has been given to it. Those of other keys are not graded for that, and it has no partials.
 fn asks_no_string(name: &str) -> bool {
     name.starts_with("peak_c4") || name.starts_with("return_c4")
 }

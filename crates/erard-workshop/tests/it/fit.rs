@@ -362,7 +362,7 @@ fn a_motion_drives_and_the_force_is_fitted() {
     assert!(fit(&[run], &asks).unwrap_err().to_string().contains("expected differences"));
 }
 
-/// Outliers (a sensor that drops out) move plain squares, and hardly those that heed them less.
+/// Outliers (a sensor that drops out) move plain squares, and hardly those that give them less weight.
 #[test]
 fn outliers_are_heeded_less() {
     let mut data = recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0);

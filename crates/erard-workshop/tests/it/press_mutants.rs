@@ -186,7 +186,7 @@ fn setup(rng: &mut Rng) -> Setup {
     let tolerance = (rng.u8(..10) == 0).then(|| 10f64.powf(-8.0 + 8.0 * rng.f64()));
     Setup {
         settings,
-        // Controlled steps may be far shorter than those that are asked for.
+        // Adaptive steps may be far shorter than those that are asked for.
         duration_s: if tolerance.is_some() { (steps as f64 * step).min(0.02) } else { steps as f64 * step },
         record_every: [None, Some(1), Some(7)][rng.usize(..3)],
         tolerance,
@@ -253,7 +253,7 @@ fn assert_sane(instrument: &Instrument, run: &Run) -> Fate {
         return Fate::Doubtful;
     }
     // Nothing speaks against it. Then no body and spring ever holds more than was there, what the drive has put in, and what the felts
-    // held at the start: whoever keeps the books must not have overlooked it.
+    // held at the start: the energy balance must include it.
     let ledger = run.ledger.as_ref().expect("it was kept");
     let held = ledger.start.felt.max(0.0);
     let allowed = (ledger.drive_work_in + held).max(1e-6);

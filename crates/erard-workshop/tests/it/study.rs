@@ -105,7 +105,7 @@ fn in_single_precision_the_same_to_its_rounding() {
     }
 }
 
-/// Felts that remember, and friction that grows at rest, are the same in lanes; the books that are kept beside the lanes close as the engine's do.
+/// Felts with an internal state, and friction that grows at rest, are the same in lanes; the energy balance of the lanes closes as the engine's does.
 #[test]
 fn what_is_remembered_is_remembered_in_lanes() {
     // The elastoplastic one. The set-valued loss does not converge in every step of a whole action (`felt_laws.rs` has the number); Stulov's and

@@ -98,7 +98,7 @@ pub enum Steps {
     Controlled(f64),
 }
 
-/// Limits of controlled steps and their first attempt, s.
+/// Limits of adaptive steps and their first attempt, s.
 const SMALLEST_STEP_S: f64 = 1e-8;
 const LARGEST_STEP_S: f64 = 1e-3;
 const FIRST_STEP_S: f64 = 50e-6;

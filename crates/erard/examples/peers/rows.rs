@@ -18,7 +18,7 @@ const QUICK_STEPS: usize = 11;
 const MOST_LANES: usize = 16;
 const HOLD_STEPS_S: [f64; 3] = [100e-6, 50e-6, 25e-6];
 
-/// Tolerances of the rows with controlled steps.
+/// Tolerances of the rows with adaptive steps.
 const TOLERANCES: [f64; 7] = [1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 const HOLD_TOLERANCES: [f64; 2] = [1e-3, 1e-5];
 

@@ -42,7 +42,7 @@ pub enum GradientError {
         "a felt whose dry loss has no slip (`dry_loss` without `dry_slip`) has no derivatives here; expected `dry_slip` above 0, or no `dry_loss`"
     )]
     SetValuedFelt,
-    /// A string that yields.
+    /// A modal string.
     #[error("a string that yields has no derivatives here; expected an instrument whose string is rigid")]
     Yielding,
     /// Something of the engine that is not derived.

@@ -1,4 +1,4 @@
-//! Parts that bend: pieces of one part, joined by hinges that stand for the bending of wood, and the rigid part that they make.
+//! Parts that bend: pieces of one part, joined by hinges that represent the bending of wood, and the rigid part that they make.
 //!
 //! A bend is a hinge between two rigid pieces with the stiffness that the part has there (a pseudo-rigid-body model): a key at its fulcrum,
 //! a shank beyond the knuckle. Whoever means the part's geometry or its weights, and not what it gives, locks the bends

@@ -8,7 +8,7 @@ use super::{Body, Instrument, Spring};
 
 /// m; so long that the pivot's path is straight over what a bushing gives.
 const ARM_M: f64 = 0.3;
-/// Of what stands for the pin, at the arm's end: small beside every part of an action.
+/// Of what represents the pin, at the arm's end: small beside every part of an action.
 const PIN_KG: f64 = 1e-3;
 /// N; so that it comes to rest.
 const DRY_N: f64 = 3e-3;

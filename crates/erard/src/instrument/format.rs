@@ -114,7 +114,7 @@ pub(crate) struct BodyToml {
     #[serde(rename = "bushing_N_s_per_m")]
     pub bushing_n_s_per_m: Option<Num<NonNegative>>,
     /// Whether the hinge is a bend, false when absent: this body and what it is hinged on are two pieces of one part (a key, a shank), and the
-    /// hinge stands for the bending of its wood. Its stiffness is that of a spring on this body. What means the rigid geometry or
+    /// hinge represents the bending of its wood. Its stiffness is that of a spring on this body. What means the rigid geometry or
     /// the weights of parts takes both for one body.
     pub bend: Option<At<bool>>,
     /// How far its stops let it turn against what it is hinged on, from as drawn, degrees counter-clockwise: `[lowest, highest]`, from at most
@@ -140,7 +140,7 @@ pub(crate) struct SpringToml {
     pub stiffness_n_m_per_rad: Num<NonNegative>,
 }
 
-/// A string that yields under the hammer: a stiff string between two supports that do not move. Its inharmonicity B lifts partial n to n f0 sqrt(1 + B n^2).
+/// A modal string under the hammer: a stiff string between two supports that do not move. Its inharmonicity B lifts partial n to n f0 sqrt(1 + B n^2).
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "String", extend("oneOf" = [{ "required": ["frequency_Hz"] }, { "required": ["tension_N"] }]))]

@@ -53,7 +53,7 @@ fn walk_value(value: &DeValue<'_>, path: &str, entries: &mut Vec<(Range<usize>, 
         DeValue::Table(table) => walk_table(table, path, entries),
         DeValue::Array(array) => {
             for (index, element) in array.iter().enumerate() {
-                // Numbers inside a vector stay with the vector's key; tables of a list are told apart.
+                // Numbers inside a vector stay with the vector's key; tables of a list are distinguished.
                 let DeValue::Table(table) = element.get_ref() else {
                     continue;
                 };

@@ -123,7 +123,7 @@ pub struct Body {
     pub viscous_n_m_s: f64,
     /// How its dry friction grows while it sticks; `None`: it does not.
     pub dwell: Option<Dwell>,
-    /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces of one part, and the hinge stands for its bending.
+    /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces of one part, and the hinge represents its bending.
     pub is_bend: bool,
     /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and the highest. It moves
     /// nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not known.

@@ -1,11 +1,11 @@
-//! Numbers in the text of an instrument file by their dotted paths, for who varies them.
+//! Numbers in the text of an instrument file by their dotted paths, for callers that vary them.
 
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::edit::{find, numbers};
 
 /// The numbers at a dotted path, such as `body.hammer.mass_g` (one) or `zone.string.disc.center_mm` (two), in the file's own units; the entries of
-/// a list are told apart by their `name`. `None` where there are none.
+/// a list are distinguished by their `name`. `None` where there are none.
 #[must_use]
 pub fn numbers_at(text: &str, path: &str) -> Option<Vec<f64>> {
     numbers_at_each(text, [path]).pop().flatten()

@@ -64,7 +64,7 @@ fn after_expected(rest: &str) -> String {
 /// Characters of a key that are compared.
 const LONGEST_KEY: usize = 64;
 
-/// The known key that `key` most likely stands for: the one that adds a unit to it, one that shares its
+/// The known key that `key` most likely means: the one that adds a unit to it, one that shares its
 /// beginning, or one within two slips.
 fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
     // Nobody means a key that is longer than any there is, and comparing costs as much as it is long.

@@ -174,7 +174,7 @@ pub(super) fn read_bridge(
     Ok(())
 }
 
-/// What a surface that is no part of the mechanism can be pressed with.
+/// Refuses a felt that cannot press on a compliant external subsystem.
 fn check_zone(zone: &Zone, span: Range<usize>) -> Result<(), Fault> {
     if matches!(zone.felt.loss, moreau::Loss::SetValued(_)) {
         let message = format!("the felt of `{}` has a set-valued loss, which no string can yield to", zone.name);

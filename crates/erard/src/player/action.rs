@@ -323,7 +323,7 @@ impl Action {
         Strings::under(self.mechanism.as_ref())
     }
 
-    /// Sends the sustain pedal's rail to a lift, m: see [`Strings::set_pedal`]. Without strings that yield, or a rail, it does nothing.
+    /// Sends the sustain pedal's rail to a lift, m: see [`Strings::set_pedal`]. Without modal strings, or a rail, it does nothing.
     pub fn set_pedal(&mut self, lift_m: f64) {
         if self.strings().and_then(Strings::pedal_aim_m).is_some_and(|aim_m| aim_m != lift_m)
             && let Some(surfaces) = self.mechanism.surfaces_mut()
@@ -391,24 +391,24 @@ impl Action {
         self.mechanism.as_ref()
     }
 
-    /// All that the following steps depend on. Allocates for strings that yield only; [`Action::mechanism_state`] and [`Action::save_strings`] never do.
+    /// All that the following steps depend on. Allocates for modal strings only; [`Action::mechanism_state`] and [`Action::save_strings`] never do.
     pub fn save(&self) -> Snapshot {
         Snapshot::new(self.mechanism_state(), self.mechanism.readout().surfaces)
     }
 
-    /// All that the following steps depend on, but for how strings that yield vibrate. Does not allocate.
+    /// All that the following steps depend on, but for how modal strings vibrate. Does not allocate.
     pub fn mechanism_state(&self) -> MechanismState {
         MechanismState::new(&self.identity, self.mechanism.save(), self.aimed_m)
     }
 
-    /// How strings that yield vibrate, in lists of numbers with names; none where there are none. Does not allocate.
+    /// How modal strings vibrate, in lists of numbers with names; none where there are none. Does not allocate.
     pub fn save_strings(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
         if let Some(strings) = self.mechanism.readout().surfaces {
             strings.save(put);
         }
     }
 
-    /// Goes on from a snapshot of the same instrument, to the bit; strings that yield, in steps of the same length (in others they are at rest).
+    /// Goes on from a snapshot of the same instrument, to the bit; modal strings, in steps of the same length (in others they are at rest).
     /// The last step's forces are not part of it: they are zero until the next. Settings stay as they are.
     ///
     /// # Errors
@@ -418,7 +418,7 @@ impl Action {
     }
 
     /// The same from its parts. `strings` tells the numbers of a list by its name and returns how many there are; of none, or of those of another length of
-    /// steps, strings that yield are at rest. Does not allocate.
+    /// steps, modal strings are at rest. Does not allocate.
     ///
     /// # Errors
     /// As [`Action::restore`].

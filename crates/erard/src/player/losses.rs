@@ -58,20 +58,20 @@ pub struct Losses {
     instrument: Instrument,
     pins: Vec<PinLoss>,
     contacts: Vec<ContactLoss>,
-    /// What strings that yield had lost when the books were opened, and since, J.
+    /// What modal strings had lost at the start of the energy balance, and since, J.
     strings_before: StringLosses,
     strings: StringLosses,
     /// See [`Strings::bears`].
     bears: [bool; 2],
 }
 
-/// What strings that yield have lost since they were made.
+/// What modal strings have lost since they were made.
 fn lost_in_strings(mechanism: &dyn Mechanism) -> StringLosses {
     Strings::under(mechanism).map_or(StringLosses::default(), Strings::losses)
 }
 
 impl Losses {
-    /// Opens the books where an action stands. Its mechanism must keep its contacts ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
+    /// Starts the energy balance where an action stands. Its mechanism must keep its contacts ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         Losses {
@@ -114,7 +114,7 @@ impl Losses {
         &self.contacts
     }
 
-    /// What strings that yield have lost so far: in themselves, in a bridge that moves, and where a damper's felt is rocked; zero where they are rigid.
+    /// What modal strings have lost so far: in themselves, in a bridge that moves, and where a damper's felt is rocked; zero where they are rigid.
     #[must_use]
     pub fn strings(&self) -> StringLosses {
         self.strings
@@ -126,7 +126,7 @@ impl Losses {
         self.strings.all_j()
     }
 
-    /// Pins, contacts and strings that yield, the largest loss first.
+    /// Pins, contacts and modal strings, the largest loss first.
     #[must_use]
     pub fn by_size(&self) -> Vec<Loss> {
         let Instrument { bodies, zones, .. } = &self.instrument;
@@ -211,7 +211,7 @@ impl LossRecorder {
         &self.rows[first..first + self.instrument.zones.len()]
     }
 
-    /// What strings that yield had lost at every row, then the bridge, then rocked felts, J.
+    /// What modal strings had lost at every row, then the bridge, then rocked felts, J.
     #[must_use]
     pub fn string_rows(&self) -> &[Vec<f64>] {
         &self.rows[self.rows.len() - YIELDING..]

@@ -6,7 +6,7 @@ use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, Stepping};
 use crate::strings::{ShapeProbe, Strings};
 
-/// What strings that yield do.
+/// What modal strings do.
 #[derive(Debug, Clone, Default)]
 pub struct StringSeries {
     /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a damper's weight displaces is in it.

@@ -28,11 +28,11 @@ const STRINGS: &str = "string_";
 pub struct Snapshot {
     /// The state of the mechanism.
     pub mechanism: MechanismState,
-    /// How strings that yield vibrate: none where the string is rigid, or was left out. It depends on the length of steps.
+    /// How modal strings vibrate: none where the string is rigid, or was left out. It depends on the length of steps.
     strings: BTreeMap<String, Vec<f64>>,
 }
 
-/// All of a [`Snapshot`] but how strings that yield vibrate: of a size that is always the same, to be copied without allocating.
+/// All of a [`Snapshot`] but how modal strings vibrate: of a size that is always the same, to be copied without allocating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MechanismState {
     instrument: u64,

@@ -5,7 +5,7 @@ use moreau::{ControlledStep, Outcome, StepReport};
 /// How a run was made and what it cost.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Work {
-    /// Steps taken; of controlled steps, their halves.
+    /// Steps taken; of adaptive steps, their halves.
     pub steps: u64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
@@ -22,13 +22,13 @@ pub struct Work {
 /// Steps whose error was controlled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlWork {
-    /// Controlled steps taken, of two halves each.
+    /// Adaptive steps taken, of two halves each.
     pub accepted: u64,
     /// Attempts rejected.
     pub rejected: u64,
     /// Inner steps of all attempts, three each.
     pub inner_steps: u64,
-    /// Controlled steps in which whole and halves were combined to a higher order.
+    /// Adaptive steps in which whole and halves were combined to a higher order.
     pub extrapolated: u64,
     /// Steps at the smallest length whose error is beyond the tolerance.
     pub beyond_tolerance: u64,

@@ -1,4 +1,4 @@
-//! A recording made ready: its zero, its sign, its clock and its noise.
+//! A prepared recording: its zero, its sign, its clock and its noise.
 //!
 //! What a sensor delivers is seldom what a model can be driven by. [`prepare`] takes the zero from the rest before the touch, turns signs,
 //! moves one channel's clock against the other's, and filters noise by Butterworth's low-pass forth and back; a derivative is that of the
@@ -55,7 +55,7 @@ impl Preparation {
     }
 }
 
-/// Why a recording cannot be made ready.
+/// Why a recording cannot be prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PrepareError {
     /// The order of the filter.
@@ -79,7 +79,7 @@ pub enum PrepareError {
     Samples(#[from] SampleError),
 }
 
-/// A recording made ready.
+/// A prepared recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
     /// What can drive a key, and be compared.

@@ -1,4 +1,4 @@
-//! How noisy a series is, and up to which frequency it tells of more than its noise.
+//! How noisy a series is, and up to which frequency its signal is above the noise.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;

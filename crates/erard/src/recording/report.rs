@@ -34,7 +34,7 @@ pub struct Filtered {
 /// One channel. SI units: N or m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelReport {
-    /// Which.
+    /// What it measures.
     pub role: Role,
     /// Lowest and highest value, zero and sign applied, before the low-pass.
     pub range: (f64, f64),

@@ -98,7 +98,7 @@ pub enum SimulationError {
     /// A hand that cannot press so.
     #[error(transparent)]
     Hand(#[from] HandError),
-    /// Strings take steps of one length.
+    /// Strings need fixed steps.
     #[error(
         "strings that yield take steps of one length; expected no tolerance, or a rigid string (`rigid_string = true` in [roles])"
     )]

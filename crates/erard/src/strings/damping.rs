@@ -7,7 +7,7 @@
 //! A partial with a node under the middle would pass by that mean. It rocks the felt: half the difference of the two places, r, is what one end is pressed by more
 //! than the other. Its force is the felt's own dashpot, c r' with c the loss of the felt's law at the compression of the step before, c = b g^2 (a k g^r); found within
 //! the step, f = -c (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's stiffness adds to that is left out.)
-//! It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and so the places give way to these by a little less: by A_pr k A_rq with
+//! It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and so the places yield to these by a little less: by A_pr k A_rq with
 //! k = (c/h)/(1 + (c/h) A_r), and they are moved by -A_pr k (r - r0) if nothing presses them.
 //!
 //! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of its strings: k is then the matrix (C^-1 + A)^-1 with C the

@@ -1,4 +1,4 @@
-//! Strings that yield: stiff strings in their modes, each stepped exactly, under the hammer's felt.
+//! Modal strings: stiff strings in their modes, each stepped exactly, under the hammer's felt.
 //!
 //! **A string** of length L, mass per length mu, tension T and bending stiffness EI on two supports that do not move has the modes sin(n pi x / L) with
 //! the mass m = mu L / 2 and
@@ -20,7 +20,7 @@
 //! at every length of step: nothing can become unstable. What the felt sees of it is where the string would be without it, u_free, and by how much a
 //! newton displaces it by the step's end, A = sum of sin^2 (1 - P_11) / (m omega^2), without losses sin^2 (1 - cos(omega h)) / (m omega^2). The
 //! work that F does on the modes is F times the way of the struck point, exactly, so that nothing is won or lost between felt and string
-//! (`crates/moreau/README.md`, "Zones that yield").
+//! (`crates/moreau/README.md`, "Compliant surfaces").
 //!
 //! **Modes beyond the step's reach** (above 1/(2 h), and above 20 kHz) follow the force as a spring does: their static compliance is added to A. They take what
 //! the force's change leaves them, never giving any back that was not there.

@@ -1,4 +1,4 @@
-//! The rail that the sustain pedal lifts, and with it the dampers: a surface that is moved and does not give way.
+//! The rail that the sustain pedal lifts, and with it the dampers: a rigid surface with prescribed motion.
 
 use std::str::FromStr;
 

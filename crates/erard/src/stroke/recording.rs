@@ -36,7 +36,7 @@ pub struct Dialect {
 /// A measured quantity, one value for every row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Which.
+    /// What it measures.
     pub role: Role,
     /// N or m; not a number where the cell is empty. Two or more are numbers.
     pub values: Vec<f64>,

@@ -29,7 +29,7 @@ const TIMES: &[Unit] = &[
     (3600.0, "h", &["hour", "hours"]),
 ];
 
-/// Grams, pounds and the like stand for what they weigh.
+/// Grams, pounds and the like mean their weight.
 const FORCES: &[Unit] = &[
     (1.0, "N", &["newton", "newtons"]),
     (1e-3, "mN", &["millinewton", "millinewtons"]),

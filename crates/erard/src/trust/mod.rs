@@ -1,6 +1,6 @@
 //! Whether a run can be trusted: what it shows is measured against stated bounds, and every bound that it breaks is a warning.
 //!
-//! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the books do not explain, steps that
+//! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the energy balance does not explain, steps that
 //! did not converge, a felt pressed deeper than it is thick, a body turned further than its stops let it, a hammer faster than any, no rest to
 //! start from. A run
 //! without a warning has shown none of them; it is not thereby right.
@@ -30,7 +30,7 @@ use crate::events::Events;
 use crate::instrument::Instrument;
 use crate::player::Work;
 
-/// Largest energy that the books may leave unexplained, over the energy turned over ([`energy_residual`]).
+/// Largest energy that the energy balance may leave unexplained, over the energy turned over ([`energy_residual`]).
 pub const ENERGY_RESIDUAL: f64 = 0.01;
 /// Steps that may end without convergence: none.
 pub(crate) const UNCONVERGED_STEPS: u64 = 0;
@@ -102,7 +102,7 @@ impl std::fmt::Display for Warning {
     }
 }
 
-/// What the books leave unexplained, over what was turned over: the work that the drive put in, or all that was lost where that is more, or
+/// What the energy balance leaves unexplained, over what was turned over: the work that the drive put in, or all that was lost where that is more, or
 /// [`LEAST_TURNOVER_J`].
 #[must_use]
 pub fn energy_residual(ledger: &Ledger) -> f64 {

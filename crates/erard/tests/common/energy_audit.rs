@@ -73,7 +73,7 @@ fn dot(a: Vec2, b: Vec2) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// An observer that keeps the books of a run.
+/// An observer that keeps the energy balance of a run.
 pub struct EnergyAudit<'a> {
     instrument: &'a Instrument,
     drive: &'a Drive<'a>,
@@ -182,7 +182,7 @@ impl<'a> EnergyAudit<'a> {
         }
     }
 
-    /// What the books leave unexplained, as [`erard::trust::energy_residual`] does.
+    /// What the energy balance leaves unexplained, as [`erard::trust::energy_residual`] does.
     pub fn residual(&self) -> f64 {
         let lost_j: f64 = self.lost_j().iter().sum();
         let left = self.stored_j() - self.start_j - self.work_j + lost_j;

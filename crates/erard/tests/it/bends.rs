@@ -138,7 +138,7 @@ fn the_dry_torque_of_bends_moves_no_blow() {
     }
 }
 
-/// A bending key that is held down is still, exactly: dry friction in the bends stands for what brings wood to rest.
+/// A bending key that is held down is still, exactly: dry friction in the bends represents what brings wood to rest.
 #[test]
 fn a_held_note_is_still() {
     for bodies in [7, 8] {

@@ -337,7 +337,7 @@ fn key_and_pedal_lift_the_damper() {
     assert!(halves.iter().any(|half| *half > held + 6.0 && *half < free - 6.0), "{halves:?}");
 }
 
-/// The books of a note that is struck, held, let go and damped, with a pedal that comes and goes meanwhile: what the foot does is booked.
+/// The energy balance of a note that is struck, held, let go and damped, with a pedal that comes and goes meanwhile: what the foot does is booked.
 #[test]
 fn the_books_close_over_dampers_and_pedal() {
     let instrument = strung();
@@ -359,7 +359,7 @@ fn the_books_close_over_dampers_and_pedal() {
     assert!(matches!(refused, Err(SimulationError::NoPedal)));
 }
 
-/// A hammer that is pressed on a string on which a damper lies, for a second, from the same side and from the other: the two are solved together within a step, so that the books close.
+/// A hammer that is pressed on a string on which a damper lies, for a second, from the same side and from the other: the two are solved together within a step, so that the energy balance closes.
 #[test]
 #[ignore = "ci: steps of three lengths, for a second"]
 fn the_books_close_over_hammer_and_damper_on_the_same_string() {
@@ -397,7 +397,7 @@ fn the_books_close_over_hammer_and_damper_on_the_same_string() {
     }
 }
 
-/// A hammer that strikes strings on which the damper lies, with the pedal's rail so high that it lies there with half its weight: the books of the whole action.
+/// A hammer that strikes strings on which the damper lies, with the pedal's rail so high that it lies there with half its weight: the energy balance of the whole action.
 #[test]
 fn the_books_close_over_a_blow_under_the_damper() {
     let mut instrument = strung();
@@ -426,7 +426,7 @@ fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
     instrument
 }
 
-/// Dampers that rock on strings whose bridge moves are solved together with it: the books close as they do over a bridge that stands still.
+/// Dampers that rock on strings whose bridge moves are solved together with it: the energy balance closes as it does over a rigid bridge.
 #[test]
 fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
     for mass_kg in [5.0, 0.2] {
@@ -608,7 +608,7 @@ fn a_bridge_wins_nothing() {
     }
 }
 
-/// The whole action over a bridge that moves: two stages of decay, the books closed; without the option to the bit what it is without its modes.
+/// The whole action over a bridge that moves: two stages of decay, a closed energy balance; without the option to the bit what it is without its modes.
 #[test]
 fn the_bridge_is_an_option() {
     let mut instrument = strung();

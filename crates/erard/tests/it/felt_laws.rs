@@ -1,4 +1,4 @@
-//! Felts with a dry loss, and felts that remember, in the whole action: the books close, rest is rest, solvers agree, states can be saved.
+//! Felts with a dry loss, and felts with an internal state, in the whole action: the energy balance closes, rest is rest, solvers agree, states can be saved.
 
 use crate::common::perturb::{Random, perturbed, play_on};
 use crate::common::{Play, USUAL_STEP_S, grand};
@@ -28,7 +28,7 @@ fn with(law: Law) -> Instrument {
     instrument
 }
 
-/// Whole notes: every step converges, the books close as they do with the papers' loss, and no loss is a gain.
+/// Whole notes: every step converges, the energy balance closes as it does with the papers' loss, and no loss is a gain.
 #[test]
 fn the_books_close() {
     for (name, law) in LAWS {

@@ -299,8 +299,8 @@ fn controlled_steps_lose_what_the_ledger_says() {
     assert!(sliding[0] < 1e-3 && sliding[1] < sliding[0] / 3.0, "{sliding:?}");
 }
 
-/// Pin reactions of a run whose error is controlled, against those of steps of one length, pin by pin and row by row: the two schemes share the
-/// laws and nothing of how long steps are. Steps of one length come nearer to it as they are made shorter (by the root of the mean square, for
+/// Pin reactions of a run whose error is controlled, against those of fixed steps, pin by pin and row by row: the two schemes share the
+/// laws and nothing of how long steps are. Fixed steps come nearer to it as they are made shorter (by the root of the mean square, for
 /// where a felt is met one row differs by what the force grows in a step).
 #[test]
 fn reactions_of_controlled_steps_are_the_limit_of_short_steps() {

@@ -1,4 +1,4 @@
-//! Strings that yield: a bare hammer head thrown at middle C's, against an independent solution; books, rest, partials, snapshots; the whole action.
+//! Modal strings: a bare hammer head thrown at middle C's, against an independent solution; books, rest, partials, snapshots; the whole action.
 
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Instrument, InstrumentFile};
@@ -210,7 +210,7 @@ fn blows_converge_with_the_second_order() {
     }
 }
 
-/// A head that falls on the strings and is held there, pressed by 2 N, for a second. With the books of the mechanism those of the strings are kept: what they lost never falls,
+/// A head that falls on the strings and is held there, pressed by 2 N, for a second. The energy balance includes the strings: their losses never fall,
 /// and all is accounted for.
 #[test]
 fn nothing_is_won_from_a_hammer_that_stays() {
@@ -316,7 +316,7 @@ fn partials_are_where_the_formula_has_them() {
     }
 }
 
-/// The whole action, softest to loudest: the books close to 1e-4, no step fails, and the hammer is caught as it is by a rigid string.
+/// The whole action, softest to loudest: the energy balance closes to 1e-4, no step fails, and the hammer is caught as it is by a rigid string.
 #[test]
 fn the_books_of_a_whole_action_close() {
     for nuance in erard::stroke::NUANCES {
@@ -546,7 +546,7 @@ fn the_keyboard_is_strung_and_tuned() {
     }
 }
 
-/// Controlled steps are refused with strings, and taken with a rigid one.
+/// Adaptive steps are refused with strings, and taken with a rigid one.
 #[test]
 fn controlled_steps_take_a_rigid_string() {
     let mut setup = erard::run::Setup::new(0.05);

@@ -192,7 +192,7 @@ fn columns_in_other_units() {
             "{error}"
         );
     }
-    // What means something else stands beside.
+    // Columns with another meaning are ignored.
     let beside = "time_s,force_N,key,key_rad,hammer_rad,hammer_m,tail_m,load_cell_V,note,depth_of_field\n";
     let series = Series::parse(&format!("{beside}0,0,0,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0,0,0\n"), "test").unwrap();
     assert!(series.position.is_none() && series.hammer_head.is_none());

@@ -1,4 +1,4 @@
-//! Degrees of freedom, over- and under-constraint: told apart and explained.
+//! Degrees of freedom, over- and under-constraint: distinguished and explained.
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! Textbook problems of rigid bodies, with known answers.
 //!
-//! Every reference is a closed form (or a quadrature) that shares no code with the step. It stands beside the problem, with the reason for its
+//! Every reference is a closed form (or a quadrature) that shares no code with the step. It is given with the problem, with the reason for its
 //! tolerance.
 
 mod ball;

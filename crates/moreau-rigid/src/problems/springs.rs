@@ -67,7 +67,7 @@ fn straight(stiff: f64) -> [f64; 2] {
     [run.value(error / 1e-3), f64::from(most)]
 }
 
-/// A point mass of a pendulum on a spring of 1 m that gives way by 1e-8 m: the period of a swing of 1 rad.
+/// A point mass of a pendulum on a spring of 1 m that stretches by 1e-8 m: the period of a swing of 1 rad.
 fn pendulum(h: f64) -> [f64; 2] {
     const G: f64 = 9.81;
     let bodies = [Body { mass: 0.2, inertia: 1.0 }];

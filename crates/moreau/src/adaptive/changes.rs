@@ -11,7 +11,7 @@ use crate::state::State;
 /// The error of a law that lets go is a part of how much the halves' changes of velocity differ. With a load that grows linearly (by j
 /// per second) and exceeds the bound after tau, a half of length k with tau < k/2 slides all along and brings j k (k/2 - tau) instead of
 /// j (k - tau)^2/2: too little by j tau^2/2, at most j k^2/8, where the halves differ by j k^2. With tau > k/2 it sticks all along, and
-/// what it loses, at most j k^2/8 again, stands beside the j k^2 of the half after it.
+/// what it loses, at most j k^2/8 again, is an eighth of the j k^2 of the half after it.
 const LETTING_GO: f64 = 0.125;
 /// A step that aims at an instant ends this part earlier: the velocities' paths are not quite straight, and a step that ends too late
 /// has the wrong side.
@@ -43,7 +43,7 @@ struct Law<T> {
 }
 
 impl<T: Scalar, const B: usize> Changes<T, B> {
-    /// None.
+    /// No change.
     pub(crate) fn none() -> Self {
         Changes { any: false, hidden: [T::ZERO; B], instant: None }
     }

@@ -1,7 +1,7 @@
 //! Stulov's hereditary felt, F = k/(1 - eps) (u - z) with u = g^r and dz/dt = (eps u - z)/tau, clamped at zero. A. Stulov, *Hysteretic model of the
 //! grand piano hammer felt*, JASA 97 (1995) 2577-2585.
 //!
-//! A cold path: a mechanism without such felts pays nothing for it. `README.md`, "Felts that remember", has the derivation.
+//! A cold path: a mechanism without such felts pays nothing for it. `README.md`, "Felts with an internal state", has the derivation.
 
 use super::hook::{Law, MEMORY, Memory, Pressing, Recalled};
 use super::number::{LAW_NUMBERS, LawNumber, Range};
@@ -81,7 +81,7 @@ impl<T: Real> Law<T> for Hereditary<T> {
         let elastic = |g: T| spring.at(g.max(T::ZERO));
         let offset = timing.node * rate;
         let (a, b) = (elastic(compression + offset), elastic(compression - offset));
-        // Exact from end to end, so that what the spring stores is in the books.
+        // Exact from end to end, so that the energy balance includes what the spring stores.
         let slow = RatePart::of(*spring, Form::Square(T::ZERO)).press_exactly(compression, rate, timing, touched);
         let (start, end) = (quick * elastic(path.start).force, elastic(path.to));
         let fade = decay(timing.step / time);

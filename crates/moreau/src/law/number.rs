@@ -78,7 +78,7 @@ impl LawNumber {
     }
 }
 
-/// b of the papers' law, which stands beside other losses too.
+/// b of the papers' law, which other losses may be combined with.
 pub(crate) const DAMPING: LawNumber = LawNumber::needed("damping", "damping_N_s_per_m3", "N s/m3", Range::UpTo(1e18))
     .loss()
     .optional()

@@ -1,6 +1,6 @@
 //! The part of a contact's force that is a function of the compression g and the rate dg/dt now: k g^r and a loss in one of two forms.
 //!
-//! This is the hot part of a law. Laws without memory are nothing else; a law with memory stands beside none of it.
+//! This is the hot part of a law. Laws without memory are nothing else; a law with memory has none of it.
 
 use super::spring::{Curvature, Elastic, Exponent, FAR, Pressed, Spring, TINY};
 use crate::real::{Mask, Real};
@@ -161,7 +161,7 @@ impl<T: Real> RatePart<T> {
     }
 
     /// Its mean along the step's straight path worked out exactly: with V' = k g^r, (V(b) - V(a))/(b - a) from compression to compression, and (b^3 - a^3)/(3 (b - a)) of
-    /// g^2, also where the path begins or ends apart. Two-point quadrature leaves part of a felt's work in the books where it is touched in mid step, or where
+    /// g^2, also where the path begins or ends apart. Two-point quadrature leaves part of a felt's work unexplained where it is touched in mid step, or where
     /// r is neither 2 nor 3; a hammer that rattles on a string would win or lose by that.
     pub(crate) fn press_exactly(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
         let pressed = self.press_points(compression, rate, timing, touched);

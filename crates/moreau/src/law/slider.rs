@@ -2,7 +2,7 @@
 //!
 //! In x = g^m, m = (r + 1)/2, the felt is a spring of stiffness kappa = k/m; beside it stand springs K = eta kappa / slip, each in series with a slider
 //! of bound eta kappa x: all straight lines. On the step's path, which is monotonous, their work is worked out exactly; the force is that work over
-//! the way, so that no step of any length gives energy. `README.md`, "Felts that remember", has the derivation.
+//! the way, so that no step of any length gives energy. `README.md`, "Felts with an internal state", has the derivation.
 
 use super::hook::{MEMORY, Memory, Path, Pressing, Recalled};
 use super::spring::{Curvature, Elastic, Exponent, Pressed, Spring, TINY};
@@ -24,7 +24,7 @@ impl<T: Real> Slider<T> {
         self.eta / self.slip
     }
 
-    /// A factor in the bound of its bend (README, "Felts that remember").
+    /// A factor in the bound of its bend (README, "Felts with an internal state").
     #[inline(always)]
     fn stretch(&self) -> T {
         (T::ONE + self.slip) * (T::ONE + self.slip) / (T::ONE - self.slip)

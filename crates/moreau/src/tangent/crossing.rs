@@ -18,7 +18,7 @@ pub(super) struct Crossing<const B: usize, const Z: usize> {
     pub rate: f64,
     /// Length of the step, s.
     pub length: f64,
-    /// Other laws that switch in it, too: they could not be told apart.
+    /// Other laws that switch in it, too: they could not be distinguished.
     pub together: u32,
     pub after: State<f64, B, Z>,
 }

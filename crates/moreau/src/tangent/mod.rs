@@ -39,7 +39,7 @@ pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual
 pub struct TangentReport {
     /// Switches at which the derivatives jumped.
     pub switches: u32,
-    /// Switches that could not be told apart from the one before: there the derivatives are those of the step across.
+    /// Switches that could not be distinguished from the one before: there the derivatives are those of the step across.
     pub unresolved: u32,
     /// Inner steps whose derivatives or velocities did not converge.
     pub unconverged: u32,
@@ -48,7 +48,7 @@ pub struct TangentReport {
 }
 
 impl TangentReport {
-    /// Both.
+    /// The report of two stretches together.
     pub fn and(self, other: TangentReport) -> Self {
         TangentReport {
             switches: self.switches + other.switches,
@@ -83,7 +83,7 @@ pub enum TangentError {
     Dwell,
     /// A felt with a set-valued loss ([`Loss::SetValued`](crate::Loss)): its reversals are not derived here.
     SetValuedFelt,
-    /// A zone whose curve yields ([`Yields`](crate::Yields)): what moves it is no part of the mechanism, and has no derivatives here.
+    /// A zone whose curve yields ([`Yields`](crate::Yields)): the subsystem behind it has no derivatives here.
     Yielding,
 }
 

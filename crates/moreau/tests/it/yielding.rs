@@ -33,7 +33,7 @@ fn linear() -> Felt<f64> {
     Felt { stiffness: STIFF, exponent: Exponent::Other(1.0), loss: Loss::quadratic(0.0) }
 }
 
-/// Force at an instant against a surface that gives way as a dashpot does, F = R du/dt: an infinite string.
+/// Force at an instant against a surface that yields as a dashpot does, F = R du/dt: an infinite string.
 fn against_a_dashpot(h: f64, at: f64) -> f64 {
     let (model, mut state, mut workspace) = thrown(linear(), &YIELDS, 0.0);
     let settings = Settings { tolerance: 1e-12, ..Settings::new(h) };
@@ -92,7 +92,7 @@ fn what_does_not_yield_stands_still() {
     }
 }
 
-/// A mass that falls upward on a surface, bounces and comes to lie on it, for a second: the books close at every length of step, and no felt gives energy.
+/// A mass that falls upward on a surface, bounces and comes to lie on it, for a second: the energy balance closes at every length of step, and no felt gives energy.
 /// The surface is one undamped mode, stepped exactly; its energy is added by hand.
 #[test]
 fn nothing_is_won_between_felt_and_surface() {
@@ -146,7 +146,7 @@ fn two_thrown(masses: [f64; 2], speeds: [f64; 2], felt: Felt<f64>, gravity: f64)
     (model, state, Workspace::new())
 }
 
-/// Two alike masses strike one thing at once: each finds what one mass finds on a surface that gives way by the compliance of both, a + b, or, struck from the
+/// Two alike masses strike one thing at once: each finds what one mass finds on a surface with the compliance of both, a + b, or, struck from the
 /// two sides, a - b.
 #[test]
 fn two_that_strike_together_are_one_on_what_yields_to_both() {
@@ -193,7 +193,7 @@ fn two_that_strike_together_are_one_on_what_yields_to_both() {
     }
 }
 
-/// Two unlike masses that rattle on one undamped mode for a second: the books close at every length of step.
+/// Two unlike masses that rattle on one undamped mode for a second: the energy balance closes at every length of step.
 #[test]
 fn nothing_is_won_where_two_press_one_thing() {
     for (h, shapes) in [(20e-6, [1.0, 0.7]), (50e-6, [1.0, -0.7]), (50e-6, [1.0, 0.7]), (200e-6, [1.0, 0.7])] {

@@ -1,4 +1,4 @@
-//! Work and precision of fixed and of error-controlled steps, for one press.
+//! Work and precision of fixed and of error-adaptive steps, for one press.
 
 use moreau::Settings;
 
@@ -14,7 +14,7 @@ use erard::stroke::{ForceSeries, Touch};
 
 /// Fixed steps: the first, s, and how many halvings. The last is 0.39 us.
 const STEPS: (f64, i32) = (800e-6, 12);
-/// Tolerances of controlled steps.
+/// Tolerances of adaptive steps.
 const TOLERANCES: [f64; 8] = [3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 /// The press lasts until the hammer rests in its check, s.
 const UNTIL_S: f64 = 0.12;
@@ -209,7 +209,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     }
     let mut fixed = Vec::new();
     for (i, h) in halvings(STEPS.0, STEPS.1).into_iter().enumerate() {
-        // The work doubles with every rung; controlled steps take a third of the time.
+        // The work doubles with every rung; adaptive steps take a third of the time.
         let (from, to) = (0.5_f64.powi(STEPS.1 - i as i32), 0.5_f64.powi(STEPS.1 - 1 - i as i32));
         let mut told = |share: f64| progress(0.3 + 0.4 * (from + share * (to - from)));
         fixed.push(rung(instrument, &force, Steps::Fixed(h), &exact, &mut told)?);

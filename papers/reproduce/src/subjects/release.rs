@@ -19,7 +19,7 @@ const LET_GO_S: f64 = 0.4;
 const END_S: f64 = 0.9;
 /// A key this near to its rest is up, m, and one that comes down by more than that rebounds.
 const UP_M: f64 = 0.1e-3;
-/// Losses of the cloth that stand beside b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that gives little back.
+/// Losses of the cloth, compared with b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that gives little back.
 const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
 
 /// One way of letting a key go.

@@ -1,7 +1,7 @@
 //! What a finger could feel of the mechanism, and how well it controls the blow: the papers' two remarks on touch, as numbers.
 //!
 //! **The fine structure of the force.** The whole action and one degree of freedom are led through the same motion of the key; the difference of the
-//! forces that this takes is what the mechanism adds to the touch beyond inertia and weight. Its spectrum stands beside what fingers feel:
+//! forces that this takes is what the mechanism adds to the touch beyond inertia and weight. Its spectrum is compared with what fingers feel:
 //!
 //! - a steady force is told from another when they differ by about 7 % (Pang, Tan and Durlach, Manual discrimination of force using active finger
 //!   motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10 N);

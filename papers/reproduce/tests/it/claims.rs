@@ -46,7 +46,7 @@ fn hold(names: &[&str]) {
     }
 }
 
-/// Controlled steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At 1e-3 they do
+/// Adaptive steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At 1e-3 they do
 /// not pay, or hardly; the report says.)
 #[test]
 #[ignore = "ci: a convergence study"]

@@ -60,7 +60,7 @@ fn one_subject() {
     assert_eq!(files.len(), 2, "the report needs nothing beside it; whose it is stands in the folder's mark");
 }
 
-/// The beginning of a name stands for all subjects that begin so.
+/// The beginning of a name selects all subjects that begin with it.
 #[test]
 fn several_subjects() {
     let folder = folder("several");

@@ -380,7 +380,7 @@ impl Strings {
         }
     }
 
-    /// How much less two places give way in a step because felts are rocked by it, m/N; with a bridge that moves.
+    /// How much smaller the compliance of two places is in a step because felts are rocked by it, m/N; with a bridge that moves.
     fn held_m_n(&self, a: usize, b: usize) -> f64 {
         let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.coupling[k][l] * self.rocked_by(l, b)).sum() };
         self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()

@@ -1,4 +1,4 @@
-//! Whether anything is won: the books of whole notes, and of a hammer that stays on the strings.
+//! Whether energy is gained: the energy balance of whole notes, and of a hammer that stays on the strings.
 
 use erard::instrument::Instrument;
 use erard::mechanism::{open_ledger, take_stock};
@@ -10,7 +10,7 @@ use super::super::{Claim, Progress, ReproduceError, Section};
 use super::head;
 use erard_workshop::struck::STEP_S;
 
-/// What the books may lack of the work that went in.
+/// The work that the energy balance may leave unexplained.
 const RESIDUAL: f64 = 1e-4;
 /// The head falls on the strings at this speed, m/s, and is kept there by a weight of 2 N.
 const FALLS_M_S: f64 = 2.0;

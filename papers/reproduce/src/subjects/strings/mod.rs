@@ -1,4 +1,4 @@
-//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay over a bridge that moves; how a blow converges, and what its books lack.
+//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay over a bridge that moves; how an impact converges, and what its energy balance lacks.
 
 mod books;
 mod convergence;
